@@ -1,0 +1,1 @@
+"""MORSE, the Modular OpenRobots Simulation Engine."""

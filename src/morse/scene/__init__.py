@@ -1,0 +1,41 @@
+"""A world as plain data: built by a script, run by the simulation, shown by the view."""
+
+from morse.scene.appearance import Camera, Image, Light, Material
+from morse.scene.body import BodySettings, Bounds, PhysicsType
+from morse.scene.component import (
+    ComponentDeclaration,
+    ModifierDeclaration,
+    OverlayDeclaration,
+    SourceLine,
+    StreamDeclaration,
+)
+from morse.scene.library import Library
+from morse.scene.mesh import Mesh
+from morse.scene.node import Node, NodeKind
+from morse.scene.scene import Scene, Zone
+from morse.scene.settings import Mist, Settings, TimeStrategies, ViewSettings
+
+__all__ = [
+    "BodySettings",
+    "Bounds",
+    "Camera",
+    "ComponentDeclaration",
+    "Image",
+    "Library",
+    "Light",
+    "Material",
+    "Mesh",
+    "Mist",
+    "ModifierDeclaration",
+    "Node",
+    "NodeKind",
+    "OverlayDeclaration",
+    "PhysicsType",
+    "Scene",
+    "Settings",
+    "SourceLine",
+    "StreamDeclaration",
+    "TimeStrategies",
+    "ViewSettings",
+    "Zone",
+]

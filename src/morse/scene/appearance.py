@@ -1,0 +1,76 @@
+"""What things look like: images, materials, lights, cameras."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(eq=False, slots=True)
+class Image:
+    """An encoded picture.
+
+    Attributes:
+        data: the bytes of a PNG or JPEG file.
+        mime: ``image/png`` or ``image/jpeg``.
+    """
+
+    name: str
+    data: bytes
+    mime: str
+
+
+@dataclass(eq=False, slots=True)
+class Material:
+    """A surface, by the metallic-roughness model.
+
+    Attributes:
+        color: linear RGBA, 0..1; multiplied with the image where there is one.
+        emission: linear RGB times strength.
+        specular: 0..1; what a laser scanner reports as remission.
+        image: base colour texture, or None.
+        shadeless: shown in its own colour, lights ignored.
+    """
+
+    name: str
+    color: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
+    metallic: float = 0.0
+    roughness: float = 0.6
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    specular: float = 0.5
+    image: Image | None = None
+    shadeless: bool = False
+    double_sided: bool = True
+
+
+@dataclass(slots=True)
+class Light:
+    """A lamp that shines along the -Z axis of its node.
+
+    Attributes:
+        type: ``POINT``, ``SUN``, ``SPOT``, ``AREA`` or ``HEMI``.
+        energy: relative to 1, the brightness of a normal lamp (for every type).
+        distance: metres at which it has faded to half.
+        spot_size: full opening angle of a spot, radians.
+    """
+
+    type: str = "POINT"
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    energy: float = 1.0
+    distance: float = 25.0
+    spot_size: float = 1.3
+    casts_shadow: bool = True
+
+
+@dataclass(slots=True)
+class Camera:
+    """A pinhole camera that looks along the -Z axis of its node, +Y up.
+
+    Attributes:
+        focal_length: mm, for a sensor 32 mm wide.
+        clip_start: metres.
+        clip_end: metres.
+    """
+
+    focal_length: float = 35.0
+    clip_start: float = 0.1
+    clip_end: float = 100.0

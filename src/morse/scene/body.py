@@ -1,0 +1,84 @@
+"""How a node takes part in the physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class PhysicsType(StrEnum):
+    """The physics types of scene scripts and model files.
+
+    ``AUTO`` is what a file without any physics settings says; it is resolved when the file is
+    loaded (`morse.assets.rules`), so that a built scene holds none.
+    """
+
+    AUTO = "AUTO"
+    NO_COLLISION = "NO_COLLISION"
+    STATIC = "STATIC"
+    DYNAMIC = "DYNAMIC"
+    RIGID_BODY = "RIGID_BODY"
+    SENSOR = "SENSOR"
+    CHARACTER = "CHARACTER"
+    SOFT_BODY = "SOFT_BODY"
+    OCCLUDER = "OCCLUDER"
+    NAVMESH = "NAVMESH"
+
+
+class Bounds(StrEnum):
+    """The collision shape wrapped around a mesh."""
+
+    BOX = "BOX"
+    SPHERE = "SPHERE"
+    CYLINDER = "CYLINDER"
+    CONE = "CONE"
+    CAPSULE = "CAPSULE"
+    CONVEX_HULL = "CONVEX_HULL"
+    TRIANGLE_MESH = "TRIANGLE_MESH"
+
+
+@dataclass(slots=True)
+class BodySettings:
+    """Physics settings of one node.
+
+    Attributes:
+        type: see `PhysicsType`.
+        bounds: collision shape, or None to detect one from the mesh.
+        compound: the shapes of the children belong to this body.
+        mass: kg.
+        radius: metres; size of the sphere that stands for a body without a mesh.
+        friction: Coulomb coefficient, or None for the default of the simulation.
+        restitution: 0 (no bounce) to 1.
+        linear_damping: share of the linear velocity lost each second, 0..1.
+        angular_damping: share of the angular velocity lost each second, 0..1.
+        ghost: contacts are reported but exert no force.
+        actor: seen by sensors.
+        lock_location: world axes along which the body cannot move.
+        lock_rotation: world axes about which the body cannot turn.
+        gravity: False for a body that does not fall.
+    """
+
+    type: PhysicsType = PhysicsType.NO_COLLISION
+    bounds: Bounds | None = None
+    compound: bool = False
+    mass: float = 1.0
+    radius: float = 1.0
+    friction: float | None = None
+    restitution: float = 0.0
+    linear_damping: float = 0.04
+    angular_damping: float = 0.1
+    ghost: bool = False
+    actor: bool = True
+    lock_location: tuple[bool, bool, bool] = (False, False, False)
+    lock_rotation: tuple[bool, bool, bool] = (False, False, False)
+    gravity: bool = True
+
+    @property
+    def moves(self) -> bool:
+        """True for the types that obey forces."""
+        return self.type in (PhysicsType.DYNAMIC, PhysicsType.RIGID_BODY, PhysicsType.CHARACTER, PhysicsType.SOFT_BODY)
+
+    @property
+    def collides(self) -> bool:
+        """True for the types that stop others."""
+        return (self.moves or self.type is PhysicsType.STATIC) and not self.ghost

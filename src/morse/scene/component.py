@@ -1,0 +1,95 @@
+"""What the scene says of robots, sensors and actuators."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.scene.node import Node
+
+
+@dataclass(frozen=True, slots=True)
+class SourceLine:
+    """Where in the user's script something was said."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+@dataclass(eq=False, slots=True)
+class StreamDeclaration:
+    """A data stream of a component.
+
+    Attributes:
+        manager: class path of the stream manager.
+        stream: class path of the publisher or reader.
+        direction: ``IN`` or ``OUT``.
+        options: what the script gave: topic, port, frame_id, ...
+    """
+
+    manager: str
+    stream: str
+    direction: str
+    options: dict[str, object] = field(default_factory=dict)
+    where: SourceLine | None = None
+
+
+@dataclass(eq=False, slots=True)
+class ModifierDeclaration:
+    """A modifier of a component: class path and options."""
+
+    classpath: str
+    options: dict[str, object] = field(default_factory=dict)
+    where: SourceLine | None = None
+
+
+@dataclass(eq=False, slots=True)
+class OverlayDeclaration:
+    """Another face that a request manager shows of a component."""
+
+    manager: str
+    classpath: str
+    options: dict[str, object] = field(default_factory=dict)
+    where: SourceLine | None = None
+
+
+@dataclass(eq=False, slots=True)
+class ComponentDeclaration:
+    """A robot, sensor or actuator of the scene.
+
+    Its name is the name of its node, e.g. ``robot.arm.pose``; its property values are the
+    properties of its node.
+
+    Attributes:
+        kind: ``robot``, ``external_robot``, ``sensor`` or ``actuator``.
+        classpath: the class that runs.
+        robot: the node of the robot that carries it (the node itself for a robot).
+        frequency: Hz, or None for every tick.
+        level: abstraction level, or None for the default one.
+        managers: class paths of the request managers that offer its services.
+        profile: show the time it takes.
+        where: the line of the script that made it.
+    """
+
+    node: Node
+    kind: str
+    classpath: str
+    robot: Node
+    frequency: float | None = None
+    level: str | None = None
+    streams: list[StreamDeclaration] = field(default_factory=list)
+    managers: list[str] = field(default_factory=list)
+    modifiers: list[ModifierDeclaration] = field(default_factory=list)
+    overlays: list[OverlayDeclaration] = field(default_factory=list)
+    options: dict[str, object] = field(default_factory=dict)
+    profile: bool = False
+    where: SourceLine | None = None
+
+    @property
+    def name(self) -> str:
+        """The fully qualified name."""
+        return self.node.name

@@ -1,0 +1,36 @@
+"""What a reader returns: the content of one model file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.scene.appearance import Image
+    from morse.scene.node import Node
+
+
+@dataclass(eq=False, slots=True)
+class Library:
+    """The nodes of one file, in the order in which the file lists them.
+
+    Attributes:
+        path: the file.
+        roots: the nodes without a parent.
+        collections: name to the names of the nodes in it (Blender's groups and collections).
+        world: properties of the world the file describes: ``horizon_color`` (linear RGB),
+            ``ambient_color``, ``gravity`` (m/s^2), ``mist`` where the file has them.
+        images: images by name, for textures that no material uses.
+        warnings: what could not be read, one sentence each, for the user.
+    """
+
+    path: str
+    roots: list[Node] = field(default_factory=list)
+    collections: dict[str, list[str]] = field(default_factory=dict)
+    world: dict[str, object] = field(default_factory=dict)
+    images: dict[str, Image] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def nodes(self) -> list[Node]:
+        """Every node, parents before their children."""
+        return [node for root in self.roots for node in root.walk()]

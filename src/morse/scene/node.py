@@ -1,0 +1,134 @@
+"""A node of the scene graph: where something is, what it looks like, how it collides."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from morse.mathutils import Euler, Matrix
+from morse.scene.body import BodySettings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.scene.appearance import Camera, Light, Material
+    from morse.scene.mesh import Mesh
+
+_COPY_SUFFIX = re.compile(r"[._]\d{3}$")
+
+
+class NodeKind(StrEnum):
+    """What a node is, apart from its place in the tree."""
+
+    EMPTY = "EMPTY"
+    MESH = "MESH"
+    LIGHT = "LIGHT"
+    CAMERA = "CAMERA"
+    ARMATURE = "ARMATURE"
+
+
+@dataclass(eq=False, slots=True)
+class Node:
+    """One object of the scene.
+
+    The pose is stored as Blender stores it, so that numbers written in a scene script mean the
+    same: ``world = parent_world @ parent_inverse @ T(location) @ R(rotation_euler) @ S(scale)``.
+
+    Attributes:
+        name: unique within a scene once the scene is built.
+        location: metres, in the parent's frame.
+        rotation_euler: radians, XYZ order (``R = Rz @ Ry @ Rx``).
+        scale: per axis, without unit.
+        parent_inverse: 4x4 that was recorded when the node was parented, or None for identity.
+        source_name: the name the node has in the file it came from (None if it has no file).
+        properties: typed properties that components and services read (``obj['name']``).
+        color: RGBA that replaces the colour of every material, or None.
+    """
+
+    name: str
+    kind: NodeKind = NodeKind.EMPTY
+    location: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    rotation_euler: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    scale: list[float] = field(default_factory=lambda: [1.0, 1.0, 1.0])
+    parent: Node | None = None
+    children: list[Node] = field(default_factory=list)
+    parent_inverse: Matrix | None = None
+    mesh: Mesh | None = None
+    materials: list[Material | None] = field(default_factory=list)
+    light: Light | None = None
+    camera: Camera | None = None
+    body: BodySettings = field(default_factory=BodySettings)
+    properties: dict[str, object] = field(default_factory=dict)
+    visible: bool = True
+    color: tuple[float, float, float, float] | None = None
+    source_name: str | None = None
+
+    @property
+    def plain_name(self) -> str:
+        """The name in the source file without a copy suffix (``left_eye`` for ``left_eye.001``)."""
+        return _COPY_SUFFIX.sub("", self.source_name or self.name)
+
+    def attach(self, child: Node, *, keep_world_pose: bool = False) -> None:
+        """Make ``child`` a child of this node, its local pose kept unless ``keep_world_pose``.
+
+        Raises:
+            ValueError: if that would make the node its own ancestor.
+        """
+        if child is self or any(a is child for a in self.ancestors()):
+            raise ValueError(f"'{child.name}' cannot be attached to '{self.name}', which is part of it")
+        world = child.world_matrix() if keep_world_pose else None
+        child.detach()
+        child.parent = self
+        self.children.append(child)
+        if world is not None:
+            # like Blender's "set parent": the pose that scripts see keeps its numbers
+            child.parent_inverse = self.world_matrix().inverted() @ world @ child.basis_matrix().inverted()
+
+    def detach(self) -> None:
+        """Remove the node from its parent; its pose numbers stay as they are."""
+        if self.parent is not None:
+            self.parent.children.remove(self)
+            self.parent = None
+        self.parent_inverse = None
+
+    def ancestors(self) -> Iterator[Node]:
+        """The parent, its parent, and so on."""
+        node = self.parent
+        while node is not None:
+            yield node
+            node = node.parent
+
+    def walk(self) -> Iterator[Node]:
+        """This node and all below it, parents first."""
+        stack = [self]
+        while stack:
+            node = stack.pop()
+            yield node
+            stack.extend(reversed(node.children))
+
+    def basis_matrix(self) -> Matrix:
+        """4x4 of location, rotation and scale alone."""
+        rotation = Euler(self.rotation_euler).to_matrix()
+        sx, sy, sz = self.scale
+        x, y, z = self.location
+        (a, b, c), (d, e, f), (g, h, i) = (tuple(row) for row in rotation)
+        return Matrix(
+            (
+                (a * sx, b * sy, c * sz, x),
+                (d * sx, e * sy, f * sz, y),
+                (g * sx, h * sy, i * sz, z),
+                (0.0, 0.0, 0.0, 1.0),
+            )
+        )
+
+    def local_matrix(self) -> Matrix:
+        """4x4 from this node's frame to its parent's."""
+        basis = self.basis_matrix()
+        return basis if self.parent_inverse is None else self.parent_inverse @ basis
+
+    def world_matrix(self) -> Matrix:
+        """4x4 from this node's frame to the world."""
+        local = self.local_matrix()
+        return local if self.parent is None else self.parent.world_matrix() @ local

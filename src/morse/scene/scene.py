@@ -1,0 +1,61 @@
+"""A whole world, as plain data: what the builder makes and the simulation runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from morse.scene.component import ComponentDeclaration
+from morse.scene.settings import Settings
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.scene.node import Node
+
+
+@dataclass(eq=False, slots=True)
+class Zone:
+    """An axis-aligned box with a meaning, e.g. ``Charging``; its node's scale is the half size."""
+
+    node: Node
+    type: str
+
+
+@dataclass(eq=False, slots=True)
+class Scene:
+    """Everything the simulation needs to start.
+
+    Attributes:
+        environment: the name the script gave, e.g. ``indoors-1/boxes``.
+        roots: nodes without a parent, in the order in which they were made.
+        components: robots, sensors and actuators, in the order in which they were made.
+        properties: of the environment: longitude, latitude, altitude, UTMXOffset, ...
+        manager_options: class path of a stream manager to its options.
+        simulation_managers: request managers that offer the services of the simulation.
+        log_levels: component to level, from ``env.set_log_level``.
+    """
+
+    environment: str = ""
+    roots: list[Node] = field(default_factory=list)
+    components: list[ComponentDeclaration] = field(default_factory=list)
+    zones: list[Zone] = field(default_factory=list)
+    settings: Settings = field(default_factory=Settings)
+    properties: dict[str, object] = field(default_factory=dict)
+    manager_options: dict[str, dict[str, object]] = field(default_factory=dict)
+    simulation_managers: list[str] = field(default_factory=list)
+    log_levels: dict[str, str] = field(default_factory=dict)
+    multinode: dict[str, object] | None = None
+
+    def nodes(self) -> Iterator[Node]:
+        """Every node, parents before their children."""
+        for root in self.roots:
+            yield from root.walk()
+
+    def robots(self) -> list[ComponentDeclaration]:
+        """The declarations of the robots."""
+        return [c for c in self.components if c.kind in ("robot", "external_robot")]
+
+    def find(self, name: str) -> Node | None:
+        """The node of that name, or None."""
+        return next((node for node in self.nodes() if node.name == name), None)

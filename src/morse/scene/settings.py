@@ -1,0 +1,83 @@
+"""Settings of a scene that belong to no node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+
+class TimeStrategies(IntEnum):
+    """How simulated time relates to the wall clock.
+
+    ``BestEffort`` keeps up with the wall clock and says when it cannot;
+    ``FixedSimulationStep`` runs every tick and lets the wall clock be late.
+    """
+
+    BestEffort = 0
+    FixedSimulationStep = 1
+
+    @property
+    def human_repr(self) -> str:
+        """The name that the service ``time.mode`` answers."""
+        return ("Best Effort", "Fixed Simulation Step")[self.value]
+
+
+@dataclass(slots=True)
+class Mist:
+    """Fog: from ``start`` metres on, full after ``depth`` more; falloff QUADRATIC, LINEAR or INVERSE_QUADRATIC."""
+
+    enabled: bool = True
+    intensity: float = 0.0
+    start: float = 5.0
+    depth: float = 25.0
+    falloff: str = "QUADRATIC"
+
+
+@dataclass(slots=True)
+class ViewSettings:
+    """What the live view starts with. The camera looks along its -Z axis."""
+
+    camera_location: tuple[float, float, float] = (5.0, -5.0, 5.0)
+    camera_rotation: tuple[float, float, float] = (0.7854, 0.0, 0.7854)
+    camera_clip: tuple[float, float] = (0.1, 100.0)
+    camera_speed: float = 2.0
+    camera_focal_length: float = 20.0
+    horizon_color: tuple[float, float, float] | None = None
+    ambient_color: tuple[float, float, float] | None = None
+    mist: Mist | None = None
+    show_debug_properties: bool = False
+    show_framerate: bool = False
+    show_physics: bool = False
+    fullscreen: bool = False
+    display_camera: str | None = None
+    material_mode: str = "GLSL"
+    viewport: str | None = None
+    stereo: dict[str, object] | None = None
+
+
+@dataclass(slots=True)
+class Settings:
+    """Physics, time and view.
+
+    Attributes:
+        gravity: m/s^2, downward.
+        frequency: ticks per simulated second.
+        physics_steps: physics steps per tick that the script asked for; the engine never
+            takes longer steps than 1/240 s.
+        time_scale: simulated seconds per wall-clock second.
+        seed: of all random numbers.
+        fastmode: wireframe view, cameras give no image.
+    """
+
+    gravity: float = 9.81
+    frequency: float = 60.0
+    physics_steps: int = 2
+    time_strategy: TimeStrategies = TimeStrategies.BestEffort
+    time_scale: float = 1.0
+    relative_time: bool = False
+    seed: int = 0
+    fastmode: bool = False
+    auto_start: bool = True
+    internal_syncer: bool = False
+    node_name: str | None = None
+    view: ViewSettings = field(default_factory=ViewSettings)
