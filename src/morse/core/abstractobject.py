@@ -1,0 +1,69 @@
+"""What everything that offers services has in common."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status as _status
+from morse.core.services import ServiceDeclaration, declared_services
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+logger = logging.getLogger("morse." + __name__)
+
+
+class AbstractObject:
+    """Base of components and of the objects behind the services of the simulation.
+
+    Attributes:
+        local_data: the data fields, by name; kept between ticks.
+        on_completion: called when the running asynchronous service ends, or None.
+        running_service: its name.
+    """
+
+    def __init__(self) -> None:
+        self.local_data: dict[str, Any] = {}
+        self.on_completion: Callable[[Any], None] | None = None
+        self.running_service: str | None = None
+
+    def name(self) -> str:
+        """The name under which the services are offered."""
+        return type(self).__name__
+
+    def services(self) -> list[ServiceDeclaration]:
+        """The services this object offers."""
+        return list(declared_services(type(self)))
+
+    def completed(self, status: str, result: Any = None) -> None:
+        """End the running asynchronous service.
+
+        Args:
+            status: ``SUCCESS``, ``FAILED`` or ``PREEMPTED`` (`morse.core.status`).
+            result: sent to the caller; anything that can be written as JSON.
+        """
+        callback, self.on_completion = self.on_completion, None
+        self.running_service = None
+        if callback is None:
+            logger.warning("%s completed a service while none was running; the result is ignored", self.name())
+            return
+        callback((status, result))
+
+    def interrupt(self) -> None:
+        """End the running asynchronous service as preempted.
+
+        Override it to stop what is going on, and call this method at the end.
+        """
+        if self.on_completion is not None:
+            self.completed(_status.PREEMPTED)
+
+    def default_action(self) -> None:
+        """The work of a tick."""
+
+    def action(self) -> None:
+        """One tick."""
+        self.default_action()
+
+    def finalize(self) -> None:
+        """The simulation ends: release what was taken."""

@@ -1,0 +1,74 @@
+"""Simulated time."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.scene import TimeStrategies
+
+
+class Clock:
+    """Counts ticks of fixed length; the wall clock never moves it.
+
+    Attributes:
+        tick: number of ticks done; 0 before the first.
+        time: simulated seconds, plus the epoch where absolute time was asked for.
+        frequency: ticks per simulated second.
+        period: simulated seconds per tick.
+        time_scale: simulated seconds per wall-clock second that the run aims for.
+    """
+
+    __slots__ = ("_mean", "_origin", "_samples", "_square", "_wall", "frequency", "period", "strategy", "tick", "time")
+    time_scale: float
+
+    def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
+        self.frequency = frequency
+        self.period = 1.0 / frequency
+        self.strategy = strategy
+        self._origin = time.time() if absolute else 0.0
+        self.tick = 0
+        self.time = self._origin
+        self._wall: float | None = None
+        self._samples = 0
+        self._mean = 0.0
+        self._square = 0.0
+
+    def advance(self) -> None:
+        """Begin the next tick."""
+        self.tick += 1
+        self.time = self._origin + self.tick / self.frequency
+
+    def restart(self) -> None:
+        """Back to tick 0."""
+        self.tick = 0
+        self.time = self._origin
+        self._wall = None
+        self._samples = 0
+        self._mean = self._square = 0.0
+
+    def observe(self) -> None:
+        """Take a sample of the wall-clock time between two ticks, for `statistics`."""
+        now = time.perf_counter()
+        if self._wall is not None:
+            self._samples += 1
+            delta = now - self._wall
+            step = delta - self._mean
+            self._mean += step / self._samples
+            self._square += step * (delta - self._mean)
+        self._wall = now
+
+    def statistics(self) -> dict[str, float]:
+        """Mean and variance of the wall-clock time of a tick (s, s^2), and of the tick rate (Hz)."""
+        variance = self._square / self._samples if self._samples else 0.0
+        rate = 1.0 / self._mean if self._mean else 0.0
+        # to first order, the variance of 1/x is variance(x) / mean(x)^4
+        rate_variance = variance * rate**4
+        return {
+            "mean_time": self._mean,
+            "variance_time": variance,
+            "mean_frame_by_sec": rate,
+            "variance_frame_by_sec": rate_variance if math.isfinite(rate_variance) else 0.0,
+        }

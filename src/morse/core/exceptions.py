@@ -1,0 +1,68 @@
+"""What can go wrong, by kind. The names are part of the interface of user code."""
+
+
+class MorseError(Exception):
+    """Base of all errors of MORSE."""
+
+    def __init__(self, value: object = "") -> None:
+        super().__init__(value)
+        self.value = value
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+class MorseEnvironmentError(MorseError):
+    """A simulation environment (project directory) is missing, broken or in the way."""
+
+
+class MorseMiddlewareError(MorseError):
+    """A middleware is missing or does not answer."""
+
+
+class MorseMultinodeError(MorseError):
+    """Several simulation nodes do not find each other."""
+
+
+class MorseServiceError(MorseError):
+    """A service cannot be offered or called."""
+
+
+class MorseRPCInvokationError(MorseServiceError):
+    """A service call failed; the message is sent to the caller."""
+
+
+class MorseServiceAlreadyRunningError(MorseRPCInvokationError):
+    """The asynchronous service of this component is busy and may not be interrupted."""
+
+
+class MorseMethodNotFoundError(MorseRPCInvokationError):
+    """The component has no such service."""
+
+
+class MorseWrongArgsError(MorseRPCInvokationError):
+    """The arguments of a call do not fit."""
+
+
+class MorseRPCNbArgsError(MorseWrongArgsError):
+    """Too few or too many arguments."""
+
+
+class MorseRPCTypeError(MorseWrongArgsError):
+    """An argument has the wrong type."""
+
+
+class MorseBuilderError(MorseError):
+    """A scene script asks for something that cannot be."""
+
+
+class MorseBuilderNoComponentError(MorseBuilderError):
+    """The component that is asked for does not exist."""
+
+
+class MorseBuilderBadSyntaxError(MorseBuilderError):
+    """A name or an expression of the script is not valid."""
+
+
+class MorseBuilderUnexportableError(MorseBuilderError):
+    """This component has no data to export."""

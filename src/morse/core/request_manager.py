@@ -1,0 +1,238 @@
+"""Request managers offer services over a middleware; `MorseServices` is the list of them."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import uuid
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import (
+    MorseMethodNotFoundError,
+    MorseRPCInvokationError,
+    MorseRPCNbArgsError,
+    MorseServiceError,
+)
+from morse.core.services import signature_of
+from morse.core.values import nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from morse.core.context import Context
+
+logger = logging.getLogger("morse." + __name__)
+
+#: a finished call: status and result
+Outcome = tuple[str, Any]
+
+
+class RequestManager(ABC):
+    """Offers services over one middleware.
+
+    A subclass reads requests in `main`, hands each to `on_incoming_request`, and sends the
+    outcome of asynchronous ones when `on_service_completion` is called.
+
+    Attributes:
+        classpath: the name under which summaries and clients know it.
+    """
+
+    classpath: str = ""
+
+    def __init__(self, context: Context | None = None) -> None:
+        self.context = context
+        self._services: dict[tuple[str, str], tuple[Callable[..., Any], bool]] = {}
+        self._running: dict[uuid.UUID, AbstractObject | None] = {}
+        self._arrivals: list[tuple[uuid.UUID, Outcome]] = []
+        if not self.classpath:
+            self.classpath = f"{type(self).__module__}.{type(self).__name__}"
+
+    @abstractmethod
+    def initialization(self) -> bool:
+        """Take ports and connections; False if that failed."""
+
+    @abstractmethod
+    def finalization(self) -> bool:
+        """Release what `initialization` took."""
+
+    def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
+        """Tell the middleware of a new service; False if it cannot offer it."""
+        return True
+
+    @abstractmethod
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """An asynchronous call has ended."""
+
+    @abstractmethod
+    def main(self) -> None:
+        """Read the requests that arrived; called at the beginning of every tick."""
+
+    def update(self) -> None:
+        """One tick: requests first, then the outcomes of calls that ended since the last one."""
+        self.main()
+        arrivals, self._arrivals = self._arrivals, []
+        for request_id, outcome in arrivals:
+            self.on_service_completion(request_id, outcome)
+
+    def register_service(
+        self, component_name: str, callback: Callable[..., Any], service_name: str | None = None
+    ) -> None:
+        """Offer a function that returns its result."""
+        self._register(component_name, callback, service_name or callback.__name__, is_async=False)
+
+    def register_async_service(
+        self, component_name: str, callback: Callable[..., Any], service_name: str | None = None
+    ) -> None:
+        """Offer a function whose first argument is called with the outcome."""
+        self._register(component_name, callback, service_name or callback.__name__, is_async=True)
+
+    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+        if not callable(callback):
+            raise MorseServiceError(f"'{name}' of {component} is not callable, it cannot be a service")
+        if self.post_registration(component, name, is_async):
+            self._services[component, name] = (callback, is_async)
+
+    def unregister(self, component_name: str) -> None:
+        """Stop offering the services of a component."""
+        for key in [key for key in self._services if key[0] == component_name]:
+            del self._services[key]
+
+    def services(self) -> dict[str, list[str]]:
+        """The services by component, in the order of registration."""
+        listing: dict[str, list[str]] = {}
+        for component, name in self._services:
+            listing.setdefault(component, []).append(name)
+        return listing
+
+    def on_incoming_request(self, component: str, service: str, params: list[Any] | None) -> tuple[bool, Any]:
+        """Run a service.
+
+        Returns:
+            ``(True, (status, result))`` when it is done, ``(False, request_id)`` when it goes on.
+
+        Raises:
+            MorseRPCInvokationError: no such service, wrong arguments, or it refused.
+        """
+        entry = self._services.get((component, service))
+        if entry is None:
+            raise MorseMethodNotFoundError(self._unknown(component, service))
+        callback, is_async = entry
+        arguments = list(params or [])
+        check_arity(callback, service, arguments)
+        if not is_async:
+            return True, (status.SUCCESS, callback(*arguments))
+        request_id = uuid.uuid4()
+        owner = getattr(callback, "__self__", None)
+        self._running[request_id] = owner if isinstance(owner, AbstractObject) else None
+        try:
+            callback(lambda outcome: self._ended(request_id, outcome), *arguments)
+        except BaseException:
+            self._running.pop(request_id, None)
+            raise
+        return False, request_id
+
+    def _unknown(self, component: str, service: str) -> str:
+        known = self.services()
+        text = f"The request {service} has not been registered in {self.title}"
+        if component in known:
+            return text + nearest(service, known[component])
+        return f"{text}: there is no component '{component}'{nearest(component, sorted(known))}"
+
+    #: how messages to clients call this manager
+    title = "the service manager"
+
+    def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
+        if self._running.pop(request_id, _GONE) is _GONE:
+            return
+        if not isinstance(outcome, tuple):
+            outcome = (status.SUCCESS, outcome)
+        self._arrivals.append((request_id, outcome))
+
+    def abort_request(self, request_id: uuid.UUID) -> None:
+        """Interrupt a running asynchronous call; its caller gets ``PREEMPTED``."""
+        owner = self._running.get(request_id)
+        if owner is not None:
+            owner.interrupt()
+        if self._running.pop(request_id, _GONE) is not _GONE:
+            self._arrivals.append((request_id, (status.PREEMPTED, None)))
+
+
+_GONE: Any = object()
+
+
+def check_arity(callback: Callable[..., Any], service: str, arguments: list[Any]) -> None:
+    """Raise `MorseRPCNbArgsError` if the arguments do not fit the signature of a service."""
+    try:
+        signature = signature_of(callback)
+    except (TypeError, ValueError):
+        return
+    try:
+        signature.bind(*arguments)
+    except TypeError:
+        named = [p.name for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_POSITIONAL]
+        if not arguments:
+            message = f"some parameters are expected: {service}{signature}"
+        else:
+            message = f"wrong # of parameters for service. {service} takes ({', '.join(named)}), got {len(arguments)}"
+        raise MorseRPCNbArgsError(message) from None
+
+
+class MorseServices:
+    """All request managers, and which component is offered by which of them."""
+
+    def __init__(self, managers: Iterable[RequestManager] = ()) -> None:
+        self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
+        self._mapping: dict[str, list[str]] = {}
+
+    def add_request_manager(self, manager: RequestManager) -> None:
+        """Add a manager and start it.
+
+        Raises:
+            MorseServiceError: if it cannot start.
+        """
+        if not manager.initialization():
+            raise MorseServiceError(f"the request manager {manager.classpath} could not start")
+        self._managers[manager.classpath] = manager
+
+    def request_managers(self) -> dict[str, RequestManager]:
+        """The managers by class path."""
+        return self._managers
+
+    def register_request_manager_mapping(self, component: str, manager: str) -> None:
+        """Have ``manager`` offer the services of ``component``."""
+        if manager not in self._managers:
+            raise MorseServiceError(f"no request manager '{manager}'{nearest(manager, sorted(self._managers))}")
+        names = self._mapping.setdefault(component, [])
+        if manager not in names:
+            names.append(manager)
+
+    def managers_of(self, component: str) -> list[RequestManager]:
+        """The managers that offer the services of a component."""
+        return [self._managers[name] for name in self._mapping.get(component, [])]
+
+    def register_object(self, name: str, obj: AbstractObject) -> None:
+        """Offer every service that an object declares, by the managers mapped to ``name``."""
+        for declaration in obj.services():
+            component = declaration.component or name
+            method = getattr(obj, declaration.attribute)
+            for manager in self.managers_of(component) or self.managers_of(name):
+                if declaration.asynchronous:
+                    manager.register_async_service(component, method, declaration.name)
+                else:
+                    manager.register_service(component, method, declaration.name)
+
+    def process(self) -> None:
+        """One tick of every manager."""
+        for manager in self._managers.values():
+            manager.update()
+
+    def finalize(self) -> None:
+        """Stop every manager."""
+        for manager in self._managers.values():
+            manager.finalization()
+
+
+__all__ = ["MorseRPCInvokationError", "MorseServices", "Outcome", "RequestManager", "check_arity"]

@@ -1,0 +1,80 @@
+"""The base class of robots."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import add_data, add_property
+from morse.core.object import Object
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class Robot(Object):
+    """A body that carries components and that actuators move.
+
+    Attributes:
+        move_status: what the motion of the robot is doing: ``Stop``, ``Transit``, ``Arrived``.
+    """
+
+    add_data("move_status", "Stop", "string", "What the motion of the robot is doing")
+    add_property("_no_gravity", False, "NoGravity", "bool", "The robot does not fall: an aircraft or a submarine")
+    add_property("_is_ground_robot", False, "GroundRobot", "bool", "The robot stays on the ground: gravity moves it")
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self.time_shift = 0.0
+        self._no_gravity = bool(self._no_gravity)
+        self._is_ground_robot = bool(self._is_ground_robot)
+        self.is_dynamic = bool(obj.is_dynamic)
+        if self._no_gravity:
+            obj.disable_gravity()
+
+    @property
+    def move_status(self) -> str:
+        """What the motion of the robot is doing."""
+        return str(self.local_data["move_status"])
+
+    @move_status.setter
+    def move_status(self, value: str) -> None:
+        self.local_data["move_status"] = value
+
+    def gettime(self) -> float:
+        """Simulated time as this robot's clock shows it, s."""
+        return self.clock.time + self.time_shift
+
+    def action(self) -> None:
+        """One tick."""
+        if self._active:
+            self.position_3d.update(self.bge_object)
+            self.default_action()
+
+    def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
+        """Drive the body during this tick.
+
+        Args:
+            kind: ``Position`` shifts the body without giving it momentum; ``Velocity`` sets its
+                velocity. Both push what is in the way and are stopped by what does not move.
+            linear_speed: m/s along the axes of the robot.
+            angular_speed: rad/s about the axes of the robot.
+
+        A ground robot keeps its vertical speed, roll and pitch rates: they belong to gravity and
+        the ground.
+        """
+        self.bge_object.drive(
+            linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot
+        )
+
+    def force_pose(self, position: Sequence[float] | None, orientation: Any | None) -> None:
+        """Put the robot somewhere, at rest.
+
+        Args:
+            position: metres in the world, or None to keep it.
+            orientation: 3x3 rotation in the world, or None to keep it.
+        """
+        if position is not None:
+            self.bge_object.worldPosition = position
+        if orientation is not None:
+            self.bge_object.worldOrientation = orientation
+        self.bge_object.halt()

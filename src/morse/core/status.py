@@ -1,0 +1,5 @@
+"""How a service call ended."""
+
+SUCCESS = "SUCCESS"
+FAILED = "FAILED"
+PREEMPTED = "PREEMPTED"
