@@ -1,0 +1,490 @@
+"""Matrices of two to four rows and columns."""
+
+from __future__ import annotations
+
+import collections.abc
+from math import cos, sin
+from typing import TYPE_CHECKING, Any, Self, overload
+
+from morse.mathutils import euler as eulers
+from morse.mathutils import quaternion as quaternions
+from morse.mathutils import rotations
+from morse.mathutils import rows as algebra
+from morse.mathutils.rows import Lines, Rows
+from morse.mathutils.sequence import floats, is_number, rounded
+from morse.mathutils.vector import Vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from morse.mathutils.euler import Euler
+    from morse.mathutils.quaternion import Quaternion
+
+_IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+class Matrix:
+    """A matrix of floats, row by row; ``Matrix()`` is the 4x4 identity.
+
+    ``m[i]`` is row `i` as a vector that writes through. ``a * b`` and ``a @ b`` are the matrix product; a 4x4
+    matrix turns and moves a 3-vector. Poses have their translation in the last column.
+    """
+
+    __slots__ = ("_rows",)
+    _rows: Rows
+
+    def __init__(self, rows: Iterable[Iterable[Any]] = _IDENTITY) -> None:
+        try:
+            self._rows = [floats(row, "a row of a Matrix", 2, 4) for row in rows]
+        except TypeError as error:
+            raise TypeError(f"Matrix takes 2 to 4 rows of 2 to 4 numbers, given {rows!r}") from error
+        widths = {len(row) for row in self._rows}
+        if not 2 <= len(self._rows) <= 4 or len(widths) != 1:
+            raise ValueError(
+                f"Matrix takes 2 to 4 rows of equal length, given {len(self._rows)} rows of lengths "
+                f"{[len(row) for row in self._rows]}"
+            )
+
+    @classmethod
+    def _wrap(cls, rows: Rows) -> Self:
+        """A matrix upon these rows: neither copied nor checked."""
+        made = cls.__new__(cls)
+        made._rows = rows
+        return made
+
+    # constructors --------------------------------------------------------------------------------
+
+    @classmethod
+    def Identity(cls, size: int) -> Self:  # noqa: N802 (Blender's name, as those below)
+        """The identity of 2 to 4 rows."""
+        return cls(algebra.identity(size))
+
+    @classmethod
+    def Diagonal(cls, values: Iterable[float]) -> Self:  # noqa: N802
+        """A matrix with the given diagonal and zeros elsewhere."""
+        row = floats(values, "Matrix.Diagonal", 2, 4)
+        return cls._wrap([[value if i == j else 0.0 for j in range(len(row))] for i, value in enumerate(row)])
+
+    @classmethod
+    def Rotation(cls, angle: float, size: int, axis: str | Iterable[float] | None = None) -> Self:  # noqa: N802
+        """Rotation by an angle in radians.
+
+        Args:
+            angle: radians, counter-clockwise looking against the axis.
+            size: 2, 3 or 4 rows.
+            axis: ``X``, ``Y``, ``Z`` or a vector; none for size 2.
+        """
+        if size == 2:
+            return cls._wrap([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+        if size not in (3, 4):
+            raise ValueError(f"Matrix.Rotation: the size is 2, 3 or 4, given {size!r}")
+        if axis is None:
+            raise ValueError("Matrix.Rotation: a 3x3 or 4x4 rotation needs an axis: 'X', 'Y', 'Z' or a vector")
+        if isinstance(axis, str):
+            if axis not in ("X", "Y", "Z"):
+                raise ValueError(f"Matrix.Rotation: the axis is 'X', 'Y', 'Z' or a vector, given {axis!r}")
+            axis = [1.0 if letter == axis else 0.0 for letter in "XYZ"]
+        three = quaternions.Quaternion(axis, angle).to_matrix()
+        return cls._wrap(three._rows if size == 3 else three.to_4x4()._rows)
+
+    @classmethod
+    def Translation(cls, vector: Iterable[float]) -> Self:  # noqa: N802
+        """4x4 matrix that moves by a 3-vector."""
+        made = cls()
+        made.translation = vector
+        return made
+
+    @classmethod
+    def Scale(cls, factor: float, size: int, axis: Iterable[float] | None = None) -> Self:  # noqa: N802
+        """Scaling by a factor, in all directions or along an axis only."""
+        made = cls.Identity(size)
+        count = 2 if size == 2 else 3
+        direction = None if axis is None else Vector(axis).resized(count).normalized()
+        for i in range(count):
+            if direction is None:
+                made._rows[i][i] = float(factor)
+                continue
+            for j in range(count):
+                made._rows[i][j] += (factor - 1.0) * direction[i] * direction[j]
+        return made
+
+    @classmethod
+    def LocRotScale(  # noqa: N802
+        cls,
+        location: Iterable[float] | None,
+        rotation: Euler | Quaternion | Matrix | None,
+        scale: Iterable[float] | None,
+    ) -> Self:
+        """4x4 matrix that scales, then turns, then moves; None leaves a part out."""
+        linear = algebra.identity(3) if rotation is None else rotations.rows_of(rotation.as_rotation())
+        factors = (1.0, 1.0, 1.0) if scale is None else floats(scale, "Matrix.LocRotScale scale", 3, 3)
+        offset = (0.0, 0.0, 0.0) if location is None else floats(location, "Matrix.LocRotScale location", 3, 3)
+        rows = [
+            [*(a * s for a, s in zip(row, factors, strict=True)), moved]
+            for row, moved in zip(linear, offset, strict=True)
+        ]
+        return cls._wrap([*rows, [0.0, 0.0, 0.0, 1.0]])
+
+    # rows and columns ----------------------------------------------------------------------------
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __iter__(self) -> Iterator[Vector]:
+        return (Vector._wrap(row) for row in self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Vector: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Vector, ...]: ...
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return tuple(Vector._wrap(row) for row in self._rows[index])
+        return Vector._wrap(self._rows[index])
+
+    def __setitem__(self, index: int, values: Iterable[float]) -> None:
+        width = len(self._rows[0])
+        self._rows[index][:] = floats(values, "a row of this Matrix", width, width)
+
+    @property
+    def row(self) -> Lines:
+        """The rows, as vectors that write through."""
+        return Lines(lambda index: Vector._wrap(self._rows[index]), len(self._rows))
+
+    @property
+    def col(self) -> Lines:
+        """The columns, as vectors that write through."""
+        return Lines(lambda index: Vector._wrap(algebra.Column(self._rows, index, len(self._rows))), len(self._rows[0]))
+
+    @property
+    def translation(self) -> Vector:
+        """The first three of the last column of a 4x4 or 3x4 matrix, writing through."""
+        if len(self._rows[0]) != 4 or len(self._rows) < 3:
+            raise AttributeError(f"a {self._shape()} Matrix has no translation: to_4x4() first")
+        return Vector._wrap(algebra.Column(self._rows, 3, 3))
+
+    @translation.setter
+    def translation(self, vector: Iterable[float]) -> None:
+        self.translation[:] = vector
+
+    def _shape(self) -> str:
+        return f"{len(self._rows)}x{len(self._rows[0])}"
+
+    # arithmetic ----------------------------------------------------------------------------------
+
+    @overload
+    def __mul__(self, other: Matrix | float) -> Matrix: ...
+    @overload
+    def __mul__(self, other: Vector) -> Vector: ...
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Vector):
+            return self._applied(other)
+        if isinstance(other, Matrix):
+            if len(self._rows[0]) != len(other._rows):
+                raise ValueError(f"Matrix product: a {self._shape()} cannot be multiplied by a {other._shape()}")
+            if len(self._rows) == 3 and len(self._rows[0]) == 3 and len(other._rows[0]) == 3:
+                return Matrix._wrap(
+                    rotations.rows_of(rotations.product(rotations.nine(self._rows), rotations.nine(other._rows)))
+                )
+            return Matrix._wrap(algebra.product(self._rows, other._rows))
+        if is_number(other):
+            return Matrix._wrap([[value * float(other) for value in row] for row in self._rows])
+        return NotImplemented
+
+    @overload
+    def __matmul__(self, other: Matrix) -> Matrix: ...
+    @overload
+    def __matmul__(self, other: Vector) -> Vector: ...
+    def __matmul__(self, other: Any) -> Any:
+        if isinstance(other, (Matrix, Vector)):
+            return self * other
+        return NotImplemented
+
+    @overload
+    def __rmul__(self, other: float) -> Matrix: ...
+    @overload
+    def __rmul__(self, other: Vector) -> Vector: ...
+    def __rmul__(self, other: Any) -> Any:
+        if is_number(other):
+            return self * float(other)
+        if isinstance(other, Vector):
+            return self._applied_to_row(other)
+        return NotImplemented
+
+    def __rmatmul__(self, other: Any) -> Any:
+        return self._applied_to_row(other) if isinstance(other, Vector) else NotImplemented
+
+    def _applied(self, vector: Vector) -> Vector:
+        items: Sequence[float] = vector._items
+        width = len(self._rows[0])
+        if len(items) == 3 and width == 3 and len(self._rows) == 3:
+            x, y, z = items
+            return Vector._wrap([a * x + b * y + c * z for a, b, c in self._rows])
+        rows: Sequence[list[float]] = self._rows
+        if len(items) == 3 and width == 4:
+            items = (*items, 1.0)
+            rows = self._rows[:3]
+        if len(items) != width:
+            raise ValueError(f"Matrix * Vector: a {self._shape()} cannot take a vector of {len(items)}")
+        return Vector._wrap([sum([a * b for a, b in zip(row, items, strict=True)]) for row in rows])
+
+    def _applied_to_row(self, vector: Vector) -> Vector:
+        items: Sequence[float] = vector._items
+        columns = algebra.transposed(self._rows)
+        if len(items) == 3 and len(self._rows) == 4:
+            items = (*items, 1.0)
+            columns = columns[:3]
+        if len(items) != len(self._rows):
+            raise ValueError(f"Vector * Matrix: a vector of {len(items)} cannot take a {self._shape()}")
+        return Vector._wrap([sum([a * b for a, b in zip(column, items, strict=True)]) for column in columns])
+
+    def __add__(self, other: Matrix) -> Matrix:
+        return self._combined(other, 1.0) if isinstance(other, Matrix) else NotImplemented
+
+    def __sub__(self, other: Matrix) -> Matrix:
+        return self._combined(other, -1.0) if isinstance(other, Matrix) else NotImplemented
+
+    def __neg__(self) -> Matrix:
+        return self * -1.0
+
+    def _combined(self, other: Matrix, factor: float) -> Matrix:
+        if self._shape() != other._shape():
+            raise ValueError(f"Matrix sum: both need the same shape, given {self._shape()} and {other._shape()}")
+        return Matrix._wrap([
+            [a + factor * b for a, b in zip(p, q, strict=True)] for p, q in zip(self._rows, other._rows, strict=True)
+        ])  # fmt: skip
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Matrix):
+            return NotImplemented
+        return [list(row) for row in self._rows] == [list(row) for row in other._rows]
+
+    def __hash__(self) -> int:
+        if not self.is_frozen:
+            raise TypeError("unhashable type: 'Matrix'; freeze() it first")
+        return hash(tuple(self._rows))
+
+    @property
+    def is_frozen(self) -> bool:
+        """True after `freeze`."""
+        return isinstance(self._rows, tuple)
+
+    def freeze(self) -> Self:
+        """Refuse changes from now on, so that it can be a key of a dict. Returns itself."""
+        self._rows = tuple(tuple(row) for row in self._rows)  # type: ignore[assignment]
+        return self
+
+    def _become(self, rows: Rows) -> None:
+        if self.is_frozen:
+            raise TypeError("this Matrix is frozen: change a copy() of it")
+        for mine, new in zip(self._rows, rows, strict=True):
+            mine[:] = new
+
+    # algebra -------------------------------------------------------------------------------------
+
+    def transposed(self) -> Matrix:
+        """Rows become columns."""
+        return Matrix._wrap(algebra.transposed(self._rows))
+
+    def transpose(self) -> None:
+        """Swap rows and columns of a square matrix."""
+        self._check_square("transpose")
+        self._become(algebra.transposed(self._rows))
+
+    def determinant(self) -> float:
+        """Determinant of a square matrix."""
+        self._check_square("determinant")
+        return algebra.determinant(self._rows)
+
+    def inverted(self, fallback: Any = ...) -> Any:
+        """The inverse.
+
+        Raises:
+            ValueError: the matrix is singular and there is no fallback.
+        """
+        self._check_square("inverted")
+        inverse = algebra.inverted(self._rows)
+        if inverse is not None:
+            return Matrix._wrap(inverse)
+        if fallback is ...:
+            raise ValueError(f"Matrix.inverted: this matrix has no inverse: {self!r}")
+        return fallback
+
+    def inverted_safe(self) -> Matrix:
+        """The inverse, or that of the nearly equal matrix with a little added to its diagonal if it has none."""
+        self._check_square("inverted_safe")
+        inverse = algebra.inverted(self._rows)
+        if inverse is None:
+            inverse = algebra.inverted(
+                [[value + (1e-8 if i == j else 0.0) for j, value in enumerate(row)] for i, row in enumerate(self._rows)]
+            )
+        return Matrix._wrap(algebra.identity(len(self._rows)) if inverse is None else inverse)
+
+    def invert(self, fallback: Matrix | None = None) -> None:
+        """Become the inverse; the fallback if there is none.
+
+        Raises:
+            ValueError: the matrix is singular and there is no fallback.
+        """
+        inverse = self.inverted() if fallback is None else self.inverted(fallback)
+        self._become(inverse._rows)
+
+    def invert_safe(self) -> None:
+        """Become what `inverted_safe` gives."""
+        self._become(self.inverted_safe()._rows)
+
+    def identity(self) -> None:
+        """Become the identity."""
+        self._check_square("identity")
+        self._become(algebra.identity(len(self._rows)))
+
+    def zero(self) -> None:
+        """Set all items to 0."""
+        self._become([[0.0] * len(row) for row in self._rows])
+
+    def _check_square(self, what: str) -> None:
+        if len(self._rows) != len(self._rows[0]):
+            raise ValueError(f"Matrix.{what}: needs a square matrix, given a {self._shape()}")
+
+    def normalized(self) -> Matrix:
+        """The matrix with its (first three) columns of length 1: rotation without scale."""
+        made = self.copy()
+        made.normalize()
+        return made
+
+    def normalize(self) -> None:
+        """Make the (first three) columns of length 1."""
+        if len(self._rows) < 3:
+            raise ValueError(f"Matrix.normalize: needs a 3x3 or 4x4, given a {self._shape()}")
+        upper = rotations.rows_of(rotations.normalized_columns(rotations.nine(self._rows)))
+        rows = [[*new, *row[3:]] for new, row in zip(upper, self._rows, strict=False)]
+        self._become([*rows, *(list(row) for row in self._rows[3:])])
+
+    def lerp(self, other: Matrix, factor: float) -> Matrix:
+        """Between two poses: positions and scales linearly, the rotation by the shorter way."""
+        if len(self._rows) < 3 or self._shape() != other._shape():
+            raise ValueError(f"Matrix.lerp: needs two 3x3 or 4x4, given {self._shape()} and {other._shape()}")
+        (p, q, s), (p2, q2, s2) = self.to_4x4().decompose(), other.to_4x4().decompose()
+        mixed = Matrix.LocRotScale(p.lerp(p2, factor), q.slerp(q2, factor), s.lerp(s2, factor))
+        return mixed if len(self._rows) == 4 else mixed.to_3x3()
+
+    # parts ---------------------------------------------------------------------------------------
+
+    def as_rotation(self) -> rotations.Rotation9:
+        """The upper left 3x3, row by row, as it is."""
+        if len(self._rows) < 3 or len(self._rows[0]) < 3:
+            raise ValueError(f"a rotation needs a 3x3 or 4x4 Matrix, given a {self._shape()}")
+        return rotations.nine(self._rows)
+
+    def to_2x2(self) -> Matrix:
+        """The upper left 2x2."""
+        return Matrix._wrap([list(row[:2]) for row in self._rows[:2]])
+
+    def to_3x3(self) -> Matrix:
+        """The upper left 3x3, the identity where there is nothing."""
+        return self._resized(3)
+
+    def to_4x4(self) -> Matrix:
+        """4x4 matrix, the identity where there is nothing."""
+        return self._resized(4)
+
+    def resize_4x4(self) -> None:
+        """Become 4x4; rows and columns taken before are no view of it any more."""
+        self._rows = self.to_4x4()._rows
+
+    def _resized(self, size: int) -> Matrix:
+        rows = algebra.identity(size)
+        for new, row in zip(rows, self._rows, strict=False):
+            width = min(size, len(row))
+            new[:width] = row[:width]
+        return Matrix._wrap(rows)
+
+    def to_translation(self) -> Vector:
+        """A copy of the translation."""
+        return self.translation.copy()
+
+    def to_scale(self) -> Vector:
+        """Lengths of the first three columns, all negative for a mirroring matrix."""
+        nine = self.as_rotation()
+        sign = -1.0 if rotations.determinant(nine) < 0.0 else 1.0
+        return Vector([sign * Vector._wrap(list(nine[i::3])).length for i in range(3)])
+
+    @property
+    def median_scale(self) -> float:
+        """Mean length of the first three columns."""
+        return sum(abs(value) for value in self.to_scale()) / 3.0
+
+    @property
+    def is_negative(self) -> bool:
+        """True for a mirroring matrix."""
+        return rotations.determinant(self.as_rotation()) < 0.0
+
+    @property
+    def is_orthogonal(self) -> bool:
+        """True if the axes are unit vectors at right angles, to five digits."""
+        columns = algebra.transposed(rotations.rows_of(self.as_rotation()))
+        return all(
+            abs(sum(a * b for a, b in zip(p, q, strict=True)) - (i == j)) < 1e-5
+            for i, p in enumerate(columns)
+            for j, q in enumerate(columns)
+        )
+
+    is_orthogonal_axis_vectors = is_orthogonal
+
+    def to_quaternion(self) -> Quaternion:
+        """The rotation as a unit quaternion with w >= 0; scale and mirroring are left out."""
+        return quaternions.Quaternion._wrap(list(rotations.quaternion_from_rotation(self._unscaled())))
+
+    def _unscaled(self) -> rotations.Rotation9:
+        nine = rotations.normalized_columns(self.as_rotation())
+        if rotations.determinant(nine) < 0.0:
+            a, b, c, d, e, f, g, h, i = nine
+            return -a, -b, -c, -d, -e, -f, -g, -h, -i
+        return nine
+
+    def to_euler(self, order: str = "XYZ", compatible: Iterable[float] | None = None) -> Euler:
+        """The rotation as Euler angles in the given order.
+
+        Args:
+            order: one of the six orders.
+            compatible: take the solution nearest to these angles, instead of that with the smallest ones.
+        """
+        eulers.checked_order(order)
+        nine = self._unscaled()
+        if compatible is None:
+            return eulers.Euler(rotations.euler_from_rotation(nine, order), order)
+        near = floats(compatible, "Matrix.to_euler compatible", 3, 3)
+        return eulers.Euler(rotations.compatible_euler(nine, order, near), order)
+
+    def decompose(self) -> tuple[Vector, Quaternion, Vector]:
+        """Translation, rotation and scale of a 4x4 matrix; all scales are negative if it mirrors."""
+        if self._shape() != "4x4":
+            raise ValueError(f"Matrix.decompose: needs a 4x4, given a {self._shape()}")
+        return self.to_translation(), self.to_quaternion(), self.to_scale()
+
+    def rotate(self, other: Euler | Quaternion | Matrix) -> None:
+        """Turn a 3x3 matrix by another rotation, about the fixed axes."""
+        if self._shape() != "3x3":
+            raise ValueError(f"Matrix.rotate: needs a 3x3, given a {self._shape()}")
+        self._become(rotations.rows_of(rotations.product(other.as_rotation(), self.as_rotation())))
+
+    # copies and text -----------------------------------------------------------------------------
+
+    def copy(self) -> Self:
+        """A copy that is not frozen."""
+        return self._wrap([list(row) for row in self._rows])
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return type(self), (tuple(tuple(row) for row in self._rows),)
+
+    def __repr__(self) -> str:
+        lines = [f"({', '.join(map(rounded, row))})" for row in self._rows]
+        return f"Matrix(({', '.join(lines)}))"
+
+
+collections.abc.Sequence.register(Matrix)

@@ -1,0 +1,377 @@
+"""Vectors of two to four components."""
+
+from __future__ import annotations
+
+from math import atan2, sin, sqrt
+from typing import TYPE_CHECKING, Any, ClassVar, overload
+
+from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.mathutils.euler import Euler
+    from morse.mathutils.matrix import Matrix
+    from morse.mathutils.quaternion import Quaternion
+
+_AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
+
+
+class Vector(FloatSequence):
+    """A vector of two to four floats; ``Vector()`` is (0, 0, 0).
+
+    ``v * 2`` and ``2 * v`` scale; ``v * other`` and ``v @ other`` are the dot product; ``matrix * v`` and
+    ``quaternion * v`` transform; ``v * matrix`` takes `v` as a row.
+    """
+
+    __slots__ = ()
+    _sizes: ClassVar[tuple[int, int]] = (2, 4)
+
+    def __init__(self, values: Iterable[Any] = (0.0, 0.0, 0.0)) -> None:
+        self._items = floats(values, "Vector", 2, 4)
+
+    def __repr__(self) -> str:
+        return f"Vector(({', '.join(map(rounded, self._items))}))"
+
+    # components ----------------------------------------------------------------------------------
+
+    @property
+    def x(self) -> float:
+        """First component."""
+        return self._items[0]
+
+    @x.setter
+    def x(self, value: float) -> None:
+        self[0] = value
+
+    @property
+    def y(self) -> float:
+        """Second component."""
+        return self._items[1]
+
+    @y.setter
+    def y(self, value: float) -> None:
+        self[1] = value
+
+    @property
+    def z(self) -> float:
+        """Third component, of vectors that have one."""
+        return self._items[self._axis(2)]
+
+    @z.setter
+    def z(self, value: float) -> None:
+        self[self._axis(2)] = value
+
+    @property
+    def w(self) -> float:
+        """Fourth component, of vectors that have one."""
+        return self._items[self._axis(3)]
+
+    @w.setter
+    def w(self, value: float) -> None:
+        self[self._axis(3)] = value
+
+    def _axis(self, index: int) -> int:
+        if index >= len(self._items):
+            raise AttributeError(f"a Vector of {len(self._items)} components has no '{'xyzw'[index]}'")
+        return index
+
+    @property
+    def xy(self) -> Vector:
+        """The first two components."""
+        return Vector._wrap(list(self._items[:2]))
+
+    @xy.setter
+    def xy(self, values: Iterable[float]) -> None:
+        self[:2] = values
+
+    @property
+    def xyz(self) -> Vector:
+        """The first three components."""
+        return Vector._wrap(list(self._items[: self._axis(2) + 1]))
+
+    @xyz.setter
+    def xyz(self, values: Iterable[float]) -> None:
+        self[: self._axis(2) + 1] = values
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Vector:
+            """Any other swizzle, such as ``v.zx``."""
+            if 2 <= len(name) <= 4 and all(letter in _AXES for letter in name):
+                return Vector._wrap([self._items[self._axis(_AXES[letter])] for letter in name])
+            if name in _AXES:
+                self._axis(_AXES[name])
+            raise AttributeError(f"'Vector' object has no attribute '{name}'")
+
+    # arithmetic ----------------------------------------------------------------------------------
+
+    def __add__(self, other: Vector) -> Vector:
+        if not isinstance(other, Vector):
+            return NotImplemented
+        self._same_size(other, "+")
+        return Vector._wrap([a + b for a, b in zip(self._items, other._items, strict=True)])
+
+    def __sub__(self, other: Vector) -> Vector:
+        if not isinstance(other, Vector):
+            return NotImplemented
+        self._same_size(other, "-")
+        return Vector._wrap([a - b for a, b in zip(self._items, other._items, strict=True)])
+
+    def __iadd__(self, other: Vector) -> Vector:
+        if not isinstance(other, Vector):
+            return NotImplemented
+        self._same_size(other, "+=")
+        self._assign([a + b for a, b in zip(self._items, other._items, strict=True)])
+        return self
+
+    def __isub__(self, other: Vector) -> Vector:
+        if not isinstance(other, Vector):
+            return NotImplemented
+        self._same_size(other, "-=")
+        self._assign([a - b for a, b in zip(self._items, other._items, strict=True)])
+        return self
+
+    def __neg__(self) -> Vector:
+        return Vector._wrap([-a for a in self._items])
+
+    def __pos__(self) -> Vector:
+        return self.copy()
+
+    @overload
+    def __mul__(self, other: Vector) -> float: ...
+    @overload
+    def __mul__(self, other: float) -> Vector: ...
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Vector):
+            return self.dot(other)
+        if is_number(other):
+            return Vector._wrap([a * float(other) for a in self._items])
+        return NotImplemented
+
+    def __rmul__(self, other: float) -> Vector:
+        if not is_number(other):
+            return NotImplemented
+        return Vector._wrap([a * float(other) for a in self._items])
+
+    def __imul__(self, other: Any) -> Vector:  # type: ignore[misc]
+        changed = self * other
+        if not isinstance(changed, Vector):
+            raise TypeError(f"v *= {type(other).__name__} is no vector: use v.dot(other)")
+        self._assign(changed._items)
+        return self
+
+    def __matmul__(self, other: Vector) -> float:
+        if not isinstance(other, Vector):
+            return NotImplemented
+        return self.dot(other)
+
+    def __truediv__(self, other: float) -> Vector:
+        if not is_number(other):
+            return NotImplemented
+        return Vector._wrap([a / float(other) for a in self._items])
+
+    def __itruediv__(self, other: float) -> Vector:
+        if not is_number(other):
+            return NotImplemented
+        self._assign([a / float(other) for a in self._items])
+        return self
+
+    def _same_size(self, other: Vector, what: str) -> None:
+        if len(self._items) != len(other._items):
+            raise ValueError(
+                f"Vector {what}: both need the same number of components, given {len(self._items)} "
+                f"and {len(other._items)}"
+            )
+
+    def dot(self, other: Iterable[float]) -> float:
+        """Sum of the products of the components."""
+        b = self._operand(other, "dot")
+        return sum(p * q for p, q in zip(self._items, b._items, strict=True))
+
+    def cross(self, other: Iterable[float]) -> Vector:
+        """Cross product of two 3-vectors."""
+        b = self._operand(other, "cross")
+        if len(self._items) != 3:
+            raise ValueError(f"Vector.cross: needs 3 components, given {len(self._items)}")
+        ax, ay, az = self._items
+        bx, by, bz = b._items
+        return Vector._wrap([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+    def _operand(self, other: Iterable[float], what: str) -> Vector:
+        vector = other if isinstance(other, Vector) else Vector(other)
+        self._same_size(vector, what)
+        return vector
+
+    # length and direction ------------------------------------------------------------------------
+
+    @property
+    def length(self) -> float:
+        """Euclidean length; assigning to it keeps the direction."""
+        return sqrt(sum(a * a for a in self._items))
+
+    @length.setter
+    def length(self, value: float) -> None:
+        if value < 0.0:
+            raise ValueError(f"Vector.length: cannot be negative, given {value!r}")
+        length = self.length
+        if length > 0.0:
+            self._assign([a * (value / length) for a in self._items])
+
+    magnitude = length
+
+    @property
+    def length_squared(self) -> float:
+        """Square of the length."""
+        return sum(a * a for a in self._items)
+
+    def normalized(self) -> Vector:
+        """The vector of length 1 in this direction; a null vector stays one."""
+        length = self.length
+        return Vector._wrap([a / length for a in self._items]) if length > 0.0 else self.copy()
+
+    def normalize(self) -> None:
+        """Make the length 1."""
+        self._assign(self.normalized()._items)
+
+    def zero(self) -> None:
+        """Set all components to 0."""
+        self._assign([0.0] * len(self._items))
+
+    def negate(self) -> None:
+        """Reverse the direction."""
+        self._assign([-a for a in self._items])
+
+    def angle(self, other: Iterable[float], fallback: Any = ...) -> Any:
+        """Angle to another vector, 0 to pi radians.
+
+        Args:
+            other: as many components as this has.
+            fallback: returned if one of the two is null.
+
+        Raises:
+            ValueError: one of the two is null and there is no fallback.
+        """
+        b = self._operand(other, "angle")
+        if self.length == 0.0 or b.length == 0.0:
+            if fallback is ...:
+                raise ValueError("Vector.angle: a null vector has no direction; give a fallback to allow it")
+            return fallback
+        p, q = self.normalized(), b.normalized()
+        # W. Kahan, "How futile are mindless assessments of roundoff" (2006): exact for small angles, unlike acos.
+        return 2.0 * atan2((p - q).length, (p + q).length)
+
+    def lerp(self, other: Iterable[float], factor: float) -> Vector:
+        """The point at `factor` of the way to another."""
+        b = self._operand(other, "lerp")
+        return Vector._wrap([p + (q - p) * factor for p, q in zip(self._items, b._items, strict=True)])
+
+    def slerp(self, other: Iterable[float], factor: float, fallback: Any = ...) -> Any:
+        """Interpolated direction, of length 1.
+
+        Raises:
+            ValueError: one of the two is null or they are opposite, and there is no fallback.
+        """
+        b = self._operand(other, "slerp")
+        p, q = self.normalized(), b.normalized()
+        if not p.length or not q.length or (p + q).length < 1e-12:
+            if fallback is ...:
+                raise ValueError("Vector.slerp: null or opposite vectors have no direction between them")
+            return fallback
+        angle = p.angle(q)
+        if angle < 1e-9:
+            return p.lerp(q, factor).normalized()
+        return p * (sin((1.0 - factor) * angle) / sin(angle)) + q * (sin(factor * angle) / sin(angle))
+
+    def project(self, other: Iterable[float]) -> Vector:
+        """The part of this vector along another; null if the other is."""
+        b = self._operand(other, "project")
+        squared = b.length_squared
+        return b * (self.dot(b) / squared if squared > 0.0 else 0.0)
+
+    def reflect(self, mirror: Iterable[float]) -> Vector:
+        """This vector after bouncing off a mirror with the given normal."""
+        normal = self._operand(mirror, "reflect").normalized()
+        return self - normal * (2.0 * self.dot(normal))
+
+    # rotation ------------------------------------------------------------------------------------
+
+    def rotate(self, other: Euler | Quaternion | Matrix) -> None:
+        """Turn this 3-vector in place."""
+        if len(self._items) != 3:
+            raise ValueError(f"Vector.rotate: needs 3 components, given {len(self._items)}")
+        a, b, c, d, e, f, g, h, i = other.as_rotation()
+        x, y, z = self._items
+        self._assign([a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z])
+
+    def rotation_difference(self, other: Iterable[float]) -> Quaternion:
+        """The shortest rotation that turns this direction into another."""
+        from morse.mathutils.tracking import shortest_arc
+
+        return shortest_arc(self, self._operand(other, "rotation_difference"))
+
+    def to_track_quat(self, track: str = "Z", up: str = "Y") -> Quaternion:
+        """Rotation that points an axis (``X``, ``-Y`` …) along this vector, and another as far upward as it can."""
+        from morse.mathutils.tracking import track_rotation
+
+        return track_rotation(self, track, up)
+
+    # conversion ----------------------------------------------------------------------------------
+
+    def to_tuple(self, precision: int = -1) -> tuple[float, ...]:
+        """The components, rounded to `precision` digits if that is not negative."""
+        return tuple(self._items) if precision < 0 else tuple(round(a, precision) for a in self._items)
+
+    def resized(self, size: int) -> Vector:
+        """A copy with `size` components: cut, or filled up with 0."""
+        if not 2 <= size <= 4:
+            raise ValueError(f"a Vector has 2 to 4 components, asked for {size}")
+        return Vector._wrap([*self._items, 0.0, 0.0][:size])
+
+    def to_2d(self) -> Vector:
+        """The first two components."""
+        return self.resized(2)
+
+    def to_3d(self) -> Vector:
+        """The first three components, z = 0 if there was none."""
+        return self.resized(3)
+
+    def to_4d(self) -> Vector:
+        """Four components, w = 1 if there was none."""
+        made = self.resized(4)
+        if len(self._items) < 4:
+            made._items[3] = 1.0
+        return made
+
+    def resize(self, size: int) -> None:
+        """Change the number of components; a row or column of a matrix is no view of it any more."""
+        self._check_writable()
+        self._items = self.resized(size)._items
+
+    def resize_2d(self) -> None:
+        """Keep the first two components."""
+        self.resize(2)
+
+    def resize_3d(self) -> None:
+        """Have three components."""
+        self.resize(3)
+
+    def resize_4d(self) -> None:
+        """Have four components, w = 1 if there was none."""
+        self._check_writable()
+        self._items = self.to_4d()._items
+
+    def orthogonal(self) -> Vector:
+        """Some vector at right angles to this one."""
+        if len(self._items) == 2:
+            x, y = self._items
+            return Vector._wrap([-y, x])
+        x, y, z = self.to_3d()
+        if abs(x) <= abs(y) and abs(x) <= abs(z):
+            return Vector._wrap([0.0, -z, y])
+        return Vector._wrap([z, 0.0, -x]) if abs(y) <= abs(z) else Vector._wrap([-y, x, 0.0])
+
+    @classmethod
+    def Fill(cls, size: int, fill: float = 0.0) -> Vector:  # noqa: N802 (Blender's name)
+        """A vector of equal components."""
+        return cls([fill] * size)
