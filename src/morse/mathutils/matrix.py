@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections.abc
 from math import cos, sin
+from operator import mul
 from typing import TYPE_CHECKING, Any, Self, overload
 
 from morse.mathutils import euler as eulers
@@ -226,7 +227,7 @@ class Matrix:
             rows = self._rows[:3]
         if len(items) != width:
             raise ValueError(f"Matrix * Vector: a {self._shape()} cannot take a vector of {len(items)}")
-        return Vector._wrap([sum([a * b for a, b in zip(row, items, strict=True)]) for row in rows])
+        return Vector._wrap([sum(map(mul, row, items)) for row in rows])
 
     def _applied_to_row(self, vector: Vector) -> Vector:
         items: Sequence[float] = vector._items
@@ -236,7 +237,7 @@ class Matrix:
             columns = columns[:3]
         if len(items) != len(self._rows):
             raise ValueError(f"Vector * Matrix: a vector of {len(items)} cannot take a {self._shape()}")
-        return Vector._wrap([sum([a * b for a, b in zip(column, items, strict=True)]) for column in columns])
+        return Vector._wrap([sum(map(mul, column, items)) for column in columns])
 
     def __add__(self, other: Matrix) -> Matrix:
         return self._combined(other, 1.0) if isinstance(other, Matrix) else NotImplemented

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
+from operator import mul
 from typing import Any, TypeAlias
 
 Rows: TypeAlias = list[list[float]]
@@ -16,7 +17,9 @@ def identity(size: int) -> Rows:
 def product(a: Sequence[Sequence[float]], b: Sequence[Sequence[float]]) -> Rows:
     """Matrix product of a and b."""
     columns = list(zip(*b, strict=True))
-    return [[sum([p * q for p, q in zip(row, column, strict=True)]) for column in columns] for row in a]
+    if len(b) == 4:
+        return [[p * s + q * t + r * u + o * v for s, t, u, v in columns] for p, q, r, o in a]
+    return [[sum(map(mul, row, column)) for column in columns] for row in a]
 
 
 def transposed(a: Sequence[Sequence[float]]) -> Rows:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import atan2, sin, sqrt
+from math import atan2, hypot, sin
+from operator import add, mul, sub
 from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
@@ -110,26 +111,26 @@ class Vector(FloatSequence):
         if not isinstance(other, Vector):
             return NotImplemented
         self._same_size(other, "+")
-        return Vector._wrap([a + b for a, b in zip(self._items, other._items, strict=True)])
+        return Vector._wrap(list(map(add, self._items, other._items)))
 
     def __sub__(self, other: Vector) -> Vector:
         if not isinstance(other, Vector):
             return NotImplemented
         self._same_size(other, "-")
-        return Vector._wrap([a - b for a, b in zip(self._items, other._items, strict=True)])
+        return Vector._wrap(list(map(sub, self._items, other._items)))
 
     def __iadd__(self, other: Vector) -> Vector:
         if not isinstance(other, Vector):
             return NotImplemented
         self._same_size(other, "+=")
-        self._assign([a + b for a, b in zip(self._items, other._items, strict=True)])
+        self._assign(list(map(add, self._items, other._items)))
         return self
 
     def __isub__(self, other: Vector) -> Vector:
         if not isinstance(other, Vector):
             return NotImplemented
         self._same_size(other, "-=")
-        self._assign([a - b for a, b in zip(self._items, other._items, strict=True)])
+        self._assign(list(map(sub, self._items, other._items)))
         return self
 
     def __neg__(self) -> Vector:
@@ -187,7 +188,8 @@ class Vector(FloatSequence):
     def dot(self, other: Iterable[float]) -> float:
         """Sum of the products of the components."""
         b = self._operand(other, "dot")
-        return sum(p * q for p, q in zip(self._items, b._items, strict=True))
+        total: float = sum(map(mul, self._items, b._items))
+        return total
 
     def cross(self, other: Iterable[float]) -> Vector:
         """Cross product of two 3-vectors."""
@@ -208,7 +210,7 @@ class Vector(FloatSequence):
     @property
     def length(self) -> float:
         """Euclidean length; assigning to it keeps the direction."""
-        return sqrt(sum(a * a for a in self._items))
+        return hypot(*self._items)
 
     @length.setter
     def length(self, value: float) -> None:
@@ -223,7 +225,8 @@ class Vector(FloatSequence):
     @property
     def length_squared(self) -> float:
         """Square of the length."""
-        return sum(a * a for a in self._items)
+        total: float = sum(map(mul, self._items, self._items))
+        return total
 
     def normalized(self) -> Vector:
         """The vector of length 1 in this direction; a null vector stays one."""
