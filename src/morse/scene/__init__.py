@@ -14,11 +14,13 @@ from morse.scene.mesh import Mesh
 from morse.scene.node import Node, NodeKind
 from morse.scene.scene import Scene, Zone
 from morse.scene.settings import Mist, Settings, TimeStrategies, ViewSettings
+from morse.scene.shapes import CollisionShape, ShapeKind
 
 __all__ = [
     "BodySettings",
     "Bounds",
     "Camera",
+    "CollisionShape",
     "ComponentDeclaration",
     "Image",
     "Library",
@@ -33,6 +35,7 @@ __all__ = [
     "PhysicsType",
     "Scene",
     "Settings",
+    "ShapeKind",
     "SourceLine",
     "StreamDeclaration",
     "TimeStrategies",

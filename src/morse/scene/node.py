@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.scene.appearance import Camera, Light, Material
     from morse.scene.mesh import Mesh
+    from morse.scene.shapes import CollisionShape
 
 _COPY_SUFFIX = re.compile(r"[._]\d{3}$")
 
@@ -44,6 +45,8 @@ class Node:
         parent_inverse: 4x4 that was recorded when the node was parented, or None for identity.
         source_name: the name the node has in the file it came from (None if it has no file).
         properties: typed properties that components and services read (``obj['name']``).
+        shapes: collision shapes in the rigid frame of the node, or None until they are worked out
+            (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
     """
 
@@ -64,6 +67,7 @@ class Node:
     visible: bool = True
     color: tuple[float, float, float, float] | None = None
     source_name: str | None = None
+    shapes: list[CollisionShape] | None = None
 
     @property
     def plain_name(self) -> str:

@@ -65,6 +65,7 @@ class Settings:
         physics_steps: physics steps per tick that the script asked for; the engine never
             takes longer steps than 1/240 s.
         time_scale: simulated seconds per wall-clock second.
+        relative_time: time starts at 0; otherwise at the epoch time of the start.
         seed: of all random numbers.
         fastmode: wireframe view, cameras give no image.
     """
@@ -74,7 +75,7 @@ class Settings:
     physics_steps: int = 2
     time_strategy: TimeStrategies = TimeStrategies.BestEffort
     time_scale: float = 1.0
-    relative_time: bool = False
+    relative_time: bool = True
     seed: int = 0
     fastmode: bool = False
     auto_start: bool = True

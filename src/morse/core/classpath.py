@@ -1,0 +1,41 @@
+"""Finds classes by the dotted names that scenes and configurations use."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import inspect
+from typing import Any
+
+from morse.core.exceptions import MorseError
+
+
+class ClassPathError(MorseError):
+    """A class path leads nowhere."""
+
+
+def load_class(classpath: str) -> type[Any]:
+    """The class that ``package.module.Class`` names.
+
+    Raises:
+        ClassPathError: no such module or class, or the module itself cannot be imported.
+    """
+    module_name, _, class_name = classpath.rpartition(".")
+    if not module_name:
+        raise ClassPathError(f"'{classpath}' is no class path: expected package.module.Class")
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if error.name and (module_name == error.name or module_name.startswith(error.name + ".")):
+            raise ClassPathError(
+                f"the module '{module_name}' of '{classpath}' does not exist ('{error.name}' was not found); "
+                "is its directory in src/ of the simulation, or on PYTHONPATH?"
+            ) from None
+        raise
+    found = getattr(module, class_name, None)
+    if inspect.isclass(found):
+        return found
+    classes = [name for name, member in vars(module).items() if inspect.isclass(member)]
+    close = difflib.get_close_matches(class_name, classes, n=1)
+    hint = f"did you mean '{close[0]}'?" if close else f"it has: {', '.join(classes) or 'no class at all'}"
+    raise ClassPathError(f"the module '{module_name}' has no class '{class_name}'; {hint}")

@@ -1,0 +1,1 @@
+"""Modifiers: noise, frames and units between components and streams."""

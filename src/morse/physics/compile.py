@@ -1,0 +1,275 @@
+"""From a scene to a MuJoCo model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.physics.inertia import bounding_box, robot_inertia, volume
+from morse.physics.layout import Frame, Motion, frames_of
+from morse.physics.wheels import wheel_axis, wheel_size
+from morse.scene import PhysicsType, ShapeKind
+from morse.scene.frames import RigidFrame, rigid_frame
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.scene import CollisionShape, Node, Scene
+
+#: the engine takes no longer steps than this: pushing into a wall at 1/60 s a step sinks 10 mm
+MAX_STEP = 1.0 / 240.0
+#: Coulomb coefficient of everything that names none
+DEFAULT_FRICTION = 0.7
+_TORSIONAL, _ROLLING = 0.005, 0.0001
+#: what a wheel motor can give, N m; and how hard it holds its speed, N m s
+WHEEL_TORQUE, WHEEL_GAIN = 300.0, 20.0
+
+_TYPES = {
+    ShapeKind.BOX: mujoco.mjtGeom.mjGEOM_BOX,
+    ShapeKind.SPHERE: mujoco.mjtGeom.mjGEOM_SPHERE,
+    ShapeKind.CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
+    ShapeKind.CAPSULE: mujoco.mjtGeom.mjGEOM_CAPSULE,
+    ShapeKind.ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    ShapeKind.CONVEX: mujoco.mjtGeom.mjGEOM_MESH,
+}
+
+
+@dataclass(eq=False, slots=True)
+class Slot:
+    """Where a frame lives in the arrays of the engine; -1 or empty where it does not.
+
+    Attributes:
+        body: MuJoCo body id.
+        qpos: address of the free joint (7 numbers) or hinge (1).
+        dof: address of its velocity (6 or 1).
+        mocap: mocap id.
+        actuator: id of the wheel motor.
+        geoms: geom ids by node.
+    """
+
+    frame: Frame
+    pose: RigidFrame
+    body: int = -1
+    qpos: int = -1
+    dof: int = -1
+    mocap: int = -1
+    actuator: int = -1
+    geoms: dict[Node, list[int]] = field(default_factory=dict)
+
+
+@dataclass(eq=False, slots=True)
+class Compiled:
+    """A model ready to step.
+
+    Attributes:
+        steps: physics steps per tick.
+        geom_node: node of each geom.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    slots: list[Slot]
+    steps: int
+    geom_node: list[Node]
+
+
+def compile_scene(scene: Scene) -> Compiled:
+    """Build the MuJoCo model of a scene whose collision shapes are worked out."""
+    settings = scene.settings
+    steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
+    spec = mujoco.MjSpec()
+    _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
+    builder = _Builder(spec)
+    frames = sorted(frames_of(scene), key=_not_moved_by_engine)
+    slots = [builder.add(frame) for frame in frames]
+    model = spec.compile()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    geom_node = builder.resolve(model, slots)
+    data = mujoco.MjData(model)
+    return Compiled(model, data, slots, steps, geom_node)
+
+
+def _not_moved_by_engine(frame: Frame) -> bool:
+    # a stable sort: bodies that move get the ids 1, 2, ... in the order of the scene
+    return not frame.solid or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
+
+
+def _set_options(spec: Any, gravity: float, step: float) -> None:
+    option = spec.option
+    option.timestep = step
+    option.gravity = [0.0, 0.0, -gravity]
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 10.0
+    option.enableflags |= mujoco.mjtEnableBit.mjENBL_SLEEP
+    spec.default.geom.solref = [2.0 * step, 1.0]
+    spec.default.geom.friction = [DEFAULT_FRICTION, _TORSIONAL, _ROLLING]
+
+
+class _Builder:
+    def __init__(self, spec: Any) -> None:
+        self._spec = spec
+        self._bodies: dict[Frame, Any] = {}
+        self._geoms: list[tuple[Any, Node, Slot]] = []
+        self._step = spec.option.timestep
+
+    def add(self, frame: Frame) -> Slot:
+        slot = Slot(frame, rigid_frame(frame.node))
+        if frame.motion is Motion.VIRTUAL or not frame.solid:
+            return slot
+        body = self._add_body(frame, slot)
+        self._bodies[frame] = body
+        if frame.motion is Motion.HINGE:
+            self._add_wheel(frame, slot, body)
+        else:
+            self._add_geoms(frame, slot, body)
+        return slot
+
+    def _add_body(self, frame: Frame, slot: Slot) -> Any:
+        parent, pose = self._spec.worldbody, slot.pose
+        position, rotation = np.array(pose.position), _array(pose.rotation)
+        if frame.parent is not None:
+            parent = self._bodies[frame.parent]
+            outer = rigid_frame(frame.parent.node)
+            turned = _array(outer.rotation).T
+            position, rotation = turned @ (position - np.array(outer.position)), turned @ rotation
+        body = parent.add_body(
+            name=frame.node.name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
+        )
+        if frame.motion is Motion.FREE:
+            body.add_freejoint(name=frame.node.name)
+            if not frame.node.body.gravity or frame.node.properties.get("NoGravity"):
+                body.gravcomp = 1.0
+        return body
+
+    def _add_geoms(self, frame: Frame, slot: Slot, body: Any) -> None:
+        total = sum(volume(shape) for node in frame.solid for shape in node.shapes or ()) or 1.0
+        mass = frame.node.body.mass if frame.motion is Motion.FREE else 0.0
+        lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
+        for node in frame.solid:
+            position, rotation = relative_pose(node, slot.pose)
+            for shape in node.shapes or ():
+                geom = self._add_geom(body, shape, position, rotation)
+                geom.mass = mass * volume(shape) / total
+                self._set_surface(geom, node, frame)
+                self._geoms.append((geom, node, slot))
+                low, high = bounding_box(shape, position, rotation)
+                lower, upper = np.minimum(lower, low), np.maximum(upper, high)
+        if frame.robot is not None and frame.motion is Motion.FREE:
+            body.explicitinertial = True
+            body.mass = mass
+            body.ipos, body.inertia = robot_inertia(mass, lower, upper)
+
+    def _add_geom(
+        self, body: Any, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
+    ) -> Any:
+        if shape.kind is ShapeKind.CONVEX:
+            assert shape.vertices is not None
+            mesh = self._spec.add_mesh(
+                name=f"hull{len(self._geoms)}",
+                uservert=np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+            )
+            return body.add_geom(
+                type=_TYPES[shape.kind], meshname=mesh.name, pos=position, quat=_quaternion(rotation)
+            )
+        turned = rotation @ np.reshape(shape.rotation, (3, 3))
+        size = np.zeros(3)
+        size[: len(shape.size)] = shape.size
+        return body.add_geom(
+            type=_TYPES[shape.kind],
+            size=size,
+            pos=position + rotation @ np.asarray(shape.position),
+            quat=_quaternion(turned),
+        )
+
+    def _set_surface(self, geom: Any, node: Node, frame: Frame) -> None:
+        friction = node.body.friction if node.body.friction is not None else frame.node.body.friction
+        if friction is not None:
+            geom.friction = [friction, _TORSIONAL, _ROLLING]
+            # the friction that a script names holds against everything, not only against slicker things
+            geom.priority = 1
+        restitution = max(node.body.restitution, frame.node.body.restitution)
+        if restitution > 0.0:
+            logarithm = math.log(min(restitution, 0.99))
+            geom.solref = [2.0 * self._step, -logarithm / math.hypot(math.pi, logarithm)]
+            geom.priority = 1
+        if "caster" in node.plain_name.lower():
+            geom.condim, geom.priority = 1, 2
+        if not node.body.collides and not frame.node.body.collides or node.body.type is PhysicsType.SENSOR:
+            geom.contype = geom.conaffinity = 0
+
+    def _add_wheel(self, frame: Frame, slot: Slot, body: Any) -> None:
+        node = frame.node
+        assert frame.parent is not None
+        axis = wheel_axis(node, frame.parent.node)
+        radius, half_width, rotation = wheel_size(node, axis)
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=0.01)
+        # an ellipsoid touches the floor in one point: wider wheels turn up to 25 % too slowly
+        geom = body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            size=[radius, radius, half_width],
+            quat=_quaternion(rotation),
+            mass=node.body.mass,
+        )
+        mu = node.body.friction if node.body.friction is not None else 1.0
+        geom.friction = [mu, _TORSIONAL, _ROLLING]
+        geom.priority = 1
+        self._geoms.append((geom, node, slot))
+        motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.set_to_velocity(kv=WHEEL_GAIN)
+        motor.forcerange = [-WHEEL_TORQUE, WHEEL_TORQUE]
+        motor.forcelimited = True
+
+    def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
+        """Take the ids that the compiler gave."""
+        geom_node: list[Any] = [None] * model.ngeom
+        for geom, node, slot in self._geoms:
+            geom_node[geom.id] = node
+            slot.geoms.setdefault(node, []).append(geom.id)
+        for slot in slots:
+            body = self._bodies.get(slot.frame)
+            if body is None:
+                continue
+            slot.body = body.id
+            slot.mocap = int(model.body_mocapid[body.id])
+            if model.body_jntnum[body.id]:
+                joint = int(model.body_jntadr[body.id])
+                slot.qpos, slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            if slot.frame.motion is Motion.FREE:
+                set_damping(model, slot)
+            if slot.frame.motion is Motion.HINGE:
+                slot.actuator = model.actuator(slot.frame.node.name).id
+        return geom_node
+
+
+def set_damping(model: mujoco.MjModel, slot: Slot) -> None:
+    """Make a free body lose the share of its velocity per second that its settings say.
+
+    ``v' = -c v`` with ``exp(-c) = 1 - d`` keeps ``1 - d`` of the velocity after a second.
+    """
+    body = slot.frame.node.body
+    linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
+    model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
+    model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
+
+
+def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Position (3,) and rotation (3, 3) of a node in a frame."""
+    own = rigid_frame(node)
+    turned = _array(frame.rotation).T
+    return turned @ (np.array(own.position) - np.array(frame.position)), turned @ _array(own.rotation)
+
+
+def _array(matrix: Any) -> NDArray[np.float64]:
+    return np.array([list(row) for row in matrix], dtype=np.float64)
+
+
+def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(rotation).ravel())
+    return quaternion

@@ -1,0 +1,311 @@
+"""The handle that components hold of an object in the world."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.mathutils import Matrix, Vector
+from morse.physics import rigid
+from morse.physics.children import ObjectList
+from morse.physics.convert import floats3, rotation_of
+from morse.physics.drive import Command
+from morse.physics.layout import Motion
+from morse.physics.names import LegacyNames
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from morse.physics.world import World
+    from morse.scene import Node
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+class GameObject(LegacyNames):
+    """An object of the running world: its pose, velocity, properties and children.
+
+    Positions are metres, rotations are 3x3 matrices, velocities m/s and rad/s. "World" values
+    are in the axes of the world, "local" ones in the axes of the parent (poses) or of the
+    object itself (velocities and forces). The attribute names are those that components of
+    MORSE 1.4 use.
+
+    Attributes:
+        node: the node of the scene that this object came from.
+        slot: index of the rigid group that it moves with.
+    """
+
+    def __init__(self, world: World, node: Node, slot: int) -> None:
+        self._world = world
+        self.node = node
+        self.slot = slot
+        self.properties: dict[str, Any] = dict(node.properties)
+        self._offset: tuple[Sequence[float], Sequence[float]] | None = None
+        self._stamp = -1
+        self._pose: tuple[Sequence[float], Sequence[float]] = (_ORIGIN, rigid.IDENTITY)
+        self._start = self._rest_offset()
+        self.visible = node.visible
+
+    def _rest_offset(self) -> tuple[Sequence[float], Sequence[float]] | None:
+        frame = self._world.slots[self.slot]
+        if frame.frame.node is self.node:
+            return None
+        own = rigid_frame(self.node)
+        return rigid.relative(
+            tuple(frame.pose.position), _flat(frame.pose.rotation), tuple(own.position), _flat(own.rotation)
+        )
+
+    def restore(self) -> None:
+        """Back to what the scene says; called by the reset of the world."""
+        self._offset = self._start
+        self._stamp = -1
+        self.properties = dict(self.node.properties)
+        self.visible = self.node.visible
+
+    # -- identity --------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """The name in the scene."""
+        return self.node.name
+
+    @property
+    def is_dynamic(self) -> bool:
+        """Whether it obeys forces."""
+        return self._world.slots[self.slot].frame.motion is Motion.FREE
+
+    @property
+    def mass(self) -> float:
+        """kg; 0 for what does not obey forces."""
+        slot = self._world.slots[self.slot]
+        return float(self._world.model.body_mass[slot.body]) if self.is_dynamic and slot.body > 0 else 0.0
+
+    @property
+    def localInertia(self) -> Vector:  # noqa: N802
+        """Principal moments of inertia, kg m^2."""
+        slot = self._world.slots[self.slot]
+        return Vector(self._world.model.body_inertia[slot.body].tolist() if slot.body > 0 else _ORIGIN)
+
+    def __repr__(self) -> str:
+        return self.name
+
+    # -- tree ------------------------------------------------------------------------------
+
+    @property
+    def parent(self) -> GameObject | None:
+        """What it is attached to, in the scene or since then."""
+        if self._world.slots[self.slot].frame.node is self.node:
+            holder = self._world.attachments.holder(self.slot)
+            if holder is not None:
+                return holder
+        return self._world.object_of(self.node.parent) if self.node.parent is not None else None
+
+    @property
+    def children(self) -> ObjectList:
+        """The objects attached to it."""
+        return ObjectList([self._world.object_of(child) for child in self.node.children])
+
+    @property
+    def childrenRecursive(self) -> ObjectList:  # noqa: N802
+        """The objects attached to it, to those, and so on."""
+        return ObjectList([self._world.object_of(node) for node in self.node.walk() if node is not self.node])
+
+    def setParent(self, parent: GameObject, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
+        """Hang this object, as it is now, on another one."""
+        if self._world.slots[self.slot].frame.node is self.node:
+            self._world.attachments.hold(self.slot, parent)
+
+    def removeParent(self) -> None:  # noqa: N802
+        """Let go of what `setParent` hung it on."""
+        self._world.attachments.release(self.slot)
+
+    # -- properties ------------------------------------------------------------------------
+
+    def __getitem__(self, name: str) -> Any:
+        return self.properties[name]
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        self.properties[name] = value
+
+    def __delitem__(self, name: str) -> None:
+        del self.properties[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.properties
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.properties)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """A property, or ``default``."""
+        return self.properties.get(name, default)
+
+    def getPropertyNames(self) -> list[str]:  # noqa: N802
+        """The names of the properties."""
+        return list(self.properties)
+
+    # -- pose ------------------------------------------------------------------------------
+
+    def pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9, row-major) in the world, as plain floats."""
+        world = self._world
+        if self._stamp != world.stamp:
+            slot = self.slot
+            if self._offset is None:
+                self._pose = (world.positions[slot], world.rotations[slot])
+            else:
+                self._pose = rigid.compose(world.positions[slot], world.rotations[slot], *self._offset)
+            self._stamp = world.stamp
+        return self._pose
+
+    def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9) in the frame of the parent."""
+        parent = self.parent
+        return self.pose() if parent is None else rigid.relative(*parent.pose(), *self.pose())
+
+    def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put the object, and what is attached to it, somewhere in the world; its velocity stays."""
+        world = self._world
+        slot = world.slots[self.slot]
+        if slot.frame.node is self.node:
+            world.place(self.slot, position, rotation)
+            world.attachments.moved(self.slot)
+            return
+        frame = (world.positions[self.slot], world.rotations[self.slot])
+        old = self.pose()
+        members = [world.object_of(node) for node in self.node.walk() if world.object_of(node).slot == self.slot]
+        relative_poses = [rigid.relative(*old, *member.pose()) for member in members]
+        for member, (offset, turned) in zip(members, relative_poses, strict=True):
+            member._offset = rigid.relative(*frame, *rigid.compose(position, rotation, offset, turned))
+            member._stamp = -1
+            world.move_shapes(member)
+        world.note_displaced(self)
+
+    def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put the object somewhere in the frame of its parent."""
+        parent = self.parent
+        self.set_pose(*((position, rotation) if parent is None else rigid.compose(*parent.pose(), position, rotation)))
+
+    @property
+    def offset(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position and rotation in the rigid group it belongs to."""
+        return self._offset or (_ORIGIN, rigid.IDENTITY)
+
+    # -- velocity and forces ---------------------------------------------------------------
+
+    def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Linear and angular velocity of its origin, in world axes."""
+        linear, angular = self._world.velocity(self.slot)
+        if self._offset is not None:
+            origin, here = self._world.positions[self.slot], self.pose()[0]
+            arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
+            x, y, z = rigid.cross(angular, arm)
+            linear = (linear[0] + x, linear[1] + y, linear[2] + z)
+        return linear, angular
+
+    def drive(
+        self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
+    ) -> None:
+        """Move with a velocity, in its own axes, during the next tick.
+
+        Args:
+            position: without gaining momentum.
+            ground: leave the vertical speed and the roll and pitch rates to gravity and contacts.
+        """
+        self._world.drives.command(
+            self.slot, Command(floats3(linear, "linear speed"), floats3(angular, "angular speed"), position, ground)
+        )
+
+    def halt(self) -> None:
+        """Come to rest."""
+        self._world.drives.cancel(self.slot)
+        self._world.set_velocity(self.slot, _ORIGIN, _ORIGIN)
+
+    def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
+        """Push the body at its centre of mass during the next tick, N and N m."""
+        force, torque = floats3(force, "force"), floats3(torque, "torque")
+        if local:
+            rotation = self.pose()[1]
+            force, torque = rigid.turn(rotation, force), rigid.turn(rotation, torque)
+        self._world.apply_wrench(self.slot, force, torque)
+
+    def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
+        """Stay where it is, whatever acts on it."""
+        self._world.attachments.suspend(self.slot)
+
+    def restoreDynamics(self) -> None:  # noqa: N802
+        """Obey the physics again."""
+        self._world.attachments.resume(self.slot)
+
+    @property
+    def isSuspendDynamics(self) -> bool:  # noqa: N802
+        """Whether it is kept where it is."""
+        return self._world.attachments.is_suspended(self.slot)
+
+    def disable_gravity(self) -> None:
+        """Do not fall any more."""
+        self._world.set_weightless(self.slot)
+
+    # -- looking around --------------------------------------------------------------------
+
+    def getDistanceTo(self, other: GameObject | Sequence[float]) -> float:  # noqa: N802
+        """Distance between origins, m."""
+        return math.dist(self.pose()[0], _point(other))
+
+    def getVectTo(self, other: GameObject | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
+        """Distance (m) and unit vector to an object or point, in world axes and in its own."""
+        position, rotation = self.pose()
+        target = _point(other)
+        delta = tuple(b - a for a, b in zip(position, target, strict=True))
+        distance = math.sqrt(sum(d * d for d in delta))
+        unit = tuple(d / distance for d in delta) if distance else _ORIGIN
+        return distance, Vector(unit), Vector(rigid.turn_back(rotation, unit))
+
+    def rayCast(  # noqa: N802
+        self,
+        objto: GameObject | Sequence[float],
+        objfrom: GameObject | Sequence[float] | None = None,
+        dist: float = 0.0,
+        prop: str = "",
+        face: int = 0,
+        xray: int = 0,
+        poly: int = 0,
+    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
+        """The first thing on the way to a point: object, hit point and normal, or three None.
+
+        Args:
+            dist: look that far, in metres, also beyond the target; 0 for up to the target.
+            prop: only stop at objects that have this property.
+            xray: see through the objects that have not.
+        """
+        start = self.pose()[0] if objfrom is None else _point(objfrom)
+        return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
+
+    def rayCastTo(  # noqa: N802
+        self, other: GameObject | Sequence[float], dist: float = 0.0, prop: str = ""
+    ) -> GameObject | None:
+        """The first thing on the way to a point, or None."""
+        return self.rayCast(other, None, dist, prop)[0]
+
+    def setVisible(self, visible: bool, recursive: bool = False) -> None:  # noqa: N802
+        """Show or hide it."""
+        self.visible = bool(visible)
+        self._world.appearance_changed(self)
+        if recursive:
+            for child in self.childrenRecursive:
+                child.setVisible(visible)
+
+
+def _flat(matrix: Matrix) -> tuple[float, ...]:
+    return tuple(value for row in matrix for value in row)
+
+
+def _point(place: Any) -> tuple[float, float, float]:
+    if isinstance(place, GameObject):
+        x, y, z = place.pose()[0]
+        return x, y, z
+    return floats3(place, "point")
+
+
+__all__ = ["GameObject", "rotation_of"]

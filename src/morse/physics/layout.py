@@ -1,0 +1,94 @@
+"""Which node of the scene belongs to which body of the physics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from morse.scene import PhysicsType
+
+if TYPE_CHECKING:
+    from morse.scene import ComponentDeclaration, Node, Scene
+
+
+class Motion(StrEnum):
+    """How a frame moves."""
+
+    FIXED = "fixed"
+    FREE = "free"
+    KINEMATIC = "kinematic"
+    HINGE = "hinge"
+    VIRTUAL = "virtual"
+
+
+@dataclass(eq=False, slots=True)
+class Frame:
+    """A rigid group of nodes.
+
+    Attributes:
+        node: the node whose frame it is.
+        motion: free bodies obey forces; kinematic ones go where they are put and push others;
+            hinges turn about the local Z axis of their node; virtual ones have no shape.
+        members: the node and those below it that move with it.
+        solid: the members with a shape that collides or is seen by rays.
+        parent: the frame a hinge hangs on.
+        robot: its robot, if it is one.
+    """
+
+    node: Node
+    motion: Motion
+    members: list[Node] = field(default_factory=list)
+    solid: list[Node] = field(default_factory=list)
+    parent: Frame | None = None
+    robot: ComponentDeclaration | None = None
+
+
+def has_shape(node: Node) -> bool:
+    """True for nodes that take part in collisions, or only in contacts and rays."""
+    return bool(node.shapes) and (
+        node.body.moves or node.body.type in (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
+    )
+
+
+def frames_of(scene: Scene) -> list[Frame]:
+    """The frames of a scene, in the order of its nodes."""
+    robots = {c.node: c for c in scene.components if c.kind in ("robot", "external_robot")}
+    wheels: dict[str, ComponentDeclaration] = {}
+    for declaration in robots.values():
+        names = declaration.options.get("wheels", ())
+        assert isinstance(names, (list, tuple))
+        wheels.update({str(name): declaration for name in names})
+    frames: list[Frame] = []
+
+    def visit(node: Node, frame: Frame | None) -> None:
+        if node.name in wheels and frame is not None and frame.motion is Motion.FREE:
+            frame = Frame(node, Motion.HINGE, parent=frame)
+            frames.append(frame)
+        elif frame is None or (node in robots and frame.robot is None):
+            frame = Frame(node, _motion(node, node in robots), robot=robots.get(node))
+            frames.append(frame)
+        frame.members.append(node)
+        if has_shape(node):
+            frame.solid.append(node)
+        for child in node.children:
+            visit(child, frame)
+
+    for root in scene.roots:
+        visit(root, None)
+    for frame in frames:
+        if frame.motion is Motion.KINEMATIC and not frame.solid:
+            frame.motion = Motion.VIRTUAL
+    return frames
+
+
+def _motion(node: Node, is_robot: bool) -> Motion:
+    if node.body.moves and _collides_somewhere(node):
+        return Motion.FREE
+    if is_robot or node.body.moves:
+        return Motion.KINEMATIC
+    return Motion.FIXED
+
+
+def _collides_somewhere(node: Node) -> bool:
+    return any(has_shape(member) for member in node.walk())

@@ -1,0 +1,183 @@
+"""The attributes of objects under the names that components of MORSE 1.4 use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.mathutils import Matrix, Vector
+from morse.physics import rigid
+from morse.physics.convert import floats3, rotation_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.physics.world import World
+
+# ruff: noqa: N802
+
+
+def _matrix(r: Sequence[float]) -> Matrix:
+    return Matrix(((r[0], r[1], r[2]), (r[3], r[4], r[5]), (r[6], r[7], r[8])))
+
+
+class LegacyNames:
+    """Poses, velocities and forces as attributes; see `morse.physics.gameobject.GameObject`."""
+
+    _world: World
+    slot: int
+
+    def pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        raise NotImplementedError
+
+    def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        raise NotImplementedError
+
+    def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        raise NotImplementedError
+
+    def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        raise NotImplementedError
+
+    def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
+        raise NotImplementedError
+
+    def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
+        raise NotImplementedError
+
+    @property
+    def worldPosition(self) -> Vector:
+        """Position in the world, m."""
+        return Vector(self.pose()[0])
+
+    @worldPosition.setter
+    def worldPosition(self, value: Any) -> None:
+        self.set_pose(floats3(value, "position"), self.pose()[1])
+
+    @property
+    def worldOrientation(self) -> Matrix:
+        """3x3 rotation from its axes to those of the world."""
+        return _matrix(self.pose()[1])
+
+    @worldOrientation.setter
+    def worldOrientation(self, value: Any) -> None:
+        self.set_pose(self.pose()[0], rotation_of(value))
+
+    @property
+    def localPosition(self) -> Vector:
+        """Position in the frame of its parent, m."""
+        return Vector(self.local_pose()[0])
+
+    @localPosition.setter
+    def localPosition(self, value: Any) -> None:
+        self.set_local_pose(floats3(value, "position"), self.local_pose()[1])
+
+    @property
+    def localOrientation(self) -> Matrix:
+        """3x3 rotation from its axes to those of its parent."""
+        return _matrix(self.local_pose()[1])
+
+    @localOrientation.setter
+    def localOrientation(self, value: Any) -> None:
+        self.set_local_pose(self.local_pose()[0], rotation_of(value))
+
+    # 1.4 read these in the world and wrote them in the parent's frame; scripts rely on both
+    position = property(lambda self: self.worldPosition, lambda self, value: setattr(self, "localPosition", value))
+    orientation = property(
+        lambda self: self.worldOrientation, lambda self, value: setattr(self, "localOrientation", value)
+    )
+
+    @property
+    def worldTransform(self) -> Matrix:
+        """4x4 pose in the world."""
+        p, r = self.pose()
+        return Matrix(((*r[0:3], p[0]), (*r[3:6], p[1]), (*r[6:9], p[2]), (0.0, 0.0, 0.0, 1.0)))
+
+    @worldTransform.setter
+    def worldTransform(self, value: Any) -> None:
+        self.set_pose(floats3([value[i][3] for i in range(3)], "position"), rotation_of([row[:3] for row in value][:3]))
+
+    @property
+    def worldLinearVelocity(self) -> Vector:
+        """Velocity of its origin in world axes, m/s."""
+        return Vector(self.velocity()[0])
+
+    @worldLinearVelocity.setter
+    def worldLinearVelocity(self, value: Any) -> None:
+        self._world.set_velocity(self.slot, floats3(value, "velocity"), None)
+
+    @property
+    def worldAngularVelocity(self) -> Vector:
+        """Angular velocity in world axes, rad/s."""
+        return Vector(self.velocity()[1])
+
+    @worldAngularVelocity.setter
+    def worldAngularVelocity(self, value: Any) -> None:
+        self._world.set_velocity(self.slot, None, floats3(value, "velocity"))
+
+    @property
+    def localLinearVelocity(self) -> Vector:
+        """Velocity of its origin in its own axes, m/s."""
+        return Vector(rigid.turn_back(self.pose()[1], self.velocity()[0]))
+
+    @localLinearVelocity.setter
+    def localLinearVelocity(self, value: Any) -> None:
+        self._world.set_velocity(self.slot, rigid.turn(self.pose()[1], floats3(value, "velocity")), None)
+
+    @property
+    def localAngularVelocity(self) -> Vector:
+        """Angular velocity in its own axes, rad/s."""
+        return Vector(rigid.turn_back(self.pose()[1], self.velocity()[1]))
+
+    @localAngularVelocity.setter
+    def localAngularVelocity(self, value: Any) -> None:
+        self._world.set_velocity(self.slot, None, rigid.turn(self.pose()[1], floats3(value, "velocity")))
+
+    linearVelocity = property(
+        lambda self: self.worldLinearVelocity, lambda self, value: setattr(self, "worldLinearVelocity", value)
+    )
+    angularVelocity = property(
+        lambda self: self.worldAngularVelocity, lambda self, value: setattr(self, "worldAngularVelocity", value)
+    )
+
+    def getLinearVelocity(self, local: bool = False) -> Vector:
+        """Velocity of its origin, m/s."""
+        return self.localLinearVelocity if local else self.worldLinearVelocity
+
+    def setLinearVelocity(self, velocity: Any, local: bool = False) -> None:
+        """Give it a velocity, m/s."""
+        if local:
+            self.localLinearVelocity = velocity
+        else:
+            self.worldLinearVelocity = velocity
+
+    def getAngularVelocity(self, local: bool = False) -> Vector:
+        """Angular velocity, rad/s."""
+        return self.localAngularVelocity if local else self.worldAngularVelocity
+
+    def setAngularVelocity(self, velocity: Any, local: bool = False) -> None:
+        """Give it an angular velocity, rad/s."""
+        if local:
+            self.localAngularVelocity = velocity
+        else:
+            self.worldAngularVelocity = velocity
+
+    def applyForce(self, force: Any, local: bool = False) -> None:
+        """Push its centre of mass during the next tick, N."""
+        self.wrench(force, (0.0, 0.0, 0.0), local)
+
+    def applyTorque(self, torque: Any, local: bool = False) -> None:
+        """Twist it during the next tick, N m."""
+        self.wrench((0.0, 0.0, 0.0), torque, local)
+
+    def applyMovement(self, movement: Any, local: bool = False) -> None:
+        """Shift it at once, m."""
+        p, r = self.pose()
+        m = floats3(movement, "movement")
+        x, y, z = rigid.turn(r, m) if local else m
+        self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
+
+    def applyRotation(self, rotation: Any, local: bool = False) -> None:
+        """Turn it at once, rad about each axis."""
+        p, r = self.pose()
+        turned = rotation_of(list(floats3(rotation, "rotation")))
+        self.set_pose(p, rigid.product(r, turned) if local else rigid.product(turned, r))

@@ -1,0 +1,112 @@
+"""Rigid transforms on plain floats: positions of 3, rotations of 9 (row-major) numbers.
+
+For single poses these are several times quicker than arrays, and every component takes one
+pose every tick.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+Position = Sequence[float]
+Rotation = Sequence[float]
+
+IDENTITY: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def turn(r: Rotation, v: Position) -> tuple[float, float, float]:
+    """``R v``."""
+    x, y, z = v
+    return (r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z)
+
+
+def turn_back(r: Rotation, v: Position) -> tuple[float, float, float]:
+    """``R^T v``."""
+    x, y, z = v
+    return (r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z)
+
+
+def product(a: Rotation, b: Rotation) -> tuple[float, ...]:
+    """``A B``."""
+    a0, a1, a2, a3, a4, a5, a6, a7, a8 = a
+    b0, b1, b2, b3, b4, b5, b6, b7, b8 = b
+    return (
+        a0 * b0 + a1 * b3 + a2 * b6,
+        a0 * b1 + a1 * b4 + a2 * b7,
+        a0 * b2 + a1 * b5 + a2 * b8,
+        a3 * b0 + a4 * b3 + a5 * b6,
+        a3 * b1 + a4 * b4 + a5 * b7,
+        a3 * b2 + a4 * b5 + a5 * b8,
+        a6 * b0 + a7 * b3 + a8 * b6,
+        a6 * b1 + a7 * b4 + a8 * b7,
+        a6 * b2 + a7 * b5 + a8 * b8,
+    )
+
+
+def transpose(r: Rotation) -> tuple[float, ...]:
+    """``R^T``."""
+    return (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
+
+
+def compose(p: Position, r: Rotation, offset: Position, turned: Rotation) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The pose ``(offset, turned)``, given in the frame ``(p, r)``, in the world."""
+    x, y, z = turn(r, offset)
+    return (p[0] + x, p[1] + y, p[2] + z), product(r, turned)
+
+
+def relative(
+    p: Position, r: Rotation, position: Position, rotation: Rotation
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The world pose ``(position, rotation)`` as seen from the frame ``(p, r)``."""
+    delta = (position[0] - p[0], position[1] - p[1], position[2] - p[2])
+    return turn_back(r, delta), product(transpose(r), rotation)
+
+
+def cross(a: Position, b: Position) -> tuple[float, float, float]:
+    """``a x b``."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def rotation_of_vector(v: Position) -> tuple[float, ...]:
+    """The rotation by ``|v|`` radians about ``v`` (Rodrigues)."""
+    x, y, z = v
+    angle = math.sqrt(x * x + y * y + z * z)
+    if angle < 1e-12:
+        return (1.0, -z, y, z, 1.0, -x, -y, x, 1.0)
+    x, y, z = x / angle, y / angle, z / angle
+    c, s = math.cos(angle), math.sin(angle)
+    t = 1.0 - c
+    return (
+        t * x * x + c, t * x * y - s * z, t * x * z + s * y,
+        t * x * y + s * z, t * y * y + c, t * y * z - s * x,
+        t * x * z - s * y, t * y * z + s * x, t * z * z + c,
+    )  # fmt: skip
+
+
+def quaternion(r: Rotation) -> tuple[float, float, float, float]:
+    """w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
+    trace = r[0] + r[4] + r[8]
+    if trace > 0.0:
+        s = 2.0 * math.sqrt(trace + 1.0)
+        return 0.25 * s, (r[7] - r[5]) / s, (r[2] - r[6]) / s, (r[3] - r[1]) / s
+    if r[0] > r[4] and r[0] > r[8]:
+        s = 2.0 * math.sqrt(1.0 + r[0] - r[4] - r[8])
+        return (r[7] - r[5]) / s, 0.25 * s, (r[1] + r[3]) / s, (r[2] + r[6]) / s
+    if r[4] > r[8]:
+        s = 2.0 * math.sqrt(1.0 + r[4] - r[0] - r[8])
+        return (r[2] - r[6]) / s, (r[1] + r[3]) / s, 0.25 * s, (r[5] + r[7]) / s
+    s = 2.0 * math.sqrt(1.0 + r[8] - r[0] - r[4])
+    return (r[3] - r[1]) / s, (r[2] + r[6]) / s, (r[5] + r[7]) / s, 0.25 * s
+
+
+def rotation_of_quaternion(q: Sequence[float]) -> tuple[float, ...]:
+    """The rotation of a quaternion w, x, y, z (normalised first)."""
+    w, x, y, z = q
+    n = math.sqrt(w * w + x * x + y * y + z * z) or 1.0
+    w, x, y, z = w / n, x / n, y / n, z / n
+    return (
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
+    )  # fmt: skip

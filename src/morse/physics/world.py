@@ -1,0 +1,300 @@
+"""The physics of a running scene: step it, reset it, ask it where things are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.physics import rigid
+from morse.physics.attachments import Attachments
+from morse.physics.compile import compile_scene
+from morse.physics.drives import Drives
+from morse.physics.gameobject import GameObject
+from morse.physics.layout import Motion
+from morse.physics.raycast import cast_ray
+from morse.physics.stability import check_stable
+from morse.scene import ShapeKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.mathutils import Vector
+    from morse.physics.compile import Slot
+    from morse.scene import CollisionShape, Node, Scene
+
+
+class World:
+    """A compiled scene and its state.
+
+    Every node of the scene has a `GameObject`; rigid groups of nodes share a *slot*. Slots that
+    the engine moves come first, so that slot ``k`` is MuJoCo body ``k + 1``.
+
+    Attributes:
+        model, data: the MuJoCo model and state; only this package touches them.
+        stamp: changes whenever anything has moved.
+        positions: of each slot, [x, y, z] in metres, world frame.
+        rotations: of each slot, 9 row-major numbers.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.period = 1.0 / scene.settings.frequency
+        compiled = compile_scene(scene)
+        self.model, self.data, self.slots = compiled.model, compiled.data, compiled.slots
+        self.steps, self.geom_node = compiled.steps, compiled.geom_node
+        self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
+        self.stamp = 0
+        self.positions: list[Sequence[float]] = []
+        self.rotations: list[Sequence[float]] = []
+        self.drives = Drives(self)
+        self.attachments = Attachments(self)
+        self._slot_of: dict[Node, int] = {
+            node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
+        }
+        self._objects: dict[Node, GameObject] = {}
+        self._names: dict[str, GameObject] = {}
+        for node in scene.nodes():
+            obj = GameObject(self, node, self._slot_of[node])
+            self._objects[node] = self._names[node.name] = obj
+        self.displaced: list[GameObject] = []
+        self.repainted: set[GameObject] = set()
+        self.layout = 0
+        self._forces = False
+        self.reset()
+
+    # -- objects ---------------------------------------------------------------------------
+
+    @property
+    def objects_by_name(self) -> dict[str, GameObject]:
+        """Every object of the world."""
+        return self._names
+
+    def objects(self) -> Iterator[GameObject]:
+        """Every object, parents before their children."""
+        return iter(self._objects.values())
+
+    def object_of(self, node: Node) -> GameObject:
+        """The object of a node."""
+        return self._objects[node]
+
+    def game_object(self, name: str) -> GameObject:
+        """The object of that name.
+
+        Raises:
+            KeyError: if there is none.
+        """
+        return self._names[name]
+
+    def geom_object(self, geom: int) -> GameObject:
+        """The object whose shape a MuJoCo geom is."""
+        return self._objects[self.geom_node[geom]]
+
+    # -- time ------------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Everything as the scene says, at rest."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.drives.reset()
+        self.attachments.reset()
+        self.positions = [tuple(slot.pose.position) for slot in self.slots]
+        self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
+        for obj in self._objects.values():
+            obj.restore()
+        self._forces = False
+        mujoco.mj_forward(self.model, self.data)
+        self.refresh()
+
+    def step(self) -> None:
+        """One tick: apply the commands, let the engine take its steps, read the poses."""
+        self.attachments.before_step()
+        self.drives.apply()
+        mujoco.mj_step(self.model, self.data, self.steps)
+        self.drives.release()
+        if self._forces:
+            self.data.xfrc_applied[:] = 0.0
+            self._forces = False
+        self.attachments.after_step()
+        check_stable(self)
+        self.sync()
+
+    def sync(self) -> None:
+        """Work out where everything is, from the state as it is now."""
+        mujoco.mj_kinematics(self.model, self.data)
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Take the poses of the moving bodies from the engine."""
+        count = self.moving
+        self.positions[:count] = self.data.xpos[1 : count + 1].tolist()
+        self.rotations[:count] = self.data.xmat[1 : count + 1].tolist()
+        self.stamp += 1
+
+    # -- state of one slot -----------------------------------------------------------------
+
+    def place(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put a slot somewhere in the world; its velocity stays."""
+        slot = self.slots[index]
+        if slot.frame.motion is Motion.HINGE:
+            return
+        p, q = position, rigid.quaternion(rotation)
+        if slot.frame.motion is Motion.FREE and slot.qpos >= 0:
+            self.data.qpos[slot.qpos : slot.qpos + 7] = (p[0], p[1], p[2], *q)
+        elif slot.mocap >= 0:
+            self.data.mocap_pos[slot.mocap] = p
+            self.data.mocap_quat[slot.mocap] = q
+        elif slot.body > 0:
+            self._move_fixed(slot, p, q)
+        self.positions[index], self.rotations[index] = tuple(position), tuple(rotation)
+        self.stamp += 1
+        for other, child in enumerate(self.slots):
+            if child.frame.parent is slot.frame:
+                mujoco.mj_kinematics(self.model, self.data)
+                self.positions[other] = self.data.xpos[child.body].tolist()
+                self.rotations[other] = self.data.xmat[child.body].tolist()
+
+    def _move_fixed(self, slot: Slot, position: Sequence[float], quaternion: Sequence[float]) -> None:
+        self.model.body_pos[slot.body] = position
+        self.model.body_quat[slot.body] = quaternion
+        # what never moves is computed once while sleeping is allowed
+        flag = mujoco.mjtEnableBit.mjENBL_SLEEP
+        self.model.opt.enableflags &= ~flag
+        mujoco.mj_kinematics(self.model, self.data)
+        self.model.opt.enableflags |= flag
+
+    def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""
+        slot = self.slots[index]
+        if slot.frame.motion is Motion.FREE and slot.dof >= 0:
+            v = self.data.qvel[slot.dof : slot.dof + 6].tolist()
+            return v[:3], rigid.turn(self.rotations[index], v[3:])
+        if slot.frame.motion is Motion.HINGE:
+            return self._hinge_velocity(slot)
+        return self.drives.kinematic_velocity(index)
+
+    def _hinge_velocity(self, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
+        result = np.zeros(6)
+        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_XBODY, slot.body, result, 0)
+        return result[3:].tolist(), result[:3].tolist()
+
+    def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
+        """Set the velocity of a free slot, in world axes; others keep theirs."""
+        slot = self.slots[index]
+        if slot.frame.motion is not Motion.FREE or slot.dof < 0:
+            return
+        if linear is not None:
+            self.data.qvel[slot.dof : slot.dof + 3] = linear
+        if angular is not None:
+            self.data.qvel[slot.dof + 3 : slot.dof + 6] = rigid.turn_back(self.rotations[index], angular)
+
+    def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
+        """Push a body at its centre of mass during the next tick: N and N m, world axes."""
+        slot = self.slots[index]
+        if slot.body > 0:
+            self.data.xfrc_applied[slot.body] += (*force, *torque)
+            self._forces = True
+
+    def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
+        """Let the shapes of nodes collide, or pass through everything."""
+        for node in nodes:
+            for geom in self.slots[self._slot_of[node]].geoms.get(node, ()):
+                self.model.geom_contype[geom] = self.model.geom_conaffinity[geom] = int(active)
+
+    def move_shapes(self, obj: GameObject) -> None:
+        """Take the collision shapes of an object along after it moved within its body."""
+        slot = self.slots[obj.slot]
+        if obj.node not in slot.geoms or slot.frame.motion is Motion.HINGE:
+            return
+        offset, turned = obj.offset
+        for geom, shape in zip(slot.geoms[obj.node], obj.node.shapes or (), strict=True):
+            position, rotation = rigid.compose(offset, turned, *self._shape_pose(geom, shape))
+            self.model.geom_pos[geom] = position
+            self.model.geom_quat[geom] = rigid.quaternion(rotation)
+
+    def _shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
+        if shape.kind is not ShapeKind.CONVEX:
+            return shape.position, shape.rotation
+        # the compiler moves hulls to their centre of mass and principal axes
+        mesh = self.model.geom_dataid[geom]
+        return (
+            self.model.mesh_pos[mesh].tolist(),
+            rigid.rotation_of_quaternion(self.model.mesh_quat[mesh].tolist()),
+        )
+
+    def set_weightless(self, index: int) -> None:
+        """Cancel gravity for a slot."""
+        slot = self.slots[index]
+        if slot.body < 0 or self.model.body_gravcomp[slot.body] == 1.0:
+            return
+        self.model.body_gravcomp[slot.body] = 1.0
+        # the engine counts weightless bodies at compile time only; counting anew spoils qpos
+        qpos = self.data.qpos.copy()
+        mujoco.mj_setConst(self.model, self.data)
+        self.data.qpos[:] = qpos
+        mujoco.mj_forward(self.model, self.data)
+
+    # -- looking around ----------------------------------------------------------------------
+
+    def cast(
+        self,
+        start: Sequence[float],
+        target: Sequence[float],
+        distance: float,
+        prop: str,
+        xray: bool,
+        exclude: GameObject,
+    ) -> tuple[GameObject | None, Vector | None, Vector | None]:
+        """See `GameObject.rayCast`; the body of ``exclude`` is looked through."""
+        return cast_ray(self, start, target, distance, prop, xray, exclude)
+
+    def contacts(self) -> list[tuple[GameObject, GameObject]]:
+        """The pairs of objects that touch now."""
+        pairs = self.data.contact.geom[: self.data.ncon].tolist()
+        return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
+
+    def appearance_changed(self, obj: GameObject) -> None:
+        """Something about the looks of an object changed: the view has to know."""
+        self.repainted.add(obj)
+
+    # -- the view --------------------------------------------------------------------------
+
+    def moving_nodes(self) -> list[tuple[Node, str]]:
+        """The nodes whose poses `poses` gives, each with ``world`` or ``parent``, its frame."""
+        nodes = [
+            (slot.frame.node, "world") for slot in self.slots if slot.frame.motion is not Motion.FIXED
+        ]
+        return nodes + [(obj.node, "parent") for obj in self.displaced]
+
+    def poses(self) -> NDArray[np.float32]:
+        """(M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `moving_nodes`."""
+        count = self.moving
+        rest = [i for i in range(count, len(self.slots)) if self.slots[i].frame.motion is not Motion.FIXED]
+        result = np.empty((count + len(rest) + len(self.displaced), 7), dtype=np.float32)
+        result[:count, :3] = self.data.xpos[1 : count + 1]
+        result[:count, 3:] = self.data.xquat[1 : count + 1]
+        for row, i in enumerate(rest, count):
+            result[row, :3] = self.positions[i]
+            result[row, 3:] = rigid.quaternion(self.rotations[i])
+        for row, obj in enumerate(self.displaced, count + len(rest)):
+            position, rotation = obj.local_pose()
+            result[row, :3] = position
+            result[row, 3:] = rigid.quaternion(rotation)
+        return result
+
+    def note_displaced(self, obj: GameObject) -> None:
+        """A node has moved relative to its parent: from now on the view gets its pose."""
+        if obj not in self.displaced and self.slots[obj.slot].frame.node is not obj.node:
+            self.displaced.append(obj)
+            self.layout += 1
+
+    def state(self) -> NDArray[np.float64]:
+        """Everything that determines the future of the physics, as one flat array."""
+        size = mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION)
+        state = np.empty(size)
+        mujoco.mj_getState(self.model, self.data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
+        others: list[Any] = [v for i in range(self.moving, len(self.slots)) for v in self.positions[i]]
+        others += [v for i in range(self.moving, len(self.slots)) for v in self.rotations[i]]
+        return np.concatenate([state, np.asarray(others, dtype=np.float64)])

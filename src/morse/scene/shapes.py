@@ -1,0 +1,43 @@
+"""Collision shapes in the rigid frame of a node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class ShapeKind(StrEnum):
+    """The shapes that the physics knows."""
+
+    BOX = "box"
+    SPHERE = "sphere"
+    CYLINDER = "cylinder"
+    CAPSULE = "capsule"
+    ELLIPSOID = "ellipsoid"
+    CONVEX = "convex"
+
+
+@dataclass(eq=False, slots=True)
+class CollisionShape:
+    """One convex piece of a body.
+
+    Attributes:
+        size: metres. Box and ellipsoid: three half sizes; sphere: radius; cylinder and capsule:
+            radius and half length (of the straight part) along Z; convex: empty.
+        position: of its centre in the node's frame.
+        rotation: row-major 3x3, shape to node.
+        vertices: (V, 3) points whose hull is the shape, in the node's frame (convex only).
+    """
+
+    kind: ShapeKind
+    size: tuple[float, ...]
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: tuple[float, float, float, float, float, float, float, float, float] = _IDENTITY
+    vertices: NDArray[np.float64] | None = None

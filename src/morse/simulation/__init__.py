@@ -1,0 +1,1 @@
+"""Runs scenes: load, tick, pace, reset, shut down."""

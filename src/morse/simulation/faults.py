@@ -1,0 +1,36 @@
+"""Reports mistakes in user code by file and line, without the frames of the simulator."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+_OURS = Path(__file__).resolve().parents[1]
+
+
+def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
+    """The frames of a traceback that are not the simulator's own."""
+    return [
+        frame
+        for frame in traceback.extract_tb(trace)
+        if not Path(frame.filename).resolve().is_relative_to(_OURS) and not frame.filename.startswith("<frozen")
+    ]
+
+
+def describe(error: BaseException) -> str:
+    """What happened and where: the error, and the user's line that led to it."""
+    frames = user_frames(error.__traceback__)
+    what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    if not frames:
+        last = traceback.extract_tb(error.__traceback__)[-1:]
+        return what + "".join(f" (in {Path(f.filename).name}, line {f.lineno})" for f in last)
+    lines = [what]
+    for frame in frames:
+        lines.append(f'  File "{frame.filename}", line {frame.lineno}, in {frame.name}')
+        if frame.line:
+            lines.append(f"    {frame.line.strip()}")
+    return "\n".join(lines)

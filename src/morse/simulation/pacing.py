@@ -1,0 +1,82 @@
+"""Keeps simulated time and the wall clock together."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+
+#: behind by more than this, the lost time is given up: catching up would play it too fast
+_GIVE_UP = 0.25
+#: how often a simulation that falls behind says so, wall-clock seconds
+_REPORT_EVERY = 10.0
+
+
+class Pacer:
+    """Waits between ticks.
+
+    Attributes:
+        speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible.
+        lost: wall-clock seconds given up since the last report.
+    """
+
+    def __init__(self, period: float, speed: float) -> None:
+        self.period = period
+        self.speed = speed
+        self.lost = 0.0
+        self._due = time.perf_counter()
+        self._wake = threading.Event()
+        self._last_report = -math.inf
+        self._window = (time.perf_counter(), 0)
+        self._ticks = 0
+        self.real_time_factor = 0.0
+
+    def restart(self) -> None:
+        """Forget the past: after a pause, or when the speed has changed."""
+        self._due = time.perf_counter()
+
+    def set_speed(self, speed: float) -> None:
+        """Change the speed."""
+        self.speed = speed
+        self.restart()
+
+    def interrupt(self) -> None:
+        """End a wait early; may be called from any thread and from signal handlers."""
+        self._wake.set()
+
+    def wait(self) -> None:
+        """Wait until the next tick is due."""
+        self._count()
+        if math.isinf(self.speed):
+            return
+        self._due += self.period / self.speed
+        late = time.perf_counter() - self._due
+        if late > _GIVE_UP:
+            self.lost += late
+            self._due += late
+        elif late < 0:
+            self._wake.wait(-late)
+        self._wake.clear()
+
+    def idle(self, seconds: float) -> None:
+        """Wait while nothing moves."""
+        self._wake.wait(seconds)
+        self._wake.clear()
+        self.restart()
+
+    def _count(self) -> None:
+        self._ticks += 1
+        now = time.perf_counter()
+        since, ticks = self._window
+        if now - since >= 0.5:
+            self.real_time_factor = (self._ticks - ticks) * self.period / (now - since)
+            self._window = (now, self._ticks)
+
+    def report_due(self) -> float:
+        """Seconds lost, if it is time to say so; else 0."""
+        now = time.perf_counter()
+        if self.lost == 0.0 or now - self._last_report < _REPORT_EVERY:
+            return 0.0
+        self._last_report = now
+        lost, self.lost = self.lost, 0.0
+        return lost

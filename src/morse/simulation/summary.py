@@ -1,0 +1,36 @@
+"""The summary that a simulation prints when it is ready."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+
+_RULE = "-" * 36
+
+
+def summary(context: Context, modifiers: list[str], datastreams: list[str]) -> list[str]:
+    """The lines of the summary."""
+    lines = [_RULE, "-        SIMULATION SUMMARY        -", _RULE, "Robots in the simulation:"]
+    for name in context.robots:
+        lines += _robot(context, name)
+    if context.external_robots:
+        lines.append("External robots (from other simulation nodes):")
+        lines += [f"\tROBOT: '{name}'" for name in context.external_robots]
+    lines.append("Available services:")
+    for classpath, manager in context.services.request_managers().items():
+        lines.append(f"\t- Interface {classpath}")
+        lines += [f"\t\t- {component}: {services}" for component, services in manager.services().items()]
+    lines.append("Modifiers in use:")
+    lines += [f"\t- '{classpath}'" for classpath in modifiers] or ["\tNone"]
+    lines.append("Datastream interfaces configured:")
+    lines += [f"\t- '{classpath}'" for classpath in datastreams] or ["\tNone"]
+    lines.append(_RULE)
+    return lines
+
+
+def _robot(context: Context, name: str) -> list[str]:
+    robot = context.robots[name]
+    components = [n for n, c in context.components.items() if c.robot_parent is robot]
+    return [f"\tROBOT: '{name}'", *(f"\t\t- Component: '{component}'" for component in components)]
