@@ -89,11 +89,11 @@ class FloatSequence(_Base):
                 raise ValueError(f"the slice of {type(self).__name__} takes as many numbers as it has, given {value!r}")
             self._assign(row)
             return
+        self._check_writable()
         try:
             self._items[index] = float(value)
-        except TypeError:
-            self._check_writable()
-            raise TypeError(f"{type(self).__name__} items are numbers, given {value!r}") from None
+        except (TypeError, ValueError):
+            raise TypeError(f"{type(self).__name__} items are numbers, given {value!r} for {index!r}") from None
 
     def _assign(self, values: Sequence[float]) -> None:
         self._check_writable()
