@@ -36,7 +36,7 @@ def test_hamiltons_rules():
     assert QJ * QK == QI
     assert QK * QI == QJ
     assert QJ * QI == -QK
-    assert QI @ QJ == I.cross(QJ) == QK
+    assert QI @ QJ == QI.cross(QJ) == QK
 
 
 def test_arithmetic():
