@@ -18,11 +18,9 @@ class Clock:
         time: simulated seconds, plus the epoch where absolute time was asked for.
         frequency: ticks per simulated second.
         period: simulated seconds per tick.
-        time_scale: simulated seconds per wall-clock second that the run aims for.
     """
 
-    __slots__ = ("_mean", "_origin", "_samples", "_square", "_wall", "frequency", "period", "strategy", "tick", "time")
-    time_scale: float
+    __slots__ = ("_mean", "_origin", "_samples", "_square", "_start", "_wall", "frequency", "period", "strategy", "tick", "time")
 
     def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
         self.frequency = frequency
@@ -32,6 +30,7 @@ class Clock:
         self.tick = 0
         self.time = self._origin
         self._wall: float | None = None
+        self._start: float | None = None
         self._samples = 0
         self._mean = 0.0
         self._square = 0.0
@@ -45,13 +44,15 @@ class Clock:
         """Back to tick 0."""
         self.tick = 0
         self.time = self._origin
-        self._wall = None
+        self._wall = self._start = None
         self._samples = 0
         self._mean = self._square = 0.0
 
     def observe(self) -> None:
         """Take a sample of the wall-clock time between two ticks, for `statistics`."""
         now = time.perf_counter()
+        if self._start is None:
+            self._start = now - self.tick / self.frequency
         if self._wall is not None:
             self._samples += 1
             delta = now - self._wall
@@ -59,6 +60,10 @@ class Clock:
             self._mean += step / self._samples
             self._square += step * (delta - self._mean)
         self._wall = now
+
+    def drift(self) -> float:
+        """Wall-clock time since the start minus simulated time, s."""
+        return time.perf_counter() - self._start - self.tick / self.frequency if self._start is not None else 0.0
 
     def statistics(self) -> dict[str, float]:
         """Mean and variance of the wall-clock time of a tick (s, s^2), and of the tick rate (Hz)."""

@@ -30,6 +30,10 @@ def _no_keys() -> frozenset[str]:
     return frozenset()
 
 
+def _any_robot() -> str | None:
+    return None
+
+
 @dataclass(eq=False)
 class Context:
     """One simulation: its clock, its components, its services.
@@ -40,6 +44,7 @@ class Context:
         stream_managers: by class path.
         service_objects: pseudo components: ``simulation``, ``time``, ``communication``.
         held_keys: names of the keys that are held down in the live view (``ArrowUp``).
+        listening_robot: name of the robot that the keys drive, or None for all.
         seed: of all random numbers.
     """
 
@@ -57,6 +62,7 @@ class Context:
     service_objects: dict[str, AbstractObject] = field(default_factory=dict)
     overlays: dict[str, Any] = field(default_factory=dict)
     held_keys: Callable[[], frozenset[str]] = _no_keys
+    listening_robot: Callable[[], str | None] = _any_robot
 
     def random(self, name: str) -> np.random.Generator:
         """A generator of random numbers that depends on nothing but the seed and ``name``.

@@ -36,7 +36,7 @@ class Attachments:
     def hold(self, index: int, holder: GameObject) -> None:
         """Let a slot hang on an object, where it is now; it collides with nothing meanwhile."""
         world = self._world
-        offset = rigid.relative(*holder.pose(), world.positions[index], world.rotations[index])
+        offset = rigid.relative(*holder.world_pose(), world.positions[index], world.rotations[index])
         self._held[index] = (holder, offset)
         world.set_collision(world.slots[index].frame.solid, False)
 
@@ -90,5 +90,5 @@ class Attachments:
             world.place(index, position, rotation)
             world.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for index, (holder, (offset, turned)) in self._held.items():
-            world.place(index, *rigid.compose(*holder.pose(), offset, turned))
+            world.place(index, *rigid.compose(*holder.world_pose(), offset, turned))
             world.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 from morse.mathutils import Matrix, Vector
 from morse.physics import rigid
 from morse.physics.children import ObjectList
-from morse.physics.convert import floats3, rotation_of
+from morse.physics.convert import floats3
 from morse.physics.drive import Command
 from morse.physics.layout import Motion
 from morse.physics.names import LegacyNames
+from morse.physics.wheelhandle import Wheel, wheels_of
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -147,7 +148,7 @@ class GameObject(LegacyNames):
 
     # -- pose ------------------------------------------------------------------------------
 
-    def pose(self) -> tuple[Sequence[float], Sequence[float]]:
+    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9, row-major) in the world, as plain floats."""
         world = self._world
         if self._stamp != world.stamp:
@@ -162,7 +163,7 @@ class GameObject(LegacyNames):
     def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9) in the frame of the parent."""
         parent = self.parent
-        return self.pose() if parent is None else rigid.relative(*parent.pose(), *self.pose())
+        return self.world_pose() if parent is None else rigid.relative(*parent.world_pose(), *self.world_pose())
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Put the object, and what is attached to it, somewhere in the world; its velocity stays."""
@@ -173,9 +174,9 @@ class GameObject(LegacyNames):
             world.attachments.moved(self.slot)
             return
         frame = (world.positions[self.slot], world.rotations[self.slot])
-        old = self.pose()
+        old = self.world_pose()
         members = [world.object_of(node) for node in self.node.walk() if world.object_of(node).slot == self.slot]
-        relative_poses = [rigid.relative(*old, *member.pose()) for member in members]
+        relative_poses = [rigid.relative(*old, *member.world_pose()) for member in members]
         for member, (offset, turned) in zip(members, relative_poses, strict=True):
             member._offset = rigid.relative(*frame, *rigid.compose(position, rotation, offset, turned))
             member._stamp = -1
@@ -185,7 +186,7 @@ class GameObject(LegacyNames):
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Put the object somewhere in the frame of its parent."""
         parent = self.parent
-        self.set_pose(*((position, rotation) if parent is None else rigid.compose(*parent.pose(), position, rotation)))
+        self.set_pose(*((position, rotation) if parent is None else rigid.compose(*parent.world_pose(), position, rotation)))
 
     @property
     def offset(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -198,7 +199,7 @@ class GameObject(LegacyNames):
         """Linear and angular velocity of its origin, in world axes."""
         linear, angular = self._world.velocity(self.slot)
         if self._offset is not None:
-            origin, here = self._world.positions[self.slot], self.pose()[0]
+            origin, here = self._world.positions[self.slot], self.world_pose()[0]
             arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
             x, y, z = rigid.cross(angular, arm)
             linear = (linear[0] + x, linear[1] + y, linear[2] + z)
@@ -226,7 +227,7 @@ class GameObject(LegacyNames):
         """Push the body at its centre of mass during the next tick, N and N m."""
         force, torque = floats3(force, "force"), floats3(torque, "torque")
         if local:
-            rotation = self.pose()[1]
+            rotation = self.world_pose()[1]
             force, torque = rigid.turn(rotation, force), rigid.turn(rotation, torque)
         self._world.apply_wrench(self.slot, force, torque)
 
@@ -247,15 +248,19 @@ class GameObject(LegacyNames):
         """Do not fall any more."""
         self._world.set_weightless(self.slot)
 
+    def wheels(self) -> list[Wheel]:
+        """The driven wheels of a wheeled robot."""
+        return wheels_of(self._world, self)
+
     # -- looking around --------------------------------------------------------------------
 
     def getDistanceTo(self, other: GameObject | Sequence[float]) -> float:  # noqa: N802
         """Distance between origins, m."""
-        return math.dist(self.pose()[0], _point(other))
+        return math.dist(self.world_pose()[0], _point(other))
 
     def getVectTo(self, other: GameObject | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
         """Distance (m) and unit vector to an object or point, in world axes and in its own."""
-        position, rotation = self.pose()
+        position, rotation = self.world_pose()
         target = _point(other)
         delta = tuple(b - a for a, b in zip(position, target, strict=True))
         distance = math.sqrt(sum(d * d for d in delta))
@@ -279,7 +284,7 @@ class GameObject(LegacyNames):
             prop: only stop at objects that have this property.
             xray: see through the objects that have not.
         """
-        start = self.pose()[0] if objfrom is None else _point(objfrom)
+        start = self.world_pose()[0] if objfrom is None else _point(objfrom)
         return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
 
     def rayCastTo(  # noqa: N802
@@ -303,9 +308,7 @@ def _flat(matrix: Matrix) -> tuple[float, ...]:
 
 def _point(place: Any) -> tuple[float, float, float]:
     if isinstance(place, GameObject):
-        x, y, z = place.pose()[0]
+        x, y, z = place.world_pose()[0]
         return x, y, z
     return floats3(place, "point")
 
-
-__all__ = ["GameObject", "rotation_of"]

@@ -26,7 +26,7 @@ class LegacyNames:
     _world: World
     slot: int
 
-    def pose(self) -> tuple[Sequence[float], Sequence[float]]:
+    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         raise NotImplementedError
 
     def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -47,20 +47,20 @@ class LegacyNames:
     @property
     def worldPosition(self) -> Vector:
         """Position in the world, m."""
-        return Vector(self.pose()[0])
+        return Vector(self.world_pose()[0])
 
     @worldPosition.setter
     def worldPosition(self, value: Any) -> None:
-        self.set_pose(floats3(value, "position"), self.pose()[1])
+        self.set_pose(floats3(value, "position"), self.world_pose()[1])
 
     @property
     def worldOrientation(self) -> Matrix:
         """3x3 rotation from its axes to those of the world."""
-        return _matrix(self.pose()[1])
+        return _matrix(self.world_pose()[1])
 
     @worldOrientation.setter
     def worldOrientation(self, value: Any) -> None:
-        self.set_pose(self.pose()[0], rotation_of(value))
+        self.set_pose(self.world_pose()[0], rotation_of(value))
 
     @property
     def localPosition(self) -> Vector:
@@ -89,7 +89,7 @@ class LegacyNames:
     @property
     def worldTransform(self) -> Matrix:
         """4x4 pose in the world."""
-        p, r = self.pose()
+        p, r = self.world_pose()
         return Matrix(((*r[0:3], p[0]), (*r[3:6], p[1]), (*r[6:9], p[2]), (0.0, 0.0, 0.0, 1.0)))
 
     @worldTransform.setter
@@ -117,20 +117,20 @@ class LegacyNames:
     @property
     def localLinearVelocity(self) -> Vector:
         """Velocity of its origin in its own axes, m/s."""
-        return Vector(rigid.turn_back(self.pose()[1], self.velocity()[0]))
+        return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[0]))
 
     @localLinearVelocity.setter
     def localLinearVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, rigid.turn(self.pose()[1], floats3(value, "velocity")), None)
+        self._world.set_velocity(self.slot, rigid.turn(self.world_pose()[1], floats3(value, "velocity")), None)
 
     @property
     def localAngularVelocity(self) -> Vector:
         """Angular velocity in its own axes, rad/s."""
-        return Vector(rigid.turn_back(self.pose()[1], self.velocity()[1]))
+        return Vector(rigid.turn_back(self.world_pose()[1], self.velocity()[1]))
 
     @localAngularVelocity.setter
     def localAngularVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, None, rigid.turn(self.pose()[1], floats3(value, "velocity")))
+        self._world.set_velocity(self.slot, None, rigid.turn(self.world_pose()[1], floats3(value, "velocity")))
 
     linearVelocity = property(
         lambda self: self.worldLinearVelocity, lambda self, value: setattr(self, "worldLinearVelocity", value)
@@ -171,13 +171,13 @@ class LegacyNames:
 
     def applyMovement(self, movement: Any, local: bool = False) -> None:
         """Shift it at once, m."""
-        p, r = self.pose()
+        p, r = self.world_pose()
         m = floats3(movement, "movement")
         x, y, z = rigid.turn(r, m) if local else m
         self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
 
     def applyRotation(self, rotation: Any, local: bool = False) -> None:
         """Turn it at once, rad about each axis."""
-        p, r = self.pose()
+        p, r = self.world_pose()
         turned = rotation_of(list(floats3(rotation, "rotation")))
         self.set_pose(p, rigid.product(r, turned) if local else rigid.product(turned, r))

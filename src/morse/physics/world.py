@@ -64,6 +64,7 @@ class World:
         self.repainted: set[GameObject] = set()
         self.layout = 0
         self._forces = False
+        self._moved: set[int] = set()
         self.reset()
 
     # -- objects ---------------------------------------------------------------------------
@@ -104,6 +105,11 @@ class World:
         self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
         for obj in self._objects.values():
             obj.restore()
+        for obj in self.displaced:
+            self.move_shapes(obj)
+        for index in sorted(self._moved):
+            self.place(index, self.positions[index], self.rotations[index])
+        self._moved.clear()
         self._forces = False
         mujoco.mj_forward(self.model, self.data)
         self.refresh()
@@ -160,10 +166,11 @@ class World:
         self.model.body_pos[slot.body] = position
         self.model.body_quat[slot.body] = quaternion
         # what never moves is computed once while sleeping is allowed
-        flag = mujoco.mjtEnableBit.mjENBL_SLEEP
+        flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         self.model.opt.enableflags &= ~flag
         mujoco.mj_kinematics(self.model, self.data)
         self.model.opt.enableflags |= flag
+        self._moved.add(self.slots.index(slot))
 
     def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
         """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""

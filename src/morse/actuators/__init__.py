@@ -1,0 +1,1 @@
+"""Actuators: one class a file."""

@@ -1,0 +1,73 @@
+"""Drives a robot by the keys held in the live view."""
+
+from morse.core.actuator import Actuator
+from morse.core.services import service
+from morse.core.wheeled_robot import PhysicsDifferentialRobot
+from morse.helpers.components import add_property
+
+#: key to the axis it moves: index into (vx, vy, vz, roll, pitch, yaw), and direction
+_KEYS = {
+    "ArrowUp": (0, 1.0),
+    "ArrowDown": (0, -1.0),
+    "KeyU": (1, 1.0),
+    "KeyO": (1, -1.0),
+    "KeyT": (2, 1.0),
+    "KeyG": (2, -1.0),
+    "KeyL": (3, 1.0),
+    "KeyJ": (3, -1.0),
+    "KeyI": (4, 1.0),
+    "KeyK": (4, -1.0),
+    "ArrowLeft": (5, 1.0),
+    "ArrowRight": (5, -1.0),
+}
+
+
+class Keyboard(Actuator):
+    """Arrows drive and turn; T/G move up and down, U/O sideways, J/L roll, I/K pitch."""
+
+    _name = "Keyboard Actuator"
+    _short_desc = "Drives the robot by the keyboard of the live view"
+
+    add_property(
+        "_type",
+        "Position",
+        "ControlType",
+        "string",
+        "Position shifts the robot, Velocity sets its speed, Differential turns its wheels",
+    )
+    add_property("_speed", 1.0, "Speed", "float", "Linear speed in m/s; half of it is the turning rate in rad/s")
+
+    def __init__(self, obj: object, parent: object = None) -> None:
+        super().__init__(obj, parent)
+        self._moving = False
+
+    @property
+    def listening(self) -> bool:
+        """Whether keys reach this robot: those of the view's chosen robot, or all if there is one."""
+        return self.context.listening_robot() in (None, self.robot_parent.name())
+
+    @service
+    def get_keys(self) -> dict[str, str]:
+        """The keys and what they do."""
+        names = ("forward", "left", "up", "roll", "pitch", "yaw")
+        return {key: ("+" if sign > 0 else "-") + names[axis] for key, (axis, sign) in _KEYS.items()}
+
+    def default_action(self) -> None:
+        """Drive as the keys say; the zero after the last release is sent once only."""
+        held = self.context.held_keys() if self.listening else frozenset()
+        motion = [0.0] * 6
+        pressed = False
+        for key in held:
+            if key in _KEYS:
+                axis, sign = _KEYS[key]
+                motion[axis] += sign
+                pressed = True
+        if not pressed and not self._moving:
+            return
+        self._moving = pressed
+        linear = [self._speed * value for value in motion[:3]]
+        angular = [0.5 * self._speed * value for value in motion[3:]]
+        if self._type == "Differential" and isinstance(self.robot_parent, PhysicsDifferentialRobot):
+            self.robot_parent.apply_vw_wheels(linear[0], angular[2])
+        else:
+            self.robot_parent.apply_speed(self._type, linear, angular)

@@ -1,0 +1,63 @@
+"""Puts a robot where it is told, at once."""
+
+import math
+from typing import Any
+
+from morse.core import mathutils
+from morse.core.actuator import Actuator
+from morse.core.services import service
+from morse.helpers.components import add_data
+
+
+class Teleport(Actuator):
+    """Forces the pose of the robot every tick: the robot hovers there while this is active."""
+
+    _name = "Teleport"
+    _short_desc = "Motion controller which changes instantly the pose of the robot"
+
+    add_data("x", "initial robot X position", "float", "X in the world", unit="m")
+    add_data("y", "initial robot Y position", "float", "Y in the world", unit="m")
+    add_data("z", "initial robot Z position", "float", "Z in the world", unit="m")
+    add_data("yaw", "initial robot yaw", "float", "Rotation about Z", unit="rad")
+    add_data("pitch", "initial robot pitch", "float", "Rotation about Y", unit="rad")
+    add_data("roll", "initial robot roll", "float", "Rotation about X", unit="rad")
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        pose = self.robot_parent.position_3d
+        for field in ("x", "y", "z", "yaw", "pitch", "roll"):
+            self.local_data[field] = float(getattr(pose, field))
+
+    @service
+    def translate(self, x: float, y: float = 0.0, z: float = 0.0) -> None:
+        """Shift the robot, in the axes of the world.
+
+        Args:
+            x: metres.
+            y: metres.
+            z: metres.
+        """
+        self.local_data["x"] += x
+        self.local_data["y"] += y
+        self.local_data["z"] += z
+
+    @service
+    def rotate(self, roll: float, pitch: float = 0.0, yaw: float = 0.0) -> None:
+        """Turn the robot further.
+
+        Args:
+            roll: radians about X.
+            pitch: radians about Y.
+            yaw: radians about Z.
+        """
+        self.local_data["roll"] += roll
+        self.local_data["pitch"] += pitch
+        self.local_data["yaw"] += yaw
+
+    def default_action(self) -> None:
+        """Put the robot to its pose, at rest."""
+        data = self.local_data
+        if not all(map(math.isfinite, (data[f] for f in ("x", "y", "z", "yaw", "pitch", "roll")))):
+            return
+        orientation = mathutils.Euler([data["roll"], data["pitch"], data["yaw"]])
+        self.robot_parent.force_pose([data["x"], data["y"], data["z"]], orientation)

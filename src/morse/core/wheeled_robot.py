@@ -1,0 +1,66 @@
+"""Robots that wheels move."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import add_property
+from morse.core.robot import Robot
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_STANDSTILL = 1e-3
+
+
+class PhysicsDifferentialRobot(Robot):
+    """A robot with two driven wheels, or two rows of them, turned by the difference of speeds.
+
+    Wheels are the parts of the model whose names contain ``wheel`` and that collide. The track
+    and the radius are measured on the model; ``FixTurningSpeed`` replaces the track in the law
+
+        left  = (v - e/2 w) / R        right = (v + e/2 w) / R
+    """
+
+    add_property("_fix_turning", 0.0, "FixTurningSpeed", "double", "Effective track in metres; 0 for the measured one")
+    add_property("_influence", 0.1, "Influence", "double", "Kept for scripts of 1.4; the engine does not use it")
+    add_property("_wheel_friction", 0.8, "Friction", "double", "Kept for scripts of 1.4; see set_friction")
+    add_property("_has_suspension", True, "HasSuspension", "bool", "Kept for scripts of 1.4; wheels are rigid")
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._wheels = obj.wheels()
+        if not self._wheels:
+            raise ValueError(
+                f"'{obj.name}' has no wheels: a wheeled robot needs parts that collide and whose names contain 'wheel'"
+            )
+        sides = [wheel.offset_y for wheel in self._wheels]
+        self._track = max(sides) - min(sides)
+        self._radius = sum(wheel.radius for wheel in self._wheels) / len(self._wheels)
+
+    @property
+    def track(self) -> float:
+        """Distance of the wheels, m, that the speed law uses."""
+        return float(self._fix_turning) or self._track
+
+    @property
+    def wheel_radius(self) -> float:
+        """Radius of the wheels, m."""
+        return self._radius
+
+    def get_wheels(self) -> list[Any]:
+        """The driven wheels."""
+        return list(self._wheels)
+
+    def apply_vw_wheels(self, vx: float, vw: float) -> None:
+        """Turn the wheels so that the robot drives at ``vx`` m/s and turns at ``vw`` rad/s."""
+        if abs(vx) < _STANDSTILL and abs(vw) < _STANDSTILL:
+            vx = vw = 0.0
+        half = 0.5 * self.track * vw
+        for wheel in self._wheels:
+            wheel.set_speed((vx - half if wheel.offset_y > 0.0 else vx + half) / self._radius)
+
+    def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
+        """Drive by the wheels: forward speed and yaw rate count, the rest is not possible."""
+        self.apply_vw_wheels(linear_speed[0], angular_speed[2])

@@ -1,0 +1,1 @@
+"""Robots: one class a file."""

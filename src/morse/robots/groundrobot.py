@@ -1,0 +1,10 @@
+"""A robot that has no behaviour of its own."""
+
+from morse.core.robot import Robot
+
+
+class GroundRobot(Robot):
+    """A robot that stays on the ground."""
+
+    _name = "Ground robot"
+    _short_desc = "A robot described by its model alone."

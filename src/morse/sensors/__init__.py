@@ -1,0 +1,1 @@
+"""Sensors: one class a file."""

@@ -1,0 +1,1 @@
+"""Services of the simulation itself, as pseudo components that clients call."""

@@ -1,0 +1,94 @@
+"""Services that move the viewpoint of the live view; part of the pseudo component ``simulation``."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseRPCTypeError
+from morse.core.mathutils import Euler, Matrix
+from morse.core.services import service
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.scene import ViewSettings
+
+#: aspect ratio and sensor width (mm) of the viewpoint camera
+_ASPECT, _SENSOR = 16.0 / 9.0, 32.0
+
+
+class ViewpointServices(AbstractObject):
+    """The camera ``CameraFP`` that looks at the scene.
+
+    Args:
+        changed: told after every change.
+    """
+
+    def __init__(self, view: ViewSettings, changed: Callable[[], None]) -> None:
+        super().__init__()
+        self._view = view
+        self._changed = changed
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @service
+    def set_camarafp_far_clip(self, far_clip: float) -> None:
+        """Set the distance up to which the viewpoint camera sees, m."""
+        near, _ = self._view.camera_clip
+        self._view.camera_clip = (near, _numbers([far_clip], 1)[0])
+        self._changed()
+
+    @service
+    def get_camarafp_position(self) -> list[float]:
+        """The position of the viewpoint camera, m."""
+        return list(self._view.camera_location)
+
+    @service
+    def set_camarafp_position(self, position: list[float]) -> None:
+        """Put the viewpoint camera somewhere, m."""
+        x, y, z = _numbers(position, 3)
+        self._view.camera_location = (x, y, z)
+        self._changed()
+
+    @service
+    def get_camarafp_transform(self) -> list[list[float]]:
+        """The pose of the viewpoint camera, 4x4."""
+        matrix = Euler(self._view.camera_rotation).to_matrix().to_4x4()
+        for i, value in enumerate(self._view.camera_location):
+            matrix[i][3] = value
+        return [list(row) for row in matrix]
+
+    @service
+    def set_camarafp_transform(self, transform: list[list[float]]) -> None:
+        """Set the pose of the viewpoint camera, 4x4."""
+        if not isinstance(transform, list) or len(transform) != 4:
+            raise MorseRPCTypeError(f"a transform is 4 rows of 4 numbers, not {transform!r}")
+        rows = [_numbers(row, 4) for row in transform]
+        x, y, z = Matrix([row[:3] for row in rows[:3]]).to_euler()
+        self._view.camera_rotation = (x, y, z)
+        self._view.camera_location = (rows[0][3], rows[1][3], rows[2][3])
+        self._changed()
+
+    @service
+    def get_camarafp_projection_matrix(self) -> list[list[float]]:
+        """The projection of the viewpoint camera, 4x4 as OpenGL uses it, for a 16:9 view."""
+        near, far = self._view.camera_clip
+        f = 2.0 * self._view.camera_focal_length / _SENSOR
+        return [
+            [f, 0.0, 0.0, 0.0],
+            [0.0, f * _ASPECT, 0.0, 0.0],
+            [0.0, 0.0, (far + near) / (near - far), 2.0 * far * near / (near - far)],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+
+
+def _numbers(values: Any, count: int) -> list[float]:
+    if isinstance(values, list) and len(values) == count and all(
+        isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values
+    ):
+        return [float(v) for v in values]
+    raise MorseRPCTypeError(f"expected {count} number{'s' if count > 1 else ''}, not {values!r}")

@@ -1,0 +1,38 @@
+"""The pseudo component ``communication``: what robots could tell each other by radio or sight."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.services import service
+from morse.core.values import nearest
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+
+
+class CommunicationServices(AbstractObject):
+    """Distances and lines of sight between robots."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__()
+        self.context = context
+
+    def name(self) -> str:
+        """``communication``."""
+        return "communication"
+
+    @service
+    def distance_and_view(self, robot1: str, robot2: str) -> list[Any]:
+        """Distance between two robots (m), and whether nothing stands between their origins."""
+        first, second = self._robot(robot1), self._robot(robot2)
+        hit = first.rayCastTo(second, first.getDistanceTo(second) + 1e-3)
+        return [first.getDistanceTo(second), hit is None or hit.slot == second.slot]
+
+    def _robot(self, name: str) -> Any:
+        robots = self.context.robots
+        if name not in robots:
+            raise MorseRPCInvokationError(f"Robot {name} unknown{nearest(str(name), list(robots))}")
+        return robots[name].bge_object

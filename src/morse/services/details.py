@@ -1,0 +1,51 @@
+"""What a client needs to know to build its picture of the simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.scene import ComponentDeclaration
+
+
+def details(context: Context) -> dict[str, Any]:
+    """Robots with their components, each with its services and streams; and the environment."""
+    declarations = {d.name: d for d in context.scene.components}
+    return {
+        "robots": [_robot(context, name, robot, declarations) for name, robot in context.robots.items()],
+        "environment": context.scene.environment,
+    }
+
+
+def _robot(
+    context: Context, name: str, robot: Any, declarations: dict[str, ComponentDeclaration]
+) -> dict[str, Any]:
+    description: dict[str, Any] = {"name": name, "type": type(robot).__name__, "components": {}}
+    for component_name, component in context.components.items():
+        if component.robot_parent is robot:
+            description["components"][component_name] = _component(context, component, declarations[component_name])
+    services = _services(context, name)
+    if services:
+        description["services"] = services
+        description["services_interfaces"] = [m.classpath for m in context.services.managers_of(name)]
+    return description
+
+
+def _component(context: Context, component: Object, declaration: ComponentDeclaration) -> dict[str, Any]:
+    description: dict[str, Any] = {"type": type(component).__name__}
+    services = _services(context, declaration.name)
+    if services:
+        description["services"] = services
+        description["service_interfaces"] = [m.classpath for m in context.services.managers_of(declaration.name)]
+    if declaration.streams:
+        description["stream_interfaces"] = [[stream.manager, stream.direction] for stream in declaration.streams]
+    return description
+
+
+def _services(context: Context, name: str) -> list[str]:
+    names: list[str] = []
+    for manager in context.services.managers_of(name):
+        names += [service for service in manager.services().get(name, []) if service not in names]
+    return names

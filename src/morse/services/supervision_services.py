@@ -1,0 +1,166 @@
+"""The pseudo component ``simulation``: look at the simulation and change it from outside."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
+from morse.core.services import service
+from morse.core.values import nearest
+from morse.services.details import details
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from morse.core.context import Context
+
+logger = logging.getLogger("morse." + __name__)
+
+
+class Supervision(AbstractObject):
+    """Robots, components, objects and the life of the simulation.
+
+    Args:
+        stop: ends the simulation.
+        reset: puts every object back.
+    """
+
+    def __init__(self, context: Context, stop: Callable[[], None], reset: Callable[[], None]) -> None:
+        super().__init__()
+        self.context = context
+        self._stop = stop
+        self._reset = reset
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @service
+    def list_robots(self) -> list[str]:
+        """The names of the robots."""
+        return list(self.context.robots)
+
+    @service
+    def reset_objects(self) -> str:
+        """Put every object back to where it was at the start."""
+        self._reset()
+        return "Objects restored to initial position"
+
+    @service
+    def quit(self) -> None:
+        """End the simulation."""
+        self._stop()
+
+    @service
+    def terminate(self) -> None:
+        """End the simulation."""
+        self._stop()
+
+    @service
+    def activate(self, component_name: str) -> None:
+        """Let a component act again."""
+        self._component(component_name).active = True
+
+    @service
+    def deactivate(self, component_name: str) -> None:
+        """Stop a component from acting, until it is activated."""
+        self._component(component_name).active = False
+
+    def _component(self, name: str) -> Any:
+        everything = {**self.context.components, **self.context.robots}
+        try:
+            return everything[name]
+        except (KeyError, TypeError):
+            raise MorseRPCInvokationError(
+                f"Component {name} unknown{nearest(str(name), list(everything))}"
+            ) from None
+
+    @service
+    def suspend_dynamics(self) -> str:
+        """Stop every object where it is, whatever acts on it."""
+        for obj in self.context.world.objects():
+            if obj.is_dynamic:
+                obj.suspendDynamics()
+        return "Physics is suspended"
+
+    @service
+    def restore_dynamics(self) -> str:
+        """Let every object obey the physics again."""
+        for obj in self.context.world.objects():
+            if obj.is_dynamic:
+                obj.restoreDynamics()
+        return "Physics is resumed"
+
+    @service
+    def details(self) -> dict[str, Any]:
+        """Robots, components, services and streams; clients build their proxies from it."""
+        return details(self.context)
+
+    @service
+    def set_log_level(self, component: str, level: str) -> None:
+        """Set how much a part of the simulator says.
+
+        Args:
+            component: logger below ``morse``, e.g. ``core.request_manager``.
+            level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``.
+        """
+        names = ["debug", "info", "warning", "error", "critical"]
+        if not isinstance(level, str) or level.lower() not in names:
+            raise MorseRPCTypeError(f"'{level}' is no log level{nearest(str(level), names)}")
+        logging.getLogger(f"morse.{component}").setLevel(level.upper())
+
+    @service
+    def get_scene_objects(self) -> dict[str, Any]:
+        """The tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
+        return self._tree(obj for obj in self.context.world.objects() if obj.parent is None)
+
+    def _tree(self, objects: Iterable[Any]) -> dict[str, Any]:
+        tree: dict[str, Any] = {}
+        for obj in objects:
+            w, x, y, z = obj.worldOrientation.to_quaternion()
+            tree[obj.name] = [self._tree(obj.children), list(obj.worldPosition), [x, y, z, w]]
+        return tree
+
+    @service
+    def set_object_visibility(self, object_name: str, visible: bool, do_children: bool) -> bool:
+        """Show or hide an object, with all below it if asked; the new state."""
+        self._object(object_name).setVisible(bool(visible), bool(do_children))
+        return bool(visible)
+
+    @service
+    def set_object_dynamics(self, object_name: str, state: bool) -> bool:
+        """Let an object obey the physics, or keep it where it is; the new state."""
+        obj = self._object(object_name)
+        if state:
+            obj.restoreDynamics()
+        else:
+            obj.suspendDynamics()
+        return bool(state)
+
+    @service
+    def set_object_position(
+        self, object_name: str, position: list[float], orientation: list[float] | None = None
+    ) -> None:
+        """Put an object somewhere, at rest.
+
+        Args:
+            position: x, y, z in the world, m.
+            orientation: roll, pitch, yaw, rad; kept if not given.
+        """
+        obj = self._object(object_name)
+        try:
+            if orientation is not None:
+                obj.worldOrientation = orientation
+            obj.worldPosition = position
+        except ValueError as error:
+            raise MorseRPCTypeError(str(error)) from None
+        obj.halt()
+
+    def _object(self, name: str) -> Any:
+        objects = self.context.world.objects_by_name
+        try:
+            return objects[name]
+        except (KeyError, TypeError):
+            raise MorseRPCInvokationError(f"Object {name} unknown{nearest(str(name), list(objects))}") from None

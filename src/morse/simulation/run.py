@@ -1,0 +1,144 @@
+"""``morse run``: from a script to an exit status."""
+
+from __future__ import annotations
+
+import logging
+import os
+import platform
+import signal
+import sys
+import traceback
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseError
+from morse.core.log import endsection, section
+from morse.simulation.faults import describe
+from morse.simulation.summary import summary
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    from morse.scene import Scene
+    from morse.simulation.options import RunOptions
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger("morse.main")
+
+
+def run(options: RunOptions) -> int:
+    """Load a scene and run it to its end.
+
+    Returns:
+        The exit status: 0, or 1 if the scene could not be loaded or the run broke off.
+    """
+    section("PRE-INITIALIZATION")
+    logger.info("MORSE %s, Python %s", __version__, platform.python_version())
+    logger.info("PID: %d", os.getpid())
+    simulation: Simulation | None = None
+    try:
+        scene = _load_scene(options)
+        if scene is None:
+            return 1
+        simulation = _start(scene, options)
+        if simulation is None:
+            return 1
+        return _loop(simulation)
+    except KeyboardInterrupt:
+        logger.info("interrupted")
+        return 130
+    finally:
+        _finish(simulation)
+
+
+def _error(text: str) -> None:
+    first, _, rest = text.partition("\n")
+    logger.error("[ERROR][MORSE] %s", first)
+    if rest:
+        logger.error("%s", rest)
+
+
+def _load_scene(options: RunOptions) -> Scene | None:
+    from morse.builder.script import ScriptError, load_scene
+
+    try:
+        return load_scene(options)
+    except ScriptError as error:
+        _error(error.report())
+    except MorseError as error:
+        _error(str(error))
+    return None
+
+
+def _start(scene: Scene, options: RunOptions) -> Simulation | None:
+    from morse.assets.collision import resolve_shapes
+    from morse.simulation.simulation import Simulation
+    from morse.simulation.viewing import open_view
+
+    for name, level in scene.log_levels.items():
+        logging.getLogger(f"morse.{name}").setLevel(level)
+    try:
+        section("SUPERVISION SERVICES INITIALIZATION")
+        for warning in resolve_shapes(scene):
+            logger.warning("%s", warning)
+        simulation = Simulation(scene, options)
+    except (MorseError, ValueError, OSError) as error:
+        _failed(error)
+        return None
+    endsection("SUPERVISION SERVICES INITIALIZED")
+    try:
+        section("SCENE INITIALIZATION")
+        simulation.load()
+        simulation.view = open_view(simulation)
+    except (MorseError, ValueError, OSError) as error:
+        _failed(error)
+        _finish(simulation)
+        return None
+    managers = list(simulation.context.stream_managers)
+    for line in summary(simulation.context, simulation.loaded.modifiers, managers):
+        logger.info("%s", line)
+    if simulation.view is not None:
+        simulation.view.announce()
+    endsection("SCENE INITIALIZED")
+    return simulation
+
+
+def _failed(error: Exception) -> None:
+    logger.error("[ERROR][MORSE] INITIALIZATION ERROR: %s", error if isinstance(error, MorseError) else describe(error))
+    logger.critical("INITIALIZATION FAILED!")
+
+
+def _loop(simulation: Simulation) -> int:
+    from morse.physics import UnstableError
+
+    def stop(_signal: int, _frame: Any) -> None:
+        simulation.stop()
+
+    for name in ("SIGINT", "SIGTERM"):
+        signal.signal(getattr(signal, name), stop)
+    try:
+        simulation.run()
+    except UnstableError as error:
+        _error(f"tick {simulation.clock.tick + 1}: {error}")
+        return 1
+    except Exception:
+        logger.error("[ERROR][MORSE] Uncaught exception, quit.")
+        traceback.print_exc(file=sys.stdout)
+        return 1
+    return 0
+
+
+def _finish(simulation: Simulation | None) -> None:
+    if simulation is None or simulation.finished:
+        return
+    simulation.finished = True
+    section("COMPONENTS FINALIZATION")
+    simulation.finalize_components()
+    section("CLOSING REQUEST MANAGERS...")
+    simulation.finalize_services()
+    section("CLOSING DATASTREAMS...")
+    simulation.finalize_streams()
+    section("CLOSING OVERLAYS...")
+    if simulation.view is not None:
+        simulation.view.close()
+    simulation.close()
+    section("EXITING SIMULATION")
+    sys.stdout.flush()

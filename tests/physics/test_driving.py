@@ -1,0 +1,127 @@
+"""Bodies that follow velocity commands."""
+
+import math
+
+import pytest
+from worlds import box, ground, node, rigid, robot, run, world
+
+from morse.scene import Node, PhysicsType
+
+V, W = 0.5, 0.3
+
+
+def on_circle(v, w, t):
+    return v / w * math.sin(w * t), v / w * (1 - math.cos(w * t))
+
+
+def yaw(obj):
+    m = obj.worldOrientation
+    return math.atan2(m[1][0], m[0][0])
+
+
+def circling(*, position):
+    body = robot()
+    w = world(ground(), body, robots=[body])
+    run(w, 4.0, lambda: w.game_object("robot").drive((V, 0, 0), (0, 0, W), position=position, ground=True))
+    return w.game_object("robot")
+
+
+@pytest.mark.parametrize("position", [False, True])
+def test_speed_and_rate_give_a_circle_of_radius_v_over_w(position):
+    obj = circling(position=position)
+    assert tuple(obj.worldPosition[:2]) == pytest.approx(on_circle(V, W, 4.0), abs=1e-3)
+    assert yaw(obj) == pytest.approx(W * 4.0, abs=1e-3)
+    assert obj.worldPosition.z == pytest.approx(0.25, abs=2e-3)
+
+
+def test_a_velocity_is_kept_and_a_shift_leaves_none():
+    moving, shifted = circling(position=False), circling(position=True)
+    assert tuple(moving.localLinearVelocity[:2]) == pytest.approx((V, 0), abs=2e-3)
+    assert tuple(shifted.worldLinearVelocity[:2]) == pytest.approx((0, 0), abs=1e-9)
+
+
+@pytest.mark.parametrize("position", [False, True])
+def test_a_wall_stops_a_driven_robot(position):
+    body = robot()
+    w = world(ground(), body, node("Wall", box(0.2, 4, 1), at=(1.1, 0, 0.5)), robots=[body])
+    run(w, 4.0, lambda: w.game_object("robot").drive((1, 0, 0), (0, 0, 0), position=position, ground=True))
+    x = w.game_object("robot").worldPosition.x
+    assert x == pytest.approx(0.75, abs=0.02)
+
+
+def test_a_driven_robot_pushes_a_box_up_to_the_wall():
+    body = robot()
+    w = world(
+        ground(),
+        body,
+        rigid("Box", box(0.3, 0.3, 0.3), at=(0.6, 0, 0.15), mass=2.0),
+        node("Wall", box(0.2, 4, 1), at=(2.1, 0, 0.5)),
+        robots=[body],
+    )
+    run(w, 6.0, lambda: w.game_object("robot").drive((0.5, 0, 0), (0, 0, 0), ground=True))
+    assert w.game_object("Box").worldPosition.x == pytest.approx(1.85, abs=0.02)
+    assert w.game_object("robot").worldPosition.x == pytest.approx(1.45, abs=0.03)
+
+
+def test_a_robot_with_friction_is_slower_than_one_without():
+    smooth, rough = robot("smooth"), robot("rough", at=(0, 5, 0.25), friction=0.5)
+    w = world(ground(), smooth, rough, robots=[smooth, rough])
+
+    def drive():
+        for name in ("smooth", "rough"):
+            w.game_object(name).drive((1, 0, 0), (0, 0, 0), ground=True)
+
+    run(w, 2.0, drive)
+    assert w.game_object("smooth").worldPosition.x == pytest.approx(2.0, abs=0.01)
+    # the floor takes mu g dt off the speed within each tick, half of it on average
+    assert w.game_object("rough").worldPosition.x == pytest.approx(2.0 * (1 - 0.5 * 0.5 * 9.81 / 60), abs=0.03)
+
+
+def test_a_robot_left_alone_comes_to_a_stop():
+    body = robot()
+    w = world(ground(), body, robots=[body])
+    run(w, 1.0, lambda: w.game_object("robot").drive((1, 0, 0), (0, 0, 0), ground=True))
+    run(w, 1.0)
+    # v^2 / (2 mu g) with mu = 0.7
+    assert w.game_object("robot").worldPosition.x == pytest.approx(1.0 + 1 / (2 * 0.7 * 9.81), abs=0.02)
+
+
+def test_a_ground_robot_falls_while_it_drives():
+    body = robot(at=(0, 0, 5))
+    w = world(body, robots=[body])
+    run(w, 0.5, lambda: w.game_object("robot").drive((1, 0, 0), (0, 0, 0), ground=True))
+    x, _, z = w.game_object("robot").worldPosition
+    assert x == pytest.approx(0.5, abs=1e-3)
+    assert z == pytest.approx(5 - 0.5 * 9.81 * 0.25, abs=0.03)
+
+
+def test_an_aircraft_obeys_all_six_speeds():
+    body = robot(at=(0, 0, 5), gravity=False)
+    w = world(body, robots=[body])
+    run(w, 1.0, lambda: w.game_object("robot").drive((1, 0.5, 0.25), (0, 0, 0)))
+    assert tuple(w.game_object("robot").worldPosition) == pytest.approx((1, 0.5, 5.25), abs=1e-3)
+
+
+def test_a_robot_without_a_body_follows_the_same_circle():
+    ghost = Node("ghost")
+    w = world(ground(), ghost, robots=[ghost])
+    run(w, 4.0, lambda: w.game_object("ghost").drive((V, 0, 0), (0, 0, W)))
+    assert tuple(w.game_object("ghost").worldPosition[:2]) == pytest.approx(on_circle(V, W, 4.0), abs=1e-9)
+    assert tuple(w.game_object("ghost").worldLinearVelocity) == pytest.approx(
+        (V * math.cos(W * 4), V * math.sin(W * 4), 0), abs=1e-9
+    )
+
+
+def test_a_kinematic_robot_pushes_what_is_in_its_way():
+    pusher = node("pusher", box(0.5, 0.5, 0.5), at=(0, 0, 0.26), kind=PhysicsType.STATIC)
+    w = world(ground(), pusher, rigid("Box", box(0.3, 0.3, 0.3), at=(0.6, 0, 0.15)), robots=[pusher])
+    run(w, 2.0, lambda: w.game_object("pusher").drive((0.5, 0, 0), (0, 0, 0)))
+    assert w.game_object("pusher").worldPosition.x == pytest.approx(1.0, abs=1e-9)
+    assert w.game_object("Box").worldPosition.x > 1.38
+
+
+def test_speeds_that_are_no_numbers_are_refused():
+    body = robot()
+    w = world(body, robots=[body])
+    with pytest.raises(ValueError, match="finite"):
+        w.game_object("robot").drive((math.nan, 0, 0), (0, 0, 0))
