@@ -1,0 +1,126 @@
+"""The commands of ``morse`` and its global options."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+import typer.core
+import typer.main
+
+from morse.cli.messages import CommandError, complain, nearest
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_MODULES = {
+    "create": "morse.cli.create",
+    "import": "morse.cli.import_environment",
+    "rm": "morse.cli.rm",
+    "add": "morse.cli.add",
+    "check": "morse.cli.check",
+    "run": "morse.cli.run",
+    "edit": "morse.cli.edit",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalOptions:
+    """The options that stand before the sub-command."""
+
+    color: bool = False
+    reverse_color: bool = False
+
+
+class _Commands(typer.core.TyperGroup):
+    """Imports the module of a sub-command only when it is needed, so that ``morse -v`` answers at once.
+
+    (The type of a parser's context is private to Typer, hence ``Any``.)
+    """
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        return list(_MODULES)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        if cmd_name not in _MODULES:
+            return None
+        module = importlib.import_module(_MODULES[cmd_name])
+        application = typer.Typer(add_completion=False, rich_markup_mode="rich")
+        application.command(cmd_name, context_settings=getattr(module, "CONTEXT_SETTINGS", None))(module.command)
+        return typer.main.get_command(application)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if args and args[0] not in _MODULES and not args[0].startswith("-"):
+            known = ", ".join(_MODULES)
+            raise CommandError(
+                f"There is no command '{args[0]}'.{nearest(args[0], _MODULES)} The commands are: {known}.", status=2
+            )
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    cls=_Commands,
+    name="morse",
+    help="MORSE, the Modular OpenRobots Simulation Engine.",
+    epilog="Start with: morse create my_simulation && morse run my_simulation",
+    add_completion=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+@app.callback(invoke_without_command=True)
+def global_options(
+    context: typer.Context,
+    noaudio: Annotated[
+        bool, typer.Option("-n", "--noaudio", help="Accepted for old scripts: MORSE makes no sound.")
+    ] = False,
+    color: Annotated[bool, typer.Option("-c", "--color", help="Colour the log of the simulation.")] = False,
+    reverse_color: Annotated[
+        bool, typer.Option("--reverse-color", help="Colours for a terminal with a light background.")
+    ] = False,
+    version: Annotated[bool, typer.Option("-v", "--version", help="Print the version.")] = False,
+) -> None:
+    """MORSE, the Modular OpenRobots Simulation Engine."""
+    context.obj = GlobalOptions(color, reverse_color)
+    if version:
+        typer.echo(f"morse {__version__}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+def execute(arguments: Sequence[str]) -> int:
+    """Run a command line.
+
+    Args:
+        arguments: the words after ``morse``.
+
+    Returns:
+        The exit status: 0, 1 for what could not be done, 2 for a mistake on the command line, 130
+        after Ctrl+C, or what the simulation returned.
+    """
+    try:
+        status = typer.main.get_command(app).main(args=list(arguments), prog_name="morse", standalone_mode=False)
+    except CommandError as error:
+        complain(str(error))
+        return error.status
+    except typer.TyperException as error:
+        # options and arguments that the parser refuses
+        complain(f"{error.format_message()} (`{_help_line(error)}` lists what there is.)")
+        return error.exit_code
+    except (typer.Abort, KeyboardInterrupt):
+        complain("Interrupted.")
+        return 130
+    except OSError as error:
+        complain(f"{error.strerror or error}: {error.filename or ''}".rstrip(": "))
+        return 1
+    return status if isinstance(status, int) else 0
+
+
+def _help_line(error: typer.TyperException) -> str:
+    context = getattr(error, "ctx", None)
+    return f"{context.command_path if context is not None else 'morse'} -h"

@@ -1,0 +1,33 @@
+"""Finding and running the user's Blender."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+
+INSTALL = "sudo apt-get install blender, or https://www.blender.org/download; then set MORSE_BLENDER if not on the PATH"
+
+
+def find() -> tuple[str | None, str]:
+    """The Blender to use.
+
+    Returns:
+        The path of the program, or None, and where it comes from or why there is none.
+    """
+    if given := os.environ.get("MORSE_BLENDER"):
+        path = shutil.which(given)
+        return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is no program")
+    path = shutil.which("blender")
+    return (path, "PATH") if path else (None, "neither MORSE_BLENDER nor the PATH has it")
+
+
+def version(program: str) -> str:
+    """What ``blender --version`` says in its first line, or why it says nothing."""
+    try:
+        output = subprocess.run(
+            [program, "--version"], capture_output=True, encoding="utf-8", errors="replace", timeout=20, check=True
+        ).stdout
+    except (OSError, subprocess.SubprocessError) as error:
+        return f"{program} does not run: {error}"
+    return output.strip().splitlines()[0] if output.strip() else f"{program} says nothing of its version"

@@ -1,0 +1,46 @@
+"""What the command line says: one line a message, each after ``* ``."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class CommandError(Exception):
+    """A command cannot do what was asked; the message says why and how to mend it.
+
+    Args:
+        message: shown to the user.
+        status: exit status of the process; 2 for a mistake on the command line itself.
+    """
+
+    def __init__(self, message: str, status: int = 1) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+def say(message: str) -> None:
+    """Tell the user something, on the standard output."""
+    typer.echo(f"* {message}")
+
+
+def warn(message: str) -> None:
+    """Tell the user of something unexpected, on the standard error."""
+    typer.echo(f"* Warning: {message}", err=True)
+
+
+def complain(message: str) -> None:
+    """Tell the user why a command failed, on the standard error."""
+    typer.echo(f"* {message}", err=True)
+
+
+def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str:
+    """A hint such as `` Did you mean 'ranger_sim'?``, or nothing if no candidate is like the word."""
+    known = {candidate.lower(): candidate for candidate in candidates}
+    matches = difflib.get_close_matches(word.lower(), known, n=1, cutoff=cutoff)
+    return f" Did you mean '{known[matches[0]]}'?" if matches else ""

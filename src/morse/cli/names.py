@@ -1,0 +1,77 @@
+"""Names of environments and components: as file names and as names of Python modules and classes."""
+
+from __future__ import annotations
+
+import keyword
+import sys
+import unicodedata
+
+from morse.cli.messages import CommandError
+
+_WINDOWS_DEVICES = {"con", "prn", "aux", "nul"} | {f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)}
+_OWN_PACKAGES = {"morse", "pymorse", "numpy", "mujoco", "embreex", "msgspec", "websockets", "typer", "rich"}
+
+
+def environment_name(text: str) -> str:
+    """The name of an environment, which is also that of its directory and of its Python package.
+
+    Raises:
+        CommandError: for a path, for what Python could not import, and for the names of modules that
+            the environment would hide.
+    """
+    name = text.rstrip("/\\") if text.strip("/\\") else text
+    if any(separator in name for separator in "/\\") or name in ("", ".", "..") or ":" in name:
+        raise CommandError(
+            f"'{text}' is a path: give the plain name of the environment, which is made in the current directory."
+        )
+    package = _identifier(name, keep="_", replace="_")
+    if package != name:
+        raise CommandError(
+            f"'{text}' cannot be the name of a Python package, which an environment is. "
+            + (f"'{package}' can." if package.strip("_") else "Use letters, digits and underscores.")
+        )
+    if name in sys.stdlib_module_names or name in _OWN_PACKAGES:
+        raise CommandError(f"'{text}' would hide the Python module '{name}' from your scripts. '{name}_sim' would not.")
+    return name
+
+
+def registered_name(text: str) -> str:
+    """A name under which the configuration file can hold an existing directory.
+
+    Raises:
+        CommandError: for a name that the file could not hold.
+    """
+    name = text.strip()
+    if not name or not name.isprintable() or name[0] in "#;[" or any(c in "=:/\\" for c in name):
+        raise CommandError(f"'{text}' cannot be the name of an environment: use letters, digits and underscores.")
+    return name
+
+
+def component_name(text: str) -> str:
+    """The safe form of the name of a component: its letters and digits alone.
+
+    Raises:
+        CommandError: for a path, and for a name without letters and digits.
+    """
+    if any(separator in text for separator in "/\\") or text in (".", ".."):
+        raise CommandError(f"'{text}' is a path: give the plain name of the component.")
+    name = _identifier(text, keep="", replace="")
+    if not name:
+        raise CommandError(f"'{text}' cannot be the name of a component: use letters and digits.")
+    return name
+
+
+def class_name(name: str) -> str:
+    """The name of the class of a component, e.g. ``Ranger`` for ``ranger`` and ``Mybot`` for ``myBot``."""
+    return unicodedata.normalize("NFKC", name.capitalize())
+
+
+def _identifier(text: str, keep: str, replace: str) -> str:
+    """A form of the text that can be the name of a Python module, of a class and of a file."""
+    # Python compares identifiers in this normal form, file systems do not
+    normal = unicodedata.normalize("NFKC", text)
+    name = "".join(c if c in keep or (c.isalnum() and ("a" + c).isidentifier()) else replace for c in normal)
+    if not name:
+        return ""
+    reserved = keyword.iskeyword(name) or keyword.iskeyword(name.capitalize()) or name.lower() in _WINDOWS_DEVICES
+    return "_" + name if reserved or not name.isidentifier() else name

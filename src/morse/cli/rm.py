@@ -1,0 +1,51 @@
+"""``morse rm``: delete a simulation environment."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from morse.cli.messages import CommandError, nearest, say
+from morse.cli.sites import Sites
+
+
+def command(
+    env: Annotated[str, typer.Argument(help="A registered environment.")],
+    force: Annotated[bool, typer.Option("-f", "--force", help="Do not ask.")] = False,
+) -> None:
+    """Delete a simulation environment: its directory with everything in it, and its registration."""
+    name = env.rstrip("/")
+    sites = Sites()
+    directory = sites.find(name)
+    if directory is None:
+        raise CommandError(f"There is no environment '{env}'.{nearest(name, sites.names())} {sites.known()}")
+    if not directory.is_dir():
+        sites.forget(name)
+        say(f"{directory} was gone already; the environment '{name}' is no longer registered.")
+        return
+    if Path.home().resolve().is_relative_to(directory.resolve()):
+        sites.forget(name)
+        raise CommandError(
+            f"{directory} holds your home directory, so it was not deleted. '{name}' is no longer registered."
+        )
+    if not force and not _confirmed(f"Delete {directory} and everything in it?"):
+        say("Nothing was deleted.")
+        return
+    if directory.is_symlink():
+        directory.unlink()
+    else:
+        shutil.rmtree(directory)
+    sites.forget(name)
+    say(f"Deleted the environment '{name}' ({directory}).")
+
+
+def _confirmed(question: str) -> bool:
+    typer.echo(f"* {question} [y/N] ", nl=False)
+    try:
+        return input().strip().lower() in ("y", "yes")
+    except EOFError:
+        typer.echo()
+        return False

@@ -1,0 +1,179 @@
+"""``morse run``: simulate a scene."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import socket
+from datetime import date
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from morse.cli.messages import CommandError, say, warn
+from morse.cli.scenes import resolve
+from morse.core import log
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from morse.cli.app import GlobalOptions
+
+# what follows the scene belongs to the script, even if it looks like an option
+CONTEXT_SETTINGS = {"allow_interspersed_args": False}
+
+VIEWS = ("none", "web", "studio")
+_GEOMETRY = re.compile(r"\d+x\d+(\+-?\d+,-?\d+)?")
+
+
+def command(
+    context: typer.Context,
+    scene: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
+            help="A registered environment, and a file in it if not its default.py; or the path of a scene script. "
+            "Whatever follows is given to the script.",
+            show_default=False,
+        ),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option("--name", help="Name of this simulation node (else $MORSE_NODE, else that of the host)."),
+    ] = None,
+    geometry: Annotated[
+        str | None, typer.Option("-g", "--geometry", metavar="WxH[+dx,dy]", help="Accepted for old scripts.")
+    ] = None,
+    headless: Annotated[bool, typer.Option("--headless", help="No live view.")] = False,
+    view: Annotated[str | None, typer.Option("--view", metavar="none|web|studio", help="Which live view.")] = None,
+    view_port: Annotated[
+        int | None, typer.Option("--view-port", help="Port of the live view (0: any free one).")
+    ] = None,
+    view_token: Annotated[
+        str | None, typer.Option("--view-token", help="What a browser on another host has to show.")
+    ] = None,
+    host: Annotated[
+        str, typer.Option("--host", help="Address on which every server listens; 0.0.0.0 for all networks.")
+    ] = "127.0.0.1",
+    speed: Annotated[
+        str | None,
+        typer.Option("--speed", metavar="X|max", help="Simulated seconds a second, or as fast as possible."),
+    ] = None,
+    duration: Annotated[
+        str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after that much simulated time.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
+    profile: Annotated[bool, typer.Option("--profile", help="Say at the end what took the time.")] = False,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
+) -> int:
+    """Run a simulation scene.
+
+    The scene is an environment made by `morse create`, or the path of a scene script.
+    """
+    check_geometry(geometry)
+    resolved = resolve(scene or [])
+    options = RunOptions(
+        script=str(resolved.script),
+        arguments=resolved.arguments,
+        source_paths=resolved.source_paths,
+        resource_paths=resolved.resource_paths,
+        node_name=name or os.environ.get("MORSE_NODE"),
+        view=_view(headless, view),
+        host=_host(host),
+        view_token=_token(view_token),
+        open_browser=browser,
+        speed=_speed(speed),
+        duration=None if duration is None else _positive("--duration", duration, "60 (simulated seconds)"),
+        seed=_seed(seed),
+        profile=profile,
+    )
+    if view_port is not None:
+        options.view_port = _port(view_port)
+    if geometry is not None:
+        say("The live view is a page in your browser: -g/--geometry has no effect on it.")
+    own_options = {option for parameter in context.command.params for option in parameter.opts if option[:2] == "--"}
+    for word in resolved.arguments:
+        if word.split("=")[0] in own_options:
+            warn(f"'{word}' stands after the scene, so the script gets it. Options of `morse run` go before the scene.")
+    log.setup(colors=color_scheme(context.obj))
+    # only now: the other commands, and mistakes in this one, should not wait for the simulator to load
+    from morse.simulation.run import run
+
+    return run(options)
+
+
+def check_geometry(geometry: str | None) -> None:
+    """Refuse what is not ``WxH`` or ``WxH+dx,dy``."""
+    if geometry is not None and not _GEOMETRY.fullmatch(geometry):
+        raise CommandError(f"--geometry is WIDTHxHEIGHT or WIDTHxHEIGHT+dx,dy, e.g. 800x600; got '{geometry}'.", 2)
+
+
+def color_scheme(options: GlobalOptions | None, today: date | None = None) -> str:
+    """The colours of the log, from the global options (and the season)."""
+    if options is None or not (options.color or options.reverse_color):
+        return "mono"
+    today = today or date.today()
+    if (today.month, today.day) >= (12, 25):
+        return "xmas"
+    return "dark" if options.reverse_color else "bright"
+
+
+def _view(headless: bool, view: str | None) -> str:
+    if headless and view not in (None, "none"):
+        raise CommandError(f"--headless means no live view, --view {view} asks for one: choose.", status=2)
+    if headless:
+        return "none"
+    if view is None:
+        return "web"
+    if view not in VIEWS:
+        raise CommandError(f"--view is one of {', '.join(VIEWS)}; got '{view}'.", status=2)
+    return view
+
+
+def _speed(text: str | None) -> float | None:
+    if text is None:
+        return None
+    return math.inf if text == "max" else _positive("--speed", text, "0.5, 2 or max")
+
+
+def _positive(option: str, text: str, example: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value > 0.0 and math.isfinite(value)):
+        raise CommandError(f"{option} takes a number greater than 0, such as {example}; got '{text}'.", status=2)
+    return value
+
+
+def _seed(seed: int | None) -> int | None:
+    if seed is not None and seed < 0:
+        raise CommandError(f"--seed takes a whole number from 0 upward; got {seed}.", status=2)
+    return seed
+
+
+def _port(port: int) -> int:
+    if not 0 <= port <= 65535:
+        raise CommandError(f"--view-port is a number from 1 to 65535, or 0 for any free port; got {port}.", status=2)
+    return port
+
+
+def _token(token: str | None) -> str | None:
+    if token is not None and not token.strip():
+        raise CommandError("--view-token must not be empty: it keeps strangers out of the live view.", status=2)
+    return token
+
+
+def _host(host: str) -> str:
+    try:
+        # an address on which nothing can listen is refused here, in one line, rather than by each server
+        for family, kind, protocol, _, address in socket.getaddrinfo(host or "?", 0, type=socket.SOCK_STREAM):
+            with socket.socket(family, kind, protocol) as probe:
+                probe.bind(address)
+    except (OSError, UnicodeError):
+        raise CommandError(
+            f"--host '{host}' is no address of this machine: use 127.0.0.1 for this machine only, "
+            "0.0.0.0 to listen on all its networks.",
+            status=2,
+        ) from None
+    return host

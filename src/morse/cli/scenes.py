@@ -1,0 +1,125 @@
+"""Which file ``morse run`` and ``morse edit`` mean, and which folders belong to it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.cli.messages import CommandError, nearest, warn
+from morse.cli.sites import Sites
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_DEFAULT_SCENE = "default.py"
+_SCENE_SUFFIXES = (".py", ".blend")
+
+
+@dataclass(frozen=True, slots=True)
+class ResolvedScene:
+    """A scene to run.
+
+    Attributes:
+        script: absolute path of the scene script or ``.blend`` file.
+        arguments: what follows on the command line, for the script.
+        project: the directory of the environment to which it belongs, if any.
+    """
+
+    script: Path
+    arguments: list[str] = field(default_factory=list)
+    project: Path | None = None
+
+    @property
+    def source_paths(self) -> list[str]:
+        """The folder of the project's Python packages."""
+        return self._folders("src")
+
+    @property
+    def resource_paths(self) -> list[str]:
+        """The folder of the project's models."""
+        return self._folders("data")
+
+    def _folders(self, name: str) -> list[str]:
+        return [str(self.project / name)] if self.project is not None and (self.project / name).is_dir() else []
+
+
+def resolve(words: Sequence[str]) -> ResolvedScene:
+    """Find the scene that a command line asks for.
+
+    Args:
+        words: ``[ENVIRONMENT [FILE]]`` or ``[PATH]``, then the arguments of the script.
+
+    Raises:
+        CommandError: if there is no such scene.
+    """
+    sites = Sites()
+    if not words:
+        return _scene_here(sites)
+    first, rest = words[0], list(words[1:])
+    name = first.rstrip("/" + os.sep) or first
+    if name in sites:
+        return _scene_of_environment(sites.directory(name), name, rest)
+    path = Path(first).absolute()
+    if path.is_dir():
+        return _scene_of_environment(path, first, rest)
+    if not path.is_file():
+        raise _unknown_scene(first, path, sites)
+    return ResolvedScene(path, rest, _project_of(path, sites))
+
+
+def _scene_here(sites: Sites) -> ResolvedScene:
+    here = Path.cwd()
+    if (here / _DEFAULT_SCENE).is_file():
+        return _scene_of_environment(here, here.name, [])
+    raise CommandError(
+        f"Which scene? Give an environment or a scene script: morse run NAME, or morse run PATH. {sites.known()}",
+        status=2,
+    )
+
+
+def _scene_of_environment(directory: Path, name: str, rest: list[str]) -> ResolvedScene:
+    # as on every command line, what begins with a dash is not a file
+    if rest and not rest[0].startswith("-"):
+        return ResolvedScene(_file_of_environment(directory, name, rest[0]), rest[1:], directory)
+    default = directory / _DEFAULT_SCENE
+    if not default.is_file():
+        scenes = _scenes_in(directory)
+        if not scenes:
+            raise CommandError(f"There is no scene (*.py or *.blend) in the environment '{name}', {directory}.")
+        default = directory / scenes[0]
+        warn(f"there is no {_DEFAULT_SCENE} in the environment '{name}': running {scenes[0]}.")
+    return ResolvedScene(default, rest, directory)
+
+
+def _file_of_environment(directory: Path, name: str, file: str) -> Path:
+    for candidate in (directory / file, Path(file).absolute()):
+        if candidate.is_file():
+            return candidate
+    scenes = _scenes_in(directory)
+    raise CommandError(
+        f"There is no file '{file}' in the environment '{name}' ({directory}) nor in the current directory."
+        f"{nearest(file, scenes)} Scenes of '{name}': {', '.join(scenes) or 'none'}. "
+        f"To give '{file}' to the script, name the script first: morse run {name} {_DEFAULT_SCENE} {file}"
+    )
+
+
+def _scenes_in(directory: Path) -> list[str]:
+    return sorted(path.name for path in directory.iterdir() if path.suffix in _SCENE_SUFFIXES and path.is_file())
+
+
+def _unknown_scene(given: str, path: Path, sites: Sites) -> CommandError:
+    files = _scenes_in(path.parent) if path.parent.is_dir() else []
+    hint = nearest(path.name, files) or nearest(given, sites.names())
+    return CommandError(
+        f"'{given}' is neither a registered environment nor a file ({path} does not exist).{hint} {sites.known()}"
+    )
+
+
+def _project_of(script: Path, sites: Sites) -> Path | None:
+    """The environment in which a script lies: a registered one, or a directory with ``src`` and ``data``."""
+    if (owner := sites.owner(script)) is not None:
+        return owner
+    beside = script.parent
+    return beside if (beside / "src").is_dir() and (beside / "data").is_dir() else None

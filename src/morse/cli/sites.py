@@ -1,0 +1,101 @@
+"""The simulation environments that this user has registered, in ``~/.morse/config``."""
+
+from __future__ import annotations
+
+import configparser
+import os
+import tempfile
+from pathlib import Path
+
+from morse.cli.messages import CommandError, nearest
+
+_SECTION = "sites"
+
+
+def config_path() -> Path:
+    """The configuration file (``HOME`` is honoured)."""
+    return Path.home() / ".morse" / "config"
+
+
+class Sites:
+    """Names of environments and their directories; names are not case-sensitive.
+
+    Raises:
+        CommandError: if the configuration file cannot be read.
+    """
+
+    def __init__(self) -> None:
+        self.path = config_path()
+        self._config = configparser.ConfigParser(interpolation=None)
+        try:
+            self._config.read_string(self.path.read_text(encoding="utf-8"), str(self.path))
+        except FileNotFoundError:
+            pass
+        except (configparser.Error, UnicodeDecodeError) as error:
+            reason = str(error).splitlines()[0]
+            raise CommandError(
+                f"{self.path} is not a valid configuration file ({reason}). "
+                "Correct it, or remove it and register your environments again with `morse import PATH`."
+            ) from error
+        if not self._config.has_section(_SECTION):
+            self._config.add_section(_SECTION)
+
+    def __contains__(self, name: str) -> bool:
+        return self._config.has_option(_SECTION, name)
+
+    def names(self) -> list[str]:
+        """The registered names, in alphabetical order."""
+        return sorted(self._config.options(_SECTION))
+
+    def find(self, name: str) -> Path | None:
+        """The directory of an environment (which may have vanished), or None if it is not registered."""
+        return Path(self._config.get(_SECTION, name)) if name in self else None
+
+    def directory(self, name: str) -> Path:
+        """The existing directory of a registered environment.
+
+        Raises:
+            CommandError: if the name is not registered or the directory is gone.
+        """
+        path = self.find(name)
+        if path is None:
+            raise CommandError(f"There is no environment '{name}'.{nearest(name, self.names())} {self.known()}")
+        if not path.is_dir():
+            raise CommandError(
+                f"The environment '{name}' is registered at {path}, but there is no such directory any more. "
+                f"If it has moved, `morse import -f NEW_PATH {name}`; to forget it, `morse rm {name}`."
+            )
+        return path
+
+    def known(self) -> str:
+        """A sentence that lists the registered environments, for error messages."""
+        if names := self.names():
+            return f"Registered are: {', '.join(names)}."
+        return "None is registered yet: `morse create NAME` makes one, `morse import PATH` registers a directory."
+
+    def owner(self, path: Path) -> Path | None:
+        """The registered directory in which a file lies (the innermost one), or None."""
+        registered = {Path(self._config.get(_SECTION, name)).resolve() for name in self.names()}
+        return next((directory for directory in path.resolve().parents if directory in registered), None)
+
+    def register(self, name: str, directory: Path) -> None:
+        """Add an environment or change its directory, and save."""
+        self._config.set(_SECTION, name, os.path.abspath(directory))
+        self._save()
+
+    def forget(self, name: str) -> None:
+        """Remove an environment, and save."""
+        self._config.remove_option(_SECTION, name)
+        self._save()
+
+    def _save(self) -> None:
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        # written beside and moved into place: an interrupted command must not lose the other environments
+        descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
+        try:
+            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                self._config.write(file)
+            os.replace(temporary, self.path)
+        except BaseException:
+            os.unlink(temporary)
+            raise

@@ -1,0 +1,1 @@
+"""How the actuators of @env@ behave."""

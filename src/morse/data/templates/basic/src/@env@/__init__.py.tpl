@@ -1,0 +1,1 @@
+"""What @env@ adds to MORSE: how its robots, sensors and actuators behave."""

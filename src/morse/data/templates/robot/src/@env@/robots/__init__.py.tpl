@@ -1,0 +1,1 @@
+"""How the robots of @env@ behave."""

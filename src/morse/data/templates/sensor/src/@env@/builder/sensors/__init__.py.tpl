@@ -1,0 +1,2 @@
+#APPEND
+from .@name@ import @classname@

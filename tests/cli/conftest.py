@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import io
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import pytest
+
+from morse.cli.app import execute
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Answer:
+    status: int
+    out: str
+    err: str
+
+
+class Terminal:
+    """Runs command lines as a user would, in a directory and with a home of its own."""
+
+    def __init__(self, home: Path, directory: Path, capsys: pytest.CaptureFixture[str], patch: pytest.MonkeyPatch):
+        self.home = home
+        self.directory = directory
+        self._capsys = capsys
+        self._patch = patch
+
+    def __call__(self, *words: str, stdin: bytes = b"") -> Answer:
+        self._capsys.readouterr()
+        self._patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
+        status = execute(words)
+        out, err = self._capsys.readouterr()
+        return Answer(status, out, err)
+
+    @property
+    def config(self) -> Path:
+        return self.home / ".morse" / "config"
+
+
+@pytest.fixture
+def morse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Terminal:
+    home, directory = tmp_path / "home", tmp_path / "work"
+    home.mkdir()
+    directory.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("USERPROFILE", str(home))
+    for variable in ("MORSE_ROOT", "MORSE_RESOURCE_PATH", "MORSE_NODE", "MORSE_BLENDER"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.chdir(directory)
+    return Terminal(home, directory, capsys, monkeypatch)

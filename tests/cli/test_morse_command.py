@@ -1,0 +1,131 @@
+"""The `morse` and `morseexec` programs as processes of their own, and their help."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import morse
+from morse.version import __version__
+
+SOURCES = str(Path(morse.__file__).parents[1])
+MORSE = "from morse.cli import main; main()"
+MORSEEXEC = "from morse.cli.morseexec import main; main()"
+
+
+def program(code, *words, home, stdin="", **variables):
+    environment = {**os.environ, "HOME": str(home), "USERPROFILE": str(home), "PYTHONPATH": SOURCES, **variables}
+    return subprocess.run(
+        [sys.executable, "-c", code, *words],
+        input=stdin,
+        env=environment,
+        cwd=home,
+        capture_output=True,
+        encoding="utf-8",
+        timeout=60,
+        check=False,
+    )
+
+
+def test_version(tmp_path):
+    result = program(MORSE, "-v", home=tmp_path)
+    assert (result.returncode, result.stdout) == (0, f"morse {__version__}\n")
+
+
+def test_version_answers_at_once(tmp_path):
+    program(MORSE, "-v", home=tmp_path)
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        result = program(MORSE, "-v", home=tmp_path)
+        times.append(time.perf_counter() - start)
+        assert result.returncode == 0
+    assert min(times) < 0.3
+
+
+@pytest.mark.parametrize("command", ["create", "rm", "import", "-v", "-h"])
+def test_small_commands_do_not_load_the_simulator(tmp_path, command):
+    code = (
+        f"{MORSE.split(';')[0]}; import sys; sys.argv[1:] = [{command!r}, '-h']\ntry: main()\nexcept SystemExit: pass\n"
+    )
+    code += "print(sorted({'numpy', 'mujoco', 'embreex', 'rich.table'} & set(sys.modules)))"
+    if command == "-v":
+        code = code.replace(", '-h'", "")
+    result = program(code, home=tmp_path)
+    loaded = eval(result.stdout.splitlines()[-1])
+    assert not {"numpy", "mujoco", "embreex"} & set(loaded)
+
+
+def test_without_a_command_usage_is_shown(morse):
+    answer = morse()
+    assert answer.status == 0
+    for command in ("create", "import", "rm", "add", "check", "run", "edit"):
+        assert command in answer.out
+
+
+@pytest.mark.parametrize("option", ["-h", "--help"])
+def test_help(morse, option):
+    for words in ([], ["create"], ["import"], ["rm"], ["add"], ["check"], ["run"], ["edit"]):
+        answer = morse(*words, option)
+        assert answer.status == 0
+        assert "Usage: morse" in answer.out
+        assert answer.err == ""
+
+
+@pytest.mark.parametrize(("typed", "meant"), [("crete", "create"), ("runn", "run"), ("chek", "check"), ("ad", "add")])
+def test_a_mistyped_command_gives_the_nearest(morse, typed, meant):
+    answer = morse(typed)
+    assert answer.status == 2
+    assert f"Did you mean '{meant}'?" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["create"], ["rm"], ["import"], ["add", "robot"], ["create", "a", "b"], ["--foo"], ["create", "--foo", "a"]],
+)
+def test_wrong_words_get_one_line(morse, words):
+    answer = morse(*words)
+    assert answer.status == 2
+    assert answer.err.startswith("* ")
+    assert answer.err.count("\n") == 1
+    assert "-h" in answer.err
+
+
+def test_journey_of_a_project_through_processes(tmp_path):
+    assert program(MORSE, "create", "sim", home=tmp_path).returncode == 0
+    added = program(MORSE, "add", "sensor", "nose", "sim", home=tmp_path, stdin="Smells\n")
+    assert added.returncode == 0, added.stderr
+    assert '_short_desc = "Smells"' in (tmp_path / "sim/src/sim/sensors/nose.py").read_text()
+    assert program(MORSE, "rm", "sim", home=tmp_path, stdin="y\n").returncode == 0
+    assert not (tmp_path / "sim").exists()
+
+
+def test_add_without_any_standard_input(tmp_path):
+    program(MORSE, "create", "sim", home=tmp_path)
+    code = f"import sys; sys.stdin = None; {MORSE}"
+    assert program(code, "add", "sensor", "nose", "sim", home=tmp_path).returncode == 0
+
+
+def test_an_ascii_terminal_is_no_obstacle(tmp_path):
+    directory = tmp_path / "Größe"
+    directory.mkdir()
+    result = program(MORSE, "import", str(directory), "sim", home=tmp_path, PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    assert result.returncode == 0, result.stderr
+
+
+def test_morseexec_runs_a_script(tmp_path):
+    result = program(MORSEEXEC, "nosuch.py", home=tmp_path)
+    assert result.returncode == 1
+    assert "'nosuch.py' is neither a registered environment nor a file" in result.stderr
+
+
+def test_morseexec_without_a_script(tmp_path):
+    result = program(MORSEEXEC, home=tmp_path)
+    assert result.returncode == 2
+    assert "morseexec SCRIPT" in result.stderr

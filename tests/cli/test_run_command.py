@@ -1,0 +1,263 @@
+"""run: which scene, which options, what reaches the simulation."""
+
+from __future__ import annotations
+
+import math
+import sys
+import types
+from datetime import date
+
+import pytest
+
+from morse.cli.app import GlobalOptions
+from morse.cli.run import color_scheme
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Stands in for the simulation: notes with what it was started; its exit status is 7."""
+    runs = []
+    module = types.ModuleType("morse.simulation.run")
+
+    def run(options):
+        runs.append(options)
+        return 7
+
+    module.run = run
+    monkeypatch.setitem(sys.modules, "morse.simulation.run", module)
+    return runs
+
+
+@pytest.fixture
+def project(morse):
+    morse("create", "ranger_sim")
+    return morse.directory / "ranger_sim"
+
+
+def test_the_environment_of_the_tutorial(morse, project, started):
+    assert morse("run", "ranger_sim").status == 7
+    (options,) = started
+    assert options.script == str(project / "default.py")
+    assert options.arguments == []
+    assert options.source_paths == [str(project / "src")]
+    assert options.host == "127.0.0.1"
+    assert options.view == "web"
+    assert (options.speed, options.duration, options.seed) == (None, None, None)
+    assert options.open_browser
+    assert not options.profile
+
+
+def test_models_of_the_project_are_found(morse, project, started):
+    (project / "data").mkdir()
+    morse("run", "ranger_sim")
+    assert started[0].resource_paths == [str(project / "data")]
+
+
+def test_from_anywhere(morse, project, started, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    morse("run", "ranger_sim")
+    assert started[0].script == str(project / "default.py")
+
+
+@pytest.mark.parametrize("spelling", ["ranger_sim/", "Ranger_Sim"])
+def test_names_as_completed_by_a_shell_or_in_capitals(morse, project, started, spelling):
+    assert morse("run", spelling).status == 7
+    assert started[0].script == str(project / "default.py")
+
+
+def test_another_file_of_the_environment(morse, project, started):
+    (project / "night.py").write_text("")
+    morse("run", "ranger_sim", "night.py", "a")
+    assert started[0].script == str(project / "night.py")
+    assert started[0].arguments == ["a"]
+
+
+def test_a_file_of_the_current_directory_with_an_environment(morse, project, started):
+    (morse.directory / "here.py").write_text("")
+    morse("run", "ranger_sim", "here.py")
+    assert started[0].script == str(morse.directory / "here.py")
+    assert started[0].source_paths == [str(project / "src")]
+
+
+def test_what_follows_the_scene_is_the_scripts(morse, project, started):
+    rest = ["arg1", "--foo", "-g", "--", "--speed=3", "-h", "--help", "", "x y"]
+    assert morse("run", "--speed", "2", "ranger_sim", "default.py", *rest).status == 7
+    assert started[0].arguments == rest
+    assert started[0].speed == 2.0
+
+
+def test_options_may_follow_the_environment_at_once(morse, project, started):
+    morse("run", "ranger_sim", "--foo", "default.py")
+    assert started[0].script == str(project / "default.py")
+    assert started[0].arguments == ["--foo", "default.py"]
+
+
+def test_own_options_behind_the_scene_get_a_warning(morse, project, started):
+    answer = morse("run", "ranger_sim", "--headless")
+    assert answer.status == 7
+    assert "--headless" in answer.err
+    assert "before the scene" in answer.err
+    assert started[0].view == "web"
+
+
+@pytest.mark.parametrize("name", ["scene.py", "scene", "scene.txt", "scene.blend"])
+def test_a_path_may_have_any_suffix(morse, started, name):
+    (morse.directory / name).write_text("")
+    assert morse("run", name, "a", "--b").status == 7
+    assert started[0].script == str(morse.directory / name)
+    assert started[0].arguments == ["a", "--b"]
+    assert started[0].source_paths == []
+    assert started[0].resource_paths == []
+
+
+def test_a_script_run_by_its_path_finds_its_registered_project(morse, project, started):
+    (project / "data").mkdir()
+    (project / "scenes").mkdir()
+    (project / "scenes" / "night.py").write_text("")
+    morse("run", "ranger_sim/scenes/night.py")
+    assert started[0].source_paths == [str(project / "src")]
+    assert started[0].resource_paths == [str(project / "data")]
+
+
+def test_a_script_run_by_its_path_finds_an_unregistered_project(morse, started):
+    for folder in ("src", "data"):
+        (morse.directory / "old" / folder).mkdir(parents=True)
+    (morse.directory / "old" / "default.py").write_text("")
+    morse("run", "./old/default.py")
+    assert started[0].source_paths == [str(morse.directory / "old" / "src")]
+    assert started[0].resource_paths == [str(morse.directory / "old" / "data")]
+
+
+def test_a_directory_that_is_not_registered(morse, started):
+    (morse.directory / "old" / "src").mkdir(parents=True)
+    (morse.directory / "old" / "default.py").write_text("")
+    assert morse("run", "./old/").status == 7
+    assert started[0].script == str(morse.directory / "old" / "default.py")
+    assert started[0].source_paths == [str(morse.directory / "old" / "src")]
+
+
+def test_in_the_project_itself_no_name_is_needed(morse, project, started, monkeypatch):
+    monkeypatch.chdir(project)
+    assert morse("run").status == 7
+    assert started[0].script == str(project / "default.py")
+
+
+def test_without_default_py_the_first_scene_runs_with_a_warning(morse, project, started):
+    (project / "default.py").unlink()
+    for name in ("b.blend", "c.py", "a.txt"):
+        (project / name).write_text("")
+    answer = morse("run", "ranger_sim")
+    assert answer.status == 7
+    assert "b.blend" in answer.err
+    assert started[0].script == str(project / "b.blend")
+
+
+def test_an_environment_without_scenes(morse, project, started):
+    (project / "default.py").unlink()
+    answer = morse("run", "ranger_sim")
+    assert answer.status == 1
+    assert str(project) in answer.err
+    assert started == []
+
+
+def test_no_scene_at_all(morse, started):
+    answer = morse("run")
+    assert answer.status == 2
+    assert "morse create" in answer.err
+    assert started == []
+
+
+def test_an_unknown_name_gives_the_nearest_and_lists_all(morse, project, started):
+    answer = morse("run", "rangersim")
+    assert answer.status == 1
+    assert "Did you mean 'ranger_sim'?" in answer.err
+    assert answer.err.count("\n") == 1
+    assert started == []
+
+
+def test_a_mistyped_path_gives_the_nearest(morse, started):
+    (morse.directory / "scene.py").write_text("")
+    assert "Did you mean 'scene.py'?" in morse("run", "scnee.py").err
+
+
+def test_a_mistyped_file_of_an_environment_gives_the_nearest(morse, project, started):
+    answer = morse("run", "ranger_sim", "defualt.py")
+    assert answer.status == 1
+    assert "Did you mean 'default.py'?" in answer.err
+    assert started == []
+
+
+def test_all_options(morse, project, started, monkeypatch):
+    monkeypatch.setenv("MORSE_NODE", "other")
+    words = "--name node1 -g 800x600+10,20 --view studio --view-port 0 --view-token secret --host 127.0.0.1"
+    words += " --speed max --duration 2.5 --seed 3 --profile --no-browser ranger_sim"
+    assert morse("run", *words.split()).status == 7
+    (options,) = started
+    assert options.node_name == "node1"
+    assert options.view == "studio"
+    assert options.view_port == 0
+    assert options.view_token == "secret"
+    assert options.speed == math.inf
+    assert options.duration == 2.5
+    assert options.seed == 3
+    assert options.profile
+    assert not options.open_browser
+
+
+def test_name_of_the_node_from_the_environment(morse, project, started, monkeypatch):
+    monkeypatch.setenv("MORSE_NODE", "node2")
+    morse("run", "ranger_sim")
+    assert started[0].node_name == "node2"
+
+
+def test_headless_means_no_view(morse, project, started):
+    morse("run", "--headless", "ranger_sim")
+    morse("run", "--view", "none", "ranger_sim")
+    assert [options.view for options in started] == ["none", "none"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(["--speed", value] for value in ("0", "-1", "nan", "inf", "-inf", "fast", "", "1e999", "MAX ")),
+        *(["--duration", value] for value in ("0", "-1", "nan", "inf", "max", "", "1e-999")),
+        *(["--seed", value] for value in ("-1", "1.5", "x", "")),
+        *(["--view-port", value] for value in ("-1", "65536", "http", "")),
+        *(["--view", value] for value in ("", "Web", "window")),
+        *(["--host", value] for value in ("", "192.0.2.1", "no such host", "a\u0000b", "x" * 300)),
+        *(["-g", value] for value in ("", "800", "800x", "800x600+1", "-800x600")),
+        ["--headless", "--view", "web"],
+        ["--view-token", ""],
+        ["--sped", "1"],
+        ["--speed"],
+    ],
+)
+def test_bad_options_get_one_line(morse, project, started, words):
+    answer = morse("run", *words, *(["ranger_sim"] if words != ["--speed"] else []))
+    assert answer.status == 2
+    assert answer.out == ""
+    assert answer.err.startswith("* ")
+    assert answer.err.count("\n") == 1
+    assert words[0].lstrip("-")[:1] in answer.err
+    assert started == []
+
+
+@pytest.mark.parametrize(
+    ("color", "reverse", "day", "scheme"),
+    [
+        (False, False, date(2024, 12, 26), "mono"),
+        (True, False, date(2024, 12, 24), "bright"),
+        (True, True, date(2024, 6, 1), "dark"),
+        (False, True, date(2024, 6, 1), "dark"),
+        (True, False, date(2024, 12, 25), "xmas"),
+        (True, True, date(2024, 12, 31), "xmas"),
+        (True, False, date(2025, 1, 1), "bright"),
+    ],
+)
+def test_colors(color, reverse, day, scheme):
+    assert color_scheme(GlobalOptions(color, reverse), day) == scheme
+
+
+@pytest.mark.parametrize("words", [["-c"], ["-n", "-c"], ["--reverse-color"], ["--noaudio"]])
+def test_global_options_stand_before_the_command(morse, project, started, words):
+    assert morse(*words, "run", "ranger_sim").status == 7

@@ -1,0 +1,216 @@
+"""The form of the simulator's log, which other programs read."""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pexpect
+import pytest
+
+import morse
+from morse.core import log
+from morse.core.log import ENDSECTION, SECTION, MorseFormatter
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(morse.__file__).parents[1])}
+
+
+def record(text, level=logging.INFO, name="morse", seconds=0.2834, *args, error=None):
+    made = logging.LogRecord(name, level, __file__, 1, text, args, error)
+    made.relativeCreated = seconds * 1000.0
+    return made
+
+
+@pytest.fixture(autouse=True)
+def untouched_logging():
+    root = logging.getLogger("morse")
+    before = root.level, root.propagate, list(root.handlers)
+    yield
+    root.level, root.propagate, root.handlers[:] = before[0], before[1], before[2]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "line"),
+    [(0.2834, "[    0.283] hello"), (12345.6789, "[12345.679] hello"), (1234567.0, "[1234567.000] hello")],
+)
+def test_time_stamp_has_nine_places(seconds, line):
+    assert MorseFormatter().format(record("hello", seconds=seconds)) == line
+
+
+def test_line_of_the_summary_in_the_tutorial():
+    line = MorseFormatter().format(record("-        SIMULATION SUMMARY        -", seconds=0.284))
+    assert line == "[    0.284] -        SIMULATION SUMMARY        -"
+
+
+@pytest.mark.parametrize("name", ["morse", "morse.main", "blender.main"])
+def test_main_loggers_have_no_prefix(name):
+    assert MorseFormatter().format(record("hello", name=name)) == "[    0.283] hello"
+
+
+@pytest.mark.parametrize(
+    ("name", "prefix"),
+    [
+        ("morse.morse.core.request_manager", "[core.request_manager] "),
+        ("morse.ranger_sim.actuators.eyes", "[actuators.eyes] "),
+        ("morse.builder", "[morse.builder] "),
+    ],
+)
+def test_prefix_is_the_last_two_parts_of_the_name(name, prefix):
+    assert MorseFormatter().format(record("hello", name=name)) == f"[    0.283] {prefix}hello"
+
+
+@pytest.mark.parametrize("level", [logging.DEBUG, logging.INFO, logging.WARNING])
+def test_lines_below_error_have_a_time_stamp(level):
+    assert MorseFormatter().format(record("hello", level)).startswith("[    0.283] ")
+
+
+@pytest.mark.parametrize("level", [logging.ERROR, logging.CRITICAL])
+def test_errors_have_no_time_stamp(level):
+    assert MorseFormatter().format(record("[ERROR][MORSE] oh", level)) == "[ERROR][MORSE] oh"
+
+
+def test_titles():
+    formatter = MorseFormatter()
+    assert formatter.format(record("SCENE INITIALIZATION", SECTION)) == "\n[SCENE INITIALIZATION]"
+    assert formatter.format(record("SCENE INITIALIZED", ENDSECTION)) == "[SCENE INITIALIZED]"
+    assert (SECTION, ENDSECTION) == (25, 23)
+
+
+def test_percent_signs_in_messages_survive():
+    assert MorseFormatter().format(record("100 %s")).endswith("100 %s")
+    assert MorseFormatter().format(record("%d%%", logging.INFO, "morse.a%s.b", 0.0, 5)).endswith("[a%s.b] 5%")
+
+
+def test_a_traceback_follows_the_line():
+    try:
+        raise KeyError("left_eye")
+    except KeyError:
+        text = MorseFormatter().format(record("oh", logging.ERROR, error=sys.exc_info()))
+    assert text.splitlines()[0] == "oh"
+    assert text.splitlines()[-1] == "KeyError: 'left_eye'"
+
+
+def test_formatting_twice_gives_the_same():
+    line = record("hello", name="morse.a.b")
+    formatter = MorseFormatter()
+    assert formatter.format(line) == formatter.format(line)
+
+
+@pytest.mark.parametrize("scheme", ["bright", "dark", "xmas"])
+@pytest.mark.parametrize("level", [logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, SECTION, ENDSECTION])
+def test_colors_change_nothing_but_the_color(scheme, level):
+    colored = MorseFormatter(scheme).format(record("hello", level))
+    assert re.sub(r"\033\[[\d;]*m", "", colored) == MorseFormatter().format(record("hello", level))
+    assert colored.count("\033[0m") == (colored.count("\033[") > 0)
+
+
+def test_errors_stand_out_from_warnings():
+    for scheme in ("bright", "dark"):
+        formatter = MorseFormatter(scheme)
+        assert len({formatter.format(record("x", level))[:6] for level in (30, 40, 20)}) == 3
+
+
+def test_xmas_alternates():
+    formatter = MorseFormatter("xmas")
+    first, second, third = (formatter.format(record("x")) for _ in range(3))
+    assert first != second
+    assert first == third
+
+
+def test_unknown_colors_are_refused():
+    with pytest.raises(ValueError, match="mono, bright, dark, xmas"):
+        MorseFormatter("pink")
+
+
+def test_unknown_level_is_refused():
+    with pytest.raises(ValueError, match="LOUD"):
+        log.setup(level="LOUD")
+
+
+def test_setup_twice_writes_each_line_once(capsys):
+    log.setup()
+    log.setup(level="DEBUG")
+    logging.getLogger("morse.some.thing").debug("once")
+    log.section("TITLE")
+    log.endsection("TITLE")
+    out = capsys.readouterr().out
+    assert re.fullmatch(r"\[ *\d+\.\d{3}\] \[some\.thing\] once\n\n\[TITLE\]\n\[TITLE\]\n", out)
+
+
+def test_default_level_is_info(capsys):
+    log.setup(level="INFO")
+    logging.getLogger("morse.x").debug("quiet")
+    logging.getLogger("morse.x").info("loud")
+    out = capsys.readouterr().out
+    assert "quiet" not in out
+    assert "loud" in out
+
+
+SESSION = """
+import logging, os, signal
+from morse.core import log
+log.setup(colors={colors!r})
+print("printed")
+logging.getLogger("morse").warning("careful")
+log.endsection("DONE")
+logging.getLogger("morse").info("nach Größe")
+os._exit(0)  # nothing is flushed by the interpreter
+"""
+
+
+def run_session(colors, **variables):
+    return subprocess.run(
+        [sys.executable, "-c", SESSION.format(colors=colors)],
+        capture_output=True,
+        env={**ENVIRONMENT, **variables},
+        timeout=60,
+        check=True,
+    )
+
+
+def test_every_line_is_flushed_in_order():
+    lines = run_session("mono").stdout.decode().splitlines()
+    assert lines[0] == "printed"
+    assert lines[1].endswith("careful")
+    assert lines[2] == "[DONE]"
+    assert lines[3].endswith("nach Größe")
+
+
+def test_no_colors_in_a_pipe():
+    assert b"\033" not in run_session("bright").stdout
+
+
+def test_no_line_is_lost_to_an_ascii_terminal():
+    result = run_session("mono", PYTHONIOENCODING="ascii")
+    assert result.stdout.splitlines()[-1].endswith(b"nach Gr\\xf6\\xdfe")
+    assert result.stderr == b""
+
+
+def test_colors_on_a_terminal():
+    child = pexpect.spawn(sys.executable, ["-c", SESSION.format(colors="bright")], env=ENVIRONMENT, timeout=60)
+    child.expect(pexpect.EOF)
+    assert re.search(rb"\033\[93m\[ *\d+\.\d{3}\] careful\033\[0m", child.before)
+
+
+def test_no_colors_on_a_terminal_unless_asked():
+    child = pexpect.spawn(sys.executable, ["-c", SESSION.format(colors="mono")], env=ENVIRONMENT, timeout=60)
+    child.expect(pexpect.EOF)
+    assert b"\033" not in child.before
+
+
+def test_a_reader_that_leaves_disturbs_nothing(monkeypatch):
+    class Gone(io.StringIO):
+        def write(self, text):
+            raise BrokenPipeError
+
+    log.setup()
+    complaints = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", Gone())
+    monkeypatch.setattr(sys, "stderr", complaints)
+    logging.getLogger("morse").info("to nobody")
+    assert complaints.getvalue() == ""
