@@ -1,0 +1,18 @@
+"""The live view: a page in the browser that shows the simulation and drives it."""
+
+from __future__ import annotations
+
+__all__ = ["MovingNode", "Snapshot", "ViewServer"]
+
+
+def __getattr__(name: str) -> object:
+    # the command line imports this room for the names alone: the server with its libraries comes when asked for
+    if name == "ViewServer":
+        from morse.viewer.server import ViewServer
+
+        return ViewServer
+    if name in ("MovingNode", "Snapshot"):
+        from morse.viewer import snapshot
+
+        return getattr(snapshot, name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

@@ -1,0 +1,154 @@
+"""From a scene to the description that pages fetch."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+from morse.scene import Material
+from morse.scene.frames import rigid_frame
+from morse.viewer import description as d
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from morse.scene import Camera, CollisionShape, Light, Mesh, Mist, Node, Scene
+    from morse.scene.frames import RigidFrame
+    from morse.viewer.depot import Depot
+    from morse.viewer.snapshot import MovingNode
+
+_PLAIN = Material("")
+
+
+def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: Depot) -> d.SceneDescription:
+    """Describe a scene; its geometry and pictures go to the depot."""
+    nodes = list(scene.nodes())
+    index = {id(node): i for i, node in enumerate(nodes)}
+    frames = {id(node): rigid_frame(node) for node in nodes}
+    kinds = {id(component.node): component.kind for component in scene.components}
+    movers = {id(mover.node): mover.frame for mover in moving}
+    depot.add_meshes(node.mesh for node in nodes if node.mesh is not None)
+    meshes: dict[d.MeshDescription, int] = {}
+    materials: dict[d.MaterialDescription, int] = {}
+    described = []
+    for node in nodes:
+        frame = frames[id(node)]
+        position, quaternion = _pose(frame, None if node.parent is None else frames[id(node.parent)])
+        slots = _slots(node, node.mesh) if node.mesh is not None else []
+        described.append(
+            d.NodeDescription(
+                name=node.name,
+                parent=index.get(id(node.parent), -1),
+                position=position,
+                quaternion=quaternion,
+                frame=movers.get(id(node), ""),
+                stretch=None if frame.is_unstretched else tuple(v for row in frame.stretch for v in row),
+                mesh=-1 if node.mesh is None else meshes.setdefault(depot.mesh(node.mesh), len(meshes)),
+                materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
+                color=node.color,
+                visible=node.visible and not _is_off(node.properties.get("visible", True)),
+                light=None if node.light is None else _light(node.light),
+                camera=None if node.camera is None else _camera(node.camera),
+                shapes=[_shape(shape) for shape in node.shapes or ()],
+                kind=kinds.get(id(node), ""),
+            )
+        )
+    return d.SceneDescription(
+        revision=revision,
+        key=_key(scene),
+        environment=scene.environment,
+        nodes=described,
+        meshes=list(meshes),
+        materials=list(materials),
+        moving=[index[id(mover.node)] for mover in moving],
+        view=_view(scene),
+    )
+
+
+def _pose(frame: RigidFrame, parent: RigidFrame | None) -> tuple[d.Vector3, d.Quaternion]:
+    """Position and quaternion in the rigid frame of the parent."""
+    position, rotation = frame.position, frame.rotation
+    if parent is not None:
+        back = parent.rotation.transposed()
+        position, rotation = back @ (position - parent.position), back @ rotation
+    (x, y, z), (qw, qx, qy, qz) = position, rotation.to_quaternion()
+    return (x, y, z), (qw, qx, qy, qz)
+
+
+def _slots(node: Node, mesh: Mesh) -> list[Material]:
+    """The material of every slot that the mesh uses: the node's own, else the mesh's."""
+    used = int(mesh.material_index.max(initial=0)) + 1
+    slots = []
+    for slot in range(used):
+        own = node.materials[slot] if slot < len(node.materials) else None
+        default = mesh.materials[slot] if slot < len(mesh.materials) else None
+        slots.append(own or default or _PLAIN)
+    return slots
+
+
+def _is_off(value: object) -> bool:
+    return value in (0, "0", "false", "False")
+
+
+def _material(material: Material, depot: Depot) -> d.MaterialDescription:
+    (r, g, b, a), (er, eg, eb) = map(float, material.color), map(float, material.emission)
+    return d.MaterialDescription(
+        name=material.name,
+        color=(r, g, b, a),
+        metallic=material.metallic,
+        roughness=material.roughness,
+        emission=(er, eg, eb),
+        image=None if material.image is None else depot.image(material.image),
+        shadeless=material.shadeless,
+        double_sided=material.double_sided,
+    )
+
+
+def _light(light: Light) -> d.LightDescription:
+    return d.LightDescription(
+        light.type, light.color, light.energy, light.distance, light.spot_size, light.casts_shadow
+    )
+
+
+def _camera(camera: Camera) -> d.CameraDescription:
+    return d.CameraDescription(camera.focal_length, camera.clip_start, camera.clip_end)
+
+
+def _shape(shape: CollisionShape) -> d.ShapeDescription:
+    vertices = [] if shape.vertices is None else [(float(x), float(y), float(z)) for x, y, z in shape.vertices]
+    return d.ShapeDescription(shape.kind.value, shape.size, shape.position, shape.rotation, vertices)
+
+
+def _mist(mist: Mist | None) -> d.MistDescription | None:
+    if mist is None or not mist.enabled:
+        return None
+    return d.MistDescription(mist.intensity, mist.start, mist.depth, mist.falloff)
+
+
+def _view(scene: Scene) -> d.ViewDescription:
+    view = scene.settings.view
+    return d.ViewDescription(
+        camera_location=view.camera_location,
+        camera_rotation=view.camera_rotation,
+        camera_clip=view.camera_clip,
+        camera_speed=view.camera_speed,
+        camera_focal_length=view.camera_focal_length,
+        horizon_color=view.horizon_color,
+        ambient_color=view.ambient_color,
+        mist=_mist(view.mist),
+        show_physics=view.show_physics,
+        show_framerate=view.show_framerate,
+        wireframe=scene.settings.fastmode or view.viewport == "WIREFRAME",
+        display_camera=view.display_camera,
+    )
+
+
+def _key(scene: Scene) -> str:
+    """Stays the same when the same script runs again."""
+    view = scene.settings.view
+    parts: Mapping[str, object] = {
+        "environment": scene.environment,
+        "robots": sorted(robot.name for robot in scene.robots()),
+        "camera": (view.camera_location, view.camera_rotation),
+    }
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]

@@ -1,0 +1,135 @@
+"""The description of a world that a page fetches once: everything that does not change by the tick."""
+
+from __future__ import annotations
+
+from msgspec import Struct
+
+Vector3 = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+class MeshDescription(Struct, frozen=True):
+    """Where the geometry is found: `morse.viewer.geometry.PackedMesh` at an offset (bytes) of a file."""
+
+    url: str
+    offset: int
+    vertices: int
+    indices: int
+    textured: bool
+    groups: tuple[tuple[int, int, int], ...]
+
+
+class MaterialDescription(Struct, frozen=True):
+    """As `morse.scene.Material`; ``image`` is the address of its picture."""
+
+    name: str
+    color: tuple[float, float, float, float]
+    metallic: float
+    roughness: float
+    emission: Vector3
+    image: str | None
+    shadeless: bool
+    double_sided: bool
+
+
+class LightDescription(Struct, frozen=True):
+    """As `morse.scene.Light`."""
+
+    type: str
+    color: Vector3
+    energy: float
+    distance: float
+    spot_size: float
+    casts_shadow: bool
+
+
+class CameraDescription(Struct, frozen=True):
+    """As `morse.scene.Camera`."""
+
+    focal_length: float
+    clip_start: float
+    clip_end: float
+
+
+class ShapeDescription(Struct, frozen=True):
+    """As `morse.scene.CollisionShape`."""
+
+    kind: str
+    size: tuple[float, ...]
+    position: Vector3
+    rotation: tuple[float, ...]
+    vertices: list[Vector3] = []
+
+
+class NodeDescription(Struct, frozen=True, omit_defaults=True):
+    """A node.
+
+    Attributes:
+        parent: index of its parent in the list of nodes, or -1.
+        position: in the rigid frame of the parent, metres.
+        quaternion: w, x, y, z, in the rigid frame of the parent.
+        frame: of its poses in the snapshots, ``world`` or ``parent``; empty if it has none.
+        stretch: row-major 3x3 that the vertices of the mesh get, or None for none.
+        mesh: index, or -1.
+        materials: indices, by slot.
+        kind: of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
+    """
+
+    name: str
+    parent: int = -1
+    position: Vector3 = (0.0, 0.0, 0.0)
+    quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    frame: str = ""
+    stretch: tuple[float, ...] | None = None
+    mesh: int = -1
+    materials: tuple[int, ...] = ()
+    color: tuple[float, float, float, float] | None = None
+    visible: bool = True
+    light: LightDescription | None = None
+    camera: CameraDescription | None = None
+    shapes: list[ShapeDescription] = []
+    kind: str = ""
+
+
+class MistDescription(Struct, frozen=True):
+    """As `morse.scene.Mist`."""
+
+    intensity: float
+    start: float
+    depth: float
+    falloff: str
+
+
+class ViewDescription(Struct, frozen=True):
+    """What the script asked of the view: see `morse.scene.ViewSettings`."""
+
+    camera_location: Vector3
+    camera_rotation: Vector3
+    camera_clip: tuple[float, float]
+    camera_speed: float
+    camera_focal_length: float
+    horizon_color: Vector3 | None
+    ambient_color: Vector3 | None
+    mist: MistDescription | None
+    show_physics: bool
+    show_framerate: bool
+    wireframe: bool
+    display_camera: str | None
+
+
+class SceneDescription(Struct, frozen=True):
+    """A world.
+
+    Attributes:
+        moving: indices of the nodes that move, in the order of the poses.
+        key: tells worlds apart, so that the page can remember the camera for each.
+    """
+
+    revision: int
+    key: str
+    environment: str
+    nodes: list[NodeDescription]
+    meshes: list[MeshDescription]
+    materials: list[MaterialDescription]
+    moving: list[int]
+    view: ViewDescription

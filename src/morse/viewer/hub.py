@@ -1,0 +1,258 @@
+"""The connections of the live view: lives in the network thread."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from websockets.asyncio.server import serve
+from websockets.exceptions import ConnectionClosed
+
+from morse.viewer import page_messages as pm
+from morse.viewer.page import Page
+from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
+from morse.viewer.seat import Seat
+from morse.viewer.site import Site, refuse
+from morse.viewer.view_messages import Refused, Welcome
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from websockets.asyncio.server import Server, ServerConnection
+    from websockets.http11 import Request, Response
+
+    from morse.viewer.access import Access
+    from morse.viewer.view_messages import ServerMessage, Subject
+
+MOST_EVENTS = 1000
+"""Events that wait for the simulation, at most."""
+
+_PATIENCE = 300.0  # s: a big scene may take this long over a slow line
+_FIRST_MESSAGE = 10.0  # s
+_GREETING = "/ws"
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What all pages together show.
+
+    Attributes:
+        values: components whose data is looked at.
+        overlays: components whose rays, cones and the like are shown, and ``contacts``.
+        images: cameras whose pictures are shown.
+    """
+
+    values: frozenset[str] = frozenset()
+    overlays: frozenset[str] = frozenset()
+    images: frozenset[str] = frozenset()
+
+
+class Hub:
+    """All pages of one simulation.
+
+    Attributes:
+        seat: who drives.
+        events: what the driving page asked for, oldest first.
+        wishes: what all pages together show.
+        site: what can be fetched.
+    """
+
+    def __init__(self, access: Access, title: str) -> None:
+        self.access = access
+        self.seat = Seat()
+        self.events: deque[pm.ViewEvent] = deque()
+        self.wishes = Wishes()
+        self.site = Site()
+        self._title = title
+        self._pages: dict[int, Page] = {}
+        self._numbers = 0
+        self._lasting: dict[Subject, str | bytes] = {}
+        self._server: Server | None = None
+        self._cookie = ""
+        self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # garbage is no news
+
+    @property
+    def watched(self) -> bool:
+        """Whether there is any page."""
+        return bool(self._pages)
+
+    async def open(self, host: str, ports: Iterable[int]) -> int:
+        """Bind to the first port that is free, and return it.
+
+        Raises:
+            OSError: if none is.
+        """
+        failure: OSError | None = None
+        for port in ports:
+            try:
+                self._server = await serve(
+                    self._serve,
+                    host,
+                    port,
+                    process_request=self._answer,
+                    compression=None,
+                    max_size=MAX_MESSAGE,
+                    open_timeout=_PATIENCE,
+                    close_timeout=_PATIENCE,
+                    logger=self._quiet,
+                )
+            except OSError as error:
+                failure = error
+                continue
+            bound = int(next(iter(self._server.sockets)).getsockname()[1])
+            self._cookie = f"morse_view_{bound}"
+            return bound
+        raise failure or OSError("no port was given")
+
+    async def close(self) -> None:
+        """Tell the pages that it is over, and hang up."""
+        if self._server is None:
+            return
+        self._server.close(reason="The simulation has ended")
+        try:
+            async with asyncio.timeout(1.0):
+                await self._server.wait_closed()
+        except TimeoutError:
+            for page in self._pages.values():
+                page.connection.transport.abort()
+
+    def broadcast(self, message_subject: Subject | None, frame: str | bytes, *, lasting: bool) -> None:
+        """Tell all pages, and if it is lasting those that come later."""
+        if lasting and message_subject is not None:
+            self._lasting.pop(message_subject, None)
+            self._lasting[message_subject] = frame
+        for page in list(self._pages.values()):
+            page.tell(message_subject, frame)
+            if page.hopeless:
+                page.connection.transport.abort()
+
+    def show(self, poses: bytes) -> None:
+        """Send the newest poses to all pages."""
+        for page in self._pages.values():
+            page.show(poses)
+
+    # requests ------------------------------------------------------------------------------------
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        path = urlsplit(request.path).path
+        try:
+            secret = path == _GREETING or self.site.is_secret(path)
+            refusal = self.access.refusal(request.path, request.headers, secret=secret, cookie=self._cookie)
+        except LookupError:
+            return refuse(HTTPStatus.BAD_REQUEST, "A header that may come once came twice.")
+        if refusal is not None:
+            return refuse(HTTPStatus.FORBIDDEN, refusal)
+        if path == _GREETING:
+            return None
+        return self.site.respond(path, request.headers, self.access.cookie(request.path, self._cookie))
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        page: Page | None = None
+        sender: asyncio.Task[None] | None = None
+        try:
+            page = await self._welcome(connection)
+            if page is None:
+                return
+            sender = asyncio.create_task(page.send_forever())
+            async for frame in connection:
+                self._receive(page, decode_page_message(frame))
+        except NotUnderstood as error:
+            reason = f"Not understood: {error}".encode()[:120].decode(errors="ignore")  # 123 bytes, says RFC 6455
+            await connection.close(Close.NOT_UNDERSTOOD, reason)
+        except ConnectionClosed:
+            pass  # a tab that is closed says nothing
+        finally:
+            if sender is not None:
+                sender.cancel()
+            if page is not None:
+                self._leave(page)
+
+    async def _welcome(self, connection: ServerConnection) -> Page | None:
+        try:
+            async with asyncio.timeout(_FIRST_MESSAGE):
+                hello = decode_page_message(await connection.recv())
+        except TimeoutError:
+            raise NotUnderstood("the first message, hello, did not come") from None
+        if not isinstance(hello, pm.Hello):
+            raise NotUnderstood("the first message must be hello")
+        if hello.version != VERSION:
+            reason = (
+                f"This page speaks version {hello.version} of the protocol, the simulator {VERSION}: reload the page"
+            )
+            await connection.close(Close.OTHER_VERSION, reason)
+            return None
+        self._numbers += 1
+        page = Page(self._numbers, connection)
+        self._pages[page.number] = page
+        self.seat.enter(page.number)
+        self._tell(page, Welcome(VERSION, page.number, self._title))
+        for subject, frame in self._lasting.items():
+            page.tell(subject, frame)
+        self._seat_changed()
+        return page
+
+    def _leave(self, page: Page) -> None:
+        del self._pages[page.number]
+        if self.seat.driver == page.number:
+            self.events.append(pm.DragEnd())
+        self.seat.leave(page.number)
+        self._seat_changed()
+        self._wishes_changed()
+
+    # messages ------------------------------------------------------------------------------------
+
+    def _receive(self, page: Page, message: pm.PageMessage) -> None:
+        drives = self.seat.driver == page.number
+        match message:
+            case pm.Alive():
+                self.seat.hear(page.number)
+            case pm.Taken():
+                page.took(message.count)
+            case pm.Keys():
+                self.seat.hold(page.number, frozenset(message.held))
+            case pm.Gamepad():
+                self.seat.steer(page.number, tuple(message.axes), tuple(message.buttons))
+            case pm.Watch():
+                page.watch = message
+                self._wishes_changed()
+            case pm.AskToDrive():
+                self.seat.ask(page.number)
+                self._seat_changed()
+            case pm.HandOver():
+                if not self.seat.hand_over(page.number, message.to, list(self._pages)):
+                    self._refuse(page, message, "only the page that drives can hand over, and to a page that is there")
+                self._seat_changed()
+            case pm.KeepDriving():
+                self.seat.keep(page.number)
+                self._seat_changed()
+            case pm.ViewEvent() if not drives:
+                self._refuse(page, message, "another page drives: ask it for the wheel first")
+            case pm.ViewEvent() if len(self.events) >= MOST_EVENTS:
+                self._refuse(page, message, "the simulation is busy with what was asked before")
+            case pm.ViewEvent():
+                self.events.append(message)
+            case _:
+                raise NotUnderstood(f"{type(message).__name__} comes once, at the beginning")
+
+    def _refuse(self, page: Page, message: pm.PageMessage, why: str) -> None:
+        self._tell(page, Refused(str(type(message).__struct_config__.tag), why))
+
+    def _tell(self, page: Page, message: ServerMessage) -> None:
+        page.tell(message.subject(), encode_server_message(message))
+
+    def _seat_changed(self) -> None:
+        message = self.seat.message(len(self._pages))
+        self.broadcast(message.subject(), encode_server_message(message), lasting=False)
+
+    def _wishes_changed(self) -> None:
+        shown = [page.watch for page in self._pages.values() if page.watch is not None]
+        self.wishes = Wishes(
+            values=frozenset(name for watch in shown for name in watch.values),
+            overlays=frozenset(name for watch in shown for name in watch.overlays),
+            images=frozenset(name for watch in shown for name in watch.images),
+        )

@@ -1,0 +1,134 @@
+"""The driver's seat: any number of pages watch, one drives."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING
+
+from morse.viewer.view_messages import Seat as SeatMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+DEAD_MAN = 0.7
+"""Seconds without a sign of life from the driving page after which nothing counts as held any more."""
+
+_NOTHING: frozenset[str] = frozenset()
+
+
+class Seat:
+    """Who drives, and what that page holds down.
+
+    Changed in the network thread; the simulation thread reads the controls.
+
+    Attributes:
+        driver: number of the driving page, or None.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._lock = threading.Lock()
+        self.driver: int | None = None
+        self._asking: list[int] = []
+        self._heard = 0.0
+        self._held = _NOTHING
+        self._tapped: set[str] = set()
+        self._tick_taps = _NOTHING
+        self._axes: tuple[float, ...] = ()
+        self._buttons: tuple[bool, ...] = ()
+
+    # who drives ----------------------------------------------------------------------------------
+
+    def enter(self, page: int) -> None:
+        """A page arrives; it drives if nobody does."""
+        if self.driver is None:
+            self._give(page)
+
+    def leave(self, page: int) -> None:
+        """A page is gone; the first that asked for it gets the seat."""
+        self._asking = [other for other in self._asking if other != page]
+        if self.driver == page:
+            self._give(self._asking[0] if self._asking else None)
+
+    def ask(self, page: int) -> None:
+        """A page would like to drive: granted at once if the one that does shows no sign of life."""
+        if page == self.driver:
+            return
+        if self.driver is None or not self.alive:
+            self._give(page)
+        elif page not in self._asking:
+            self._asking.append(page)
+
+    def hand_over(self, page: int, to: int, pages: Sequence[int]) -> bool:
+        """The driver ``page`` makes room for another one; False if it is not the driver or the other is gone."""
+        if page != self.driver or to not in pages:
+            return False
+        self._give(to)
+        return True
+
+    def keep(self, page: int) -> None:
+        """The driver declines all that asked."""
+        if page == self.driver:
+            self._asking.clear()
+
+    def message(self, pages: int) -> SeatMessage:
+        """What the pages are told."""
+        return SeatMessage(self.driver, list(self._asking), pages)
+
+    def _give(self, page: int | None) -> None:
+        self.driver = page
+        self._asking = [other for other in self._asking if other != page]
+        self.release()
+        self._heard = self._clock()
+
+    # what is held --------------------------------------------------------------------------------
+
+    @property
+    def alive(self) -> bool:
+        """Whether the driving page has given a sign of life of late."""
+        return self.driver is not None and self._clock() - self._heard < DEAD_MAN
+
+    def hear(self, page: int) -> None:
+        """A sign of life."""
+        if page == self.driver:
+            self._heard = self._clock()
+
+    def hold(self, page: int, keys: frozenset[str]) -> None:
+        """The keys that a page holds down now; those of a page that does not drive count for nothing."""
+        if page != self.driver:
+            return
+        with self._lock:
+            self._tapped |= keys - (self._held if self.alive else _NOTHING)
+            self._held = keys
+            self._heard = self._clock()
+
+    def steer(self, page: int, axes: tuple[float, ...], buttons: tuple[bool, ...]) -> None:
+        """The gamepad of a page."""
+        if page == self.driver:
+            self._axes, self._buttons = axes, buttons
+            self._heard = self._clock()
+
+    def release(self) -> None:
+        """Let go of everything."""
+        with self._lock:
+            self._held = _NOTHING
+            self._tapped.clear()
+            self._axes, self._buttons = (), ()
+
+    def begin_tick(self) -> None:
+        """Keys that were pressed and released since the last call count as held until the next one."""
+        if not self._tapped and not self._tick_taps:
+            return
+        with self._lock:
+            self._tick_taps = frozenset(self._tapped)
+            self._tapped.clear()
+
+    def held_keys(self) -> frozenset[str]:
+        """The keys held by a driver that is alive."""
+        held = self._held if self._held and self.alive else _NOTHING
+        return held | self._tick_taps if self._tick_taps else held
+
+    def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
+        """Axes (-1..1) and buttons of a driver that is alive."""
+        return (self._axes, self._buttons) if self._axes and self.alive else ((), ())

@@ -1,0 +1,201 @@
+"""The server of the live view, as the simulation sees it."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections import deque
+from typing import TYPE_CHECKING
+
+from morse.viewer.access import Access, is_loopback
+from morse.viewer.depot import Depot
+from morse.viewer.describe import describe
+from morse.viewer.hub import Hub, Wishes
+from morse.viewer.page_messages import Drag, DragEnd
+from morse.viewer.protocol import encode_json, encode_server_message
+from morse.viewer.site import File
+from morse.viewer.snapshot import pack_snapshot
+from morse.viewer.view_messages import World
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from morse.core.network import Network
+    from morse.scene import Scene
+    from morse.viewer.page_messages import ViewEvent
+    from morse.viewer.snapshot import MovingNode, Snapshot
+    from morse.viewer.view_messages import ServerMessage, Subject
+
+_SHORTEST_INTERVAL = 1.0 / 125.0
+"""Wall-clock seconds between two snapshots: no screen shows more, however fast the simulation runs."""
+
+
+class ViewServer:
+    """Shows the simulation to any number of pages, and takes what the driving page asks for.
+
+    The methods are called from the simulation thread and never wait for a page; all traffic lives in the network
+    thread.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8765,
+        token: str | None = None,
+        title: str = "MORSE",
+    ) -> None:
+        """Nothing is opened before `start`.
+
+        Args:
+            network: the thread it lives in.
+            host: address to bind to.
+            port: TCP port; the next free one is taken if it is in use; 0 for any.
+            token: what a page has to show. One is made up if other machines can reach ``host``.
+            title: shown by the browser.
+        """
+        self._network = network
+        self._host = host
+        self._port = port
+        self._hub = Hub(Access(host, token), title)
+        self._depot = Depot()
+        self._revision = 0
+        self._moving = 0
+        self._last_shown = 0.0
+        self._last_status = ""
+        self._dragging = False
+        self._lock = threading.Lock()
+        self._messages: deque[tuple[Subject | None, str | bytes, bool]] = deque()
+        self._poses: bytes | None = None
+        self._posted = False
+
+    def start(self) -> str:
+        """Open the server and return the address to open in a browser, with the token if there is one.
+
+        Raises:
+            OSError: if the address cannot be bound, with what to do about it.
+        """
+        try:
+            port = self._network.call(self._hub.open(self._host, _ports(self._port)))
+        except OSError as error:
+            raise OSError(
+                f"The live view cannot be served on {self._host}, port {self._port}: {error}. "
+                "Choose others with --host and --view-port, or do without it with --view none."
+            ) from error
+        shown = self._host if is_loopback(self._host) else _name_of_this_machine(self._host)
+        address = f"[{shown}]" if ":" in shown else shown
+        token = self._hub.access.token
+        return f"http://{address}:{port}/" + (f"?token={token}" if token else "")
+
+    def stop(self) -> None:
+        """Tell the pages that the simulation has ended, and close the server."""
+        self._network.call(self._hub.close())
+
+    # what pages see ------------------------------------------------------------------------------
+
+    @property
+    def watched(self) -> bool:
+        """Whether any page is connected; without one, snapshots are not needed."""
+        return self._hub.watched
+
+    @property
+    def wishes(self) -> Wishes:
+        """Which data, overlays and pictures the pages show now: nothing else need be sent."""
+        return self._hub.wishes
+
+    def set_scene(self, scene: Scene, moving: Sequence[MovingNode]) -> None:
+        """Describe the world; call it again when nodes come, go or get another parent.
+
+        Args:
+            scene: as it is now.
+            moving: the nodes whose poses the snapshots hold, in that order.
+
+        Raises:
+            KeyError: if a moving node is not in the scene.
+        """
+        self._revision += 1
+        description = encode_json(describe(scene, moving, self._revision, self._depot))
+        url = f"/worlds/{self._revision}.json"
+        files = {path: File(mime, data, lasting=True) for path, (mime, data) in self._depot.take_new().items()}
+        files[url] = File("application/json", description, lasting=False)
+        self._moving = len(moving)
+        self._network.post(self._hub.site.files.update, files)
+        self.send(World(self._revision, url))
+
+    def publish(self, snapshot: Snapshot) -> None:
+        """Show a snapshot: each page gets the newest one as soon as it can take it.
+
+        Raises:
+            ValueError: if it does not have one pose for each moving node.
+        """
+        if len(snapshot.poses) != self._moving:
+            raise ValueError(f"the snapshot has {len(snapshot.poses)} poses, the scene {self._moving} moving nodes")
+        now = time.monotonic()
+        hurried = snapshot.status == "running" == self._last_status and now - self._last_shown < _SHORTEST_INTERVAL
+        if hurried or not self._hub.watched:
+            return
+        self._last_shown, self._last_status = now, snapshot.status
+        self._poses = pack_snapshot(snapshot, self._revision)
+        self._post()
+
+    def send(self, message: ServerMessage) -> None:
+        """Tell the pages something; a message that lasts is told to pages that come later, too."""
+        if message.lasting or self._hub.watched:
+            self._messages.append((message.subject(), encode_server_message(message), message.lasting))
+            self._post()
+
+    def _post(self) -> None:
+        with self._lock:
+            if self._posted:
+                return
+            self._posted = True
+        self._network.post(self._flush)
+
+    def _flush(self) -> None:
+        with self._lock:
+            self._posted = False
+        while self._messages:
+            subject, frame, lasting = self._messages.popleft()
+            self._hub.broadcast(subject, frame, lasting=lasting)
+        poses, self._poses = self._poses, None
+        if poses is not None:
+            self._hub.show(poses)
+
+    # what the driving page asks for --------------------------------------------------------------
+
+    def take_events(self) -> list[ViewEvent]:
+        """What the driving page asked for since the last call, oldest first; call it at the start of a tick."""
+        self._hub.seat.begin_tick()
+        events = []
+        while self._hub.events:
+            events.append(self._hub.events.popleft())
+        for event in events:
+            if isinstance(event, Drag | DragEnd):
+                self._dragging = isinstance(event, Drag)
+        if self._dragging and not self._hub.seat.alive:
+            self._dragging = False
+            events.append(DragEnd())
+        return events
+
+    def held_keys(self) -> frozenset[str]:
+        """Keys (``KeyboardEvent.code``) held on the driving page now; none once it is hidden, silent or gone.
+
+        A key that was pressed and released between two ticks is held for one.
+        """
+        return self._hub.seat.held_keys()
+
+    def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
+        """Axes (-1..1, right and down positive) and buttons of the driving page's gamepad; empty without one."""
+        return self._hub.seat.gamepad()
+
+
+def _ports(first: int) -> Iterator[int]:
+    if first:
+        yield from range(first, min(first + 100, 65536))
+    yield 0
+
+
+def _name_of_this_machine(host: str) -> str:
+    return socket.gethostname() if host in ("0.0.0.0", "::", "") else host

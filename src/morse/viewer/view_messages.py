@@ -1,0 +1,300 @@
+"""What the simulator says to the pages."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from msgspec import Struct
+
+from morse.viewer.page_messages import snake_case
+
+Subject = tuple[str, ...]
+
+
+class ServerMessage(Struct, frozen=True, tag_field="type", tag=snake_case):
+    """A JSON object whose ``type`` says what it is.
+
+    Of two messages with the same subject only the newer one matters: a page that is slow gets that one alone.
+    """
+
+    _about: ClassVar[tuple[str, ...] | None] = ()
+    """The fields that tell the subjects of such messages apart; None: every message counts."""
+
+    _lasting: ClassVar[bool] = True
+
+    def subject(self) -> Subject | None:
+        """What the message is about, or None if every one counts."""
+        return None if self._about is None else (type(self).__name__, *(getattr(self, name) for name in self._about))
+
+    @property
+    def lasting(self) -> bool:
+        """Told also to pages that come later."""
+        return self._lasting
+
+
+class Payload(ServerMessage, frozen=True):
+    """A message that ends with numbers or a picture: sent as a binary frame."""
+
+    payload: bytes
+
+
+# the connection ------------------------------------------------------------------------------------------
+
+
+class Welcome(ServerMessage, frozen=True):
+    """Answers the page's `Hello`; ``page`` is the number by which the others know it."""
+
+    version: int
+    page: int
+    title: str
+
+
+class World(ServerMessage, frozen=True):
+    """There is a new world: fetch its description."""
+
+    revision: int
+    url: str
+
+
+class Seat(ServerMessage, frozen=True):
+    """Who drives, who would like to, and how many pages there are."""
+
+    driver: int | None
+    asking: list[int]
+    pages: int
+
+
+class Refused(ServerMessage, frozen=True):
+    """Something that the page asked for was not done."""
+
+    what: str
+    why: str
+
+    _about: ClassVar[tuple[str, ...] | None] = None
+    _lasting: ClassVar[bool] = False
+
+
+# time and news -------------------------------------------------------------------------------------------
+
+
+class Pace(ServerMessage, frozen=True):
+    """How well the simulation keeps up.
+
+    Attributes:
+        strategy: e.g. ``Best Effort``.
+        late: wall-clock seconds behind; 0 when it keeps up.
+        costliest: the component that takes longest, or empty.
+        cost: wall-clock milliseconds that it takes a tick.
+    """
+
+    strategy: str
+    late: float = 0.0
+    costliest: str = ""
+    cost: float = 0.0
+
+
+class Log(ServerMessage, frozen=True):
+    """A line of the log."""
+
+    level: Literal["debug", "info", "warning", "error"]
+    text: str
+    source: str = ""
+    time: float = 0.0
+
+    _about: ClassVar[tuple[str, ...] | None] = None
+    _lasting: ClassVar[bool] = False
+
+
+# components ----------------------------------------------------------------------------------------------
+
+
+class FieldDescription(Struct, frozen=True):
+    """A data field of a component."""
+
+    name: str
+    type: str = ""
+    doc: str = ""
+    unit: str = ""
+
+
+class PropertyDescription(Struct, frozen=True):
+    """A property of a component, with its value now."""
+
+    name: str
+    type: str = ""
+    doc: str = ""
+    value: Any = None
+
+
+class ArgumentDescription(Struct, frozen=True):
+    """An argument of a service; ``default`` is written as in Python, None if it must be given."""
+
+    name: str
+    type: str = ""
+    default: str | None = None
+
+
+class ServiceDescription(Struct, frozen=True):
+    """A service of a component."""
+
+    name: str
+    doc: str = ""
+    arguments: list[ArgumentDescription] = []
+    asynchronous: bool = False
+
+
+class ComponentDescription(Struct, frozen=True):
+    """A robot, sensor or actuator.
+
+    Attributes:
+        name: fully qualified; also the name of its node in the scene.
+        kind: ``robot``, ``external_robot``, ``sensor`` or ``actuator``.
+        robot: the name of the robot that carries it.
+        title: name of its class, for people.
+        frequency: Hz.
+    """
+
+    name: str
+    kind: str
+    robot: str
+    title: str = ""
+    doc: str = ""
+    frequency: float = 0.0
+    level: str = ""
+    active: bool = True
+    data: list[FieldDescription] = []
+    properties: list[PropertyDescription] = []
+    services: list[ServiceDescription] = []
+
+
+class Tree(ServerMessage, frozen=True):
+    """All components, and services that belong to none (``simulation``, ``time``)."""
+
+    components: list[ComponentDescription]
+
+
+class Listening(ServerMessage, frozen=True):
+    """The robots that can obey keys, and the one that does (None: all of them)."""
+
+    robots: list[str]
+    robot: str | None = None
+
+
+class Values(ServerMessage, frozen=True):
+    """Data of a component at a simulated time (s)."""
+
+    component: str
+    time: float
+    data: dict[str, Any]
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+    _lasting: ClassVar[bool] = False
+
+
+class PropertyValue(ServerMessage, frozen=True):
+    """A property changed."""
+
+    component: str
+    name: str
+    value: Any
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component", "name")
+
+
+class Activity(ServerMessage, frozen=True):
+    """A component works now, or no longer."""
+
+    component: str
+    active: bool
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+
+
+class Answer(ServerMessage, frozen=True):
+    """The result of a request of the driving page."""
+
+    request: int
+    ok: bool
+    value: Any = None
+    error: str = ""
+
+    _about: ClassVar[tuple[str, ...] | None] = None
+    _lasting: ClassVar[bool] = False
+
+
+# the world -----------------------------------------------------------------------------------------------
+
+
+class Appearance(ServerMessage, frozen=True):
+    """A node is hidden, shown or recoloured (linear RGBA, None: as its materials are)."""
+
+    node: str
+    visible: bool
+    color: tuple[float, float, float, float] | None = None
+
+    _about: ClassVar[tuple[str, ...] | None] = ("node",)
+
+
+class Rays(Payload, frozen=True):
+    """The rays of a sensor: (N, 7) float32 of origin, end (m, world frame) and 1 where something was hit."""
+
+    component: str
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+    _lasting: ClassVar[bool] = False
+
+
+class Contacts(Payload, frozen=True):
+    """Where bodies touch: (N, 6) float32 of point (m) and force (N), both in the world frame."""
+
+    _lasting: ClassVar[bool] = False
+
+
+class Cone(ServerMessage, frozen=True):
+    """The space that a sensor watches, around the X axis of its node.
+
+    Attributes:
+        reach: metres.
+        angle: full opening angle, radians; 2 pi for a sphere.
+        seen: names of what it sees now.
+    """
+
+    component: str
+    reach: float
+    angle: float
+    seen: list[str] = []
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+
+
+class MassCentre(ServerMessage, frozen=True):
+    """Mass (kg) of a body and its centre in the frame of its node (m)."""
+
+    node: str
+    mass: float
+    position: tuple[float, float, float]
+
+    _about: ClassVar[tuple[str, ...] | None] = ("node",)
+
+
+class Picture(Payload, frozen=True):
+    """What a camera sees.
+
+    Attributes:
+        mime: ``image/jpeg``, ``image/png``, or ``image/x-rgba`` for raw rows of 8-bit RGBA, top first.
+    """
+
+    camera: str
+    width: int
+    height: int
+    mime: str
+    time: float = 0.0
+
+    _about: ClassVar[tuple[str, ...] | None] = ("camera",)
+    _lasting: ClassVar[bool] = False
+
+
+class Capturing(ServerMessage, frozen=True):
+    """Whether the cameras take pictures."""
+
+    active: bool
