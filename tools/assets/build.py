@@ -1,0 +1,58 @@
+"""Build our model files: ``python tools/assets/build.py [names...] [--preview FOLDER]``.
+
+Without names all of them, e.g. ``robots/morsy``. Needs Blender 3.4, on the PATH or named by MORSE_BLENDER: files
+saved by 3.4 open in every later version, and older ones cannot open files that later versions save.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+DATA = HERE.parents[1] / "src" / "morse" / "data"
+TOOLS = {"build", "generate", "preview"}
+
+
+def names() -> list[str]:
+    """Every model that has a script."""
+    scripts = (path.relative_to(HERE).with_suffix("").as_posix() for path in HERE.rglob("*.py"))
+    return sorted(name for name in scripts if name not in TOOLS and not name.startswith("common/"))
+
+
+def blender(script: str, *arguments: str) -> None:
+    """Run a script inside Blender; ends this program if it fails."""
+    program = os.environ.get("MORSE_BLENDER") or shutil.which("blender")
+    if program is None:
+        sys.exit("No Blender found: install Blender 3.4 or set MORSE_BLENDER to its path.")
+    command = [program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "--python", str(HERE / script), "--"]
+    done = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"{done.stdout}{done.stderr}\n{script} {' '.join(arguments)} failed ({done.returncode})")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("names", nargs="*", help="models to build, e.g. robots/morsy; all if none is given")
+    parser.add_argument("--out", type=Path, default=DATA, help="folder that gets the .blend files")
+    parser.add_argument("--preview", type=Path, help="folder that gets a picture of each model")
+    options = parser.parse_args()
+    known = names()
+    unknown = [name for name in options.names if name not in known]
+    if unknown:
+        parser.error(f"no such model: {', '.join(unknown)}. There are: {', '.join(known)}")
+    for name in options.names or known:
+        blender("generate.py", str(options.out), name)
+        size = (options.out / f"{name}.blend").stat().st_size
+        print(f"{name}.blend  {size / 1000:.0f} kB", flush=True)
+        if options.preview:
+            picture = options.preview / f"{name.replace('/', '_')}.png"
+            blender("preview.py", str(options.out / f"{name}.blend"), str(picture.resolve()))
+
+
+if __name__ == "__main__":
+    main()

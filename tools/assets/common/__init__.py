@@ -1,0 +1,1 @@
+"""What the model scripts share. Runs inside Blender; needs bpy and numpy only."""

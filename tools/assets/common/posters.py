@@ -1,0 +1,82 @@
+"""Pictures for walls and screens that give cameras something to look at; (H, W, 3) sRGB, row 0 at the top."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from common.colors import BERRY, CORAL, CREAM, DEEP_TEAL, LEAF, MINT, NAVY, PLUM, SKY, SUN, TEAL, WHITE, srgb
+from common.lettering import write, write_centred
+from common.morse_code import CODE
+
+HEIGHT, WIDTH = 512, 288
+
+
+def blank(color: str) -> np.ndarray:
+    return np.broadcast_to(srgb(color), (HEIGHT, WIDTH, 3)).copy()
+
+
+def alphabet() -> np.ndarray:
+    """The Morse alphabet in two columns."""
+    picture = blank(CREAM)
+    picture[:64] = srgb(TEAL)
+    write_centred(picture, "MORSE", 18, srgb(WHITE), 4)
+    for number, letter in enumerate(CODE):
+        top, left = 78 + 33 * (number % 13), 18 + 142 * (number // 13)
+        write(picture, letter, top, left, srgb(NAVY), 3)
+        start = left + 32
+        for sign in CODE[letter]:
+            length = 24 if sign == "-" else 9
+            picture[top + 6 : top + 15, start : start + length] = srgb(CORAL)
+            start += length + 6
+    return picture
+
+
+def checkerboard() -> np.ndarray:
+    """Squares for calibrating cameras: 7 x 12, black on white."""
+    picture = blank("#ffffff")
+    side, top, left = 36, 20, 18
+    rows, columns = np.mgrid[0:12, 0:7]
+    board = ((rows + columns) % 2)[..., None] * np.array([0.96, 0.96, 0.96]) + 0.03
+    picture[top : top + 12 * side, left : left + 7 * side] = np.kron(board, np.ones((side, side, 1)))
+    write_centred(picture, "12 X 7", 470, srgb(NAVY), 4)
+    return picture
+
+
+def colour_chart() -> np.ndarray:
+    """Patches of known colours, and a row of greys."""
+    picture = blank(NAVY)
+    patches = [CORAL, SUN, LEAF, TEAL, SKY, PLUM, BERRY, MINT, CREAM, "#ff0000", "#00ff00", "#0000ff"]
+    greys = ["#ffffff", "#aaaaaa", "#555555"]
+    for number, color in enumerate([*patches, *greys]):
+        row, column = divmod(number, 3)
+        picture[24 + 94 * row : 108 + 94 * row, 18 + 86 * column : 98 + 86 * column] = srgb(color)
+    return picture
+
+
+def hello() -> np.ndarray:
+    """The face of the mascot, and a greeting."""
+    picture = blank(SUN)
+    y, x = np.mgrid[0:HEIGHT, 0:WIDTH].astype(float)
+
+    def disc(top: float, left: float, down: float, across: float, power: float = 2.0) -> np.ndarray:
+        return np.abs((y - top) / down) ** power + np.abs((x - left) / across) ** power < 1
+
+    for shape, color in (
+        (disc(200, 38, 52, 24), CORAL),
+        (disc(200, 250, 52, 24), CORAL),
+        (disc(200, 144, 108, 104, 4), CREAM),
+        (disc(200, 144, 84, 86, 4.5), NAVY),
+        (disc(186, 104, 36, 22), "#c9f5ff"),
+        (disc(186, 184, 36, 22), "#c9f5ff"),
+        (disc(170, 110, 9, 7), WHITE),
+        (disc(170, 190, 9, 7), WHITE),
+        (disc(232, 78, 9, 14), CORAL),
+        (disc(232, 210, 9, 14), CORAL),
+        (disc(226, 144, 24, 28) & ~disc(216, 144, 24, 30), "#c9f5ff"),
+        (disc(62, 144, 12, 12), CORAL),
+        (disc(82, 144, 14, 3), DEEP_TEAL),
+    ):
+        picture[shape] = srgb(color)
+    write_centred(picture, "HELLO", 352, srgb(DEEP_TEAL), 8)
+    write_centred(picture, "ROBOT!", 430, srgb(DEEP_TEAL), 6)
+    return picture
