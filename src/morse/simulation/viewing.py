@@ -1,0 +1,158 @@
+"""Connects a running simulation with its live view."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import webbrowser
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+from morse.core.log import logging
+from morse.simulation.view_requests import ViewRequests
+from morse.simulation.view_tree import component_tree, keyboard_robots
+from morse.viewer import page_messages as page
+from morse.viewer.server import ViewServer
+from morse.viewer.snapshot import MovingNode, Snapshot
+from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Values
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger("morse.viewer")
+
+#: values of components are sent that often, wall-clock Hz at most
+_VALUES_RATE = 20.0
+
+
+def open_view(simulation: Simulation) -> View | None:
+    """Start the live view that the options ask for."""
+    if simulation.options.view == "none":
+        return None
+    return View(simulation)
+
+
+def has_display() -> bool:
+    """Whether a browser window could be opened here."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+class View:
+    """Sends what happens to the pages, and carries out what the driving page asks for."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        options = simulation.options
+        self._server = ViewServer(
+            simulation.context.network,
+            host=options.host,
+            port=options.view_port,
+            token=options.view_token,
+            title=simulation.scene.environment or "MORSE",
+        )
+        self._layout = -1
+        self._pace = ""
+        self._listening: str | None = None
+        self._requests = ViewRequests(simulation.context, self._server)
+        simulation.context.held_keys = self._server.held_keys
+        simulation.context.listening_robot = lambda: self._listening
+        self._url = self._server.start()
+        self._handlers: dict[type[Any], Callable[[Any], None]] = {
+            page.Play: lambda _: self._set_paused(False),
+            page.Pause: lambda _: self._set_paused(True),
+            page.Step: lambda event: simulation.step(event.count) if simulation.paused else None,
+            page.Reset: lambda _: simulation.ask_reset(),
+            page.SetSpeed: lambda event: simulation.pacer.set_speed(event.factor or math.inf),
+            page.Quit: lambda _: simulation.stop(),
+            page.ListenTo: self._listen_to,
+            page.SetProperty: self._requests.set_property,
+            page.CallService: self._requests.call,
+            page.CancelService: self._requests.cancel,
+            page.Activate: self._requests.activate,
+            page.Teleport: self._requests.teleport,
+        }
+
+    def announce(self) -> None:
+        """The simulation is ready: describe it, say where to look, open a browser."""
+        self._describe()
+        self._server.send(Tree(component_tree(self._simulation.context)))
+        self._send_listening()
+        logger.info("the live view is at %s", self._url)
+        if self._simulation.options.open_browser and has_display():
+            webbrowser.open(self._url)
+
+    def _describe(self) -> None:
+        world = self._simulation.world
+        self._layout = world.layout
+        moving = [
+            MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()
+        ]
+        self._server.set_scene(self._simulation.scene, moving)
+
+    def before_tick(self) -> None:
+        """Carry out what the driving page asked for."""
+        for event in self._server.take_events():
+            handler = self._handlers.get(type(event))
+            if handler is not None:
+                handler(event)
+
+    def after_tick(self) -> None:
+        """Show what the tick has changed."""
+        self._requests.update()
+        if not self._server.watched:
+            return
+        simulation = self._simulation
+        world = simulation.world
+        if world.layout != self._layout:
+            self._describe()
+        if world.repainted:
+            for obj in sorted(world.repainted, key=lambda o: o.name):
+                self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
+            world.repainted.clear()
+        clock, pacer = simulation.clock, simulation.pacer
+        if self._server.due():
+            self._server.publish(
+                Snapshot(
+                    tick=clock.tick,
+                    time=clock.time,
+                    layout=world.layout,
+                    poses=world.poses(),
+                    status="paused" if simulation.paused else "running",
+                    speed=pacer.speed,
+                    real_time_factor=0.0 if simulation.paused else pacer.real_time_factor,
+                )
+            )
+            self._send_values()
+
+    def _send_values(self) -> None:
+        context = self._simulation.context
+        for name in self._server.watched_values():
+            component = context.components.get(name) or context.robots.get(name)
+            if component is not None:
+                self._server.send(Values(name, context.clock.time, component.local_data))
+
+    def _set_paused(self, paused: bool) -> None:
+        self._simulation.paused = paused
+        self._simulation.pacer.restart()
+
+    def _listen_to(self, event: page.ListenTo) -> None:
+        if event.robot is None or event.robot in self._simulation.context.robots:
+            self._listening = event.robot
+            self._send_listening()
+
+    def _send_listening(self) -> None:
+        self._server.send(Listening(keyboard_robots(self._simulation.context), self._listening))
+
+    def report_pace(self, late: float, costliest: str = "", cost: float = 0.0) -> None:
+        """Tell the pages how well the simulation keeps up."""
+        self._server.send(Pace(self._simulation.clock.strategy.human_repr, late, costliest, cost))
+
+    def viewpoint_changed(self) -> None:
+        """The camera of the scene was moved by a service."""
+        self._describe()
+
+    def close(self) -> None:
+        """Stop the server."""
+        self._server.stop()
