@@ -1,0 +1,83 @@
+"""Works out the collision shapes of a scene from meshes and the bounds that files and scripts name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds
+from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.scene import Mesh, Node, Scene
+
+_SOLID = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
+_FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSULE)
+
+_Key = tuple[int, tuple[float, ...], Bounds | None]
+
+
+def resolve_shapes(scene: Scene) -> list[str]:
+    """Fill in ``shapes`` of every node that has none yet.
+
+    Returns:
+        Warnings for the user: meshes too intricate to be followed exactly.
+    """
+    known: dict[_Key, list[CollisionShape]] = {}
+    warnings: list[str] = []
+    for node in scene.nodes():
+        if node.shapes is None:
+            node.shapes = _shapes_of(node, known, warnings)
+    return warnings
+
+
+def _shapes_of(node: Node, known: dict[_Key, list[CollisionShape]], warnings: list[str]) -> list[CollisionShape]:
+    if not (node.body.moves or node.body.type in _SOLID):
+        return []
+    if node.mesh is None:
+        return _without_mesh(node)
+    stretch = rigid_frame(node).stretch
+    numbers = tuple(round(value, 9) for row in stretch for value in row)
+    key = (id(node.mesh), numbers, node.body.bounds)
+    if key not in known:
+        parts, found = _parts(node.mesh, np.reshape(numbers, (3, 3)), node.body.bounds)
+        known[key] = [part.to_shape() for part in parts]
+        warnings += [f"'{node.name}': {text}" for text in found]
+    return known[key]
+
+
+def _without_mesh(node: Node) -> list[CollisionShape]:
+    if not node.body.moves or node.body.compound or any(child.body.collides for child in node.walk() if child is not node):
+        return []
+    return [CollisionShape(ShapeKind.SPHERE, (node.body.radius,))]
+
+
+def _parts(
+    mesh: Mesh, stretch: NDArray[np.float64], bounds: Bounds | None
+) -> tuple[Sequence[Primitive | ConvexPart], list[str]]:
+    vertices = np.asarray(mesh.vertices, dtype=np.float64) @ stretch.T
+    if len(vertices) == 0 or len(mesh.triangles) == 0:
+        return [], []
+    if bounds in _FITTED:
+        return [fit_bounds(vertices, bounds)], []
+    primitive = detect_primitive(vertices, mesh.triangles)
+    if primitive is not None:
+        return [primitive], []
+    if bounds is Bounds.CONVEX_HULL:
+        return [_hull(vertices)], []
+    warnings: list[str] = []
+    return convex_parts(vertices, mesh.triangles, warnings=warnings), warnings
+
+
+def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:
+    points = np.unique(vertices.round(6), axis=0)
+    spread = points - points.mean(axis=0)
+    if np.linalg.matrix_rank(spread, tol=1e-4) < 3:
+        return fit_bounds(vertices, Bounds.BOX)
+    return ConvexPart(points)
