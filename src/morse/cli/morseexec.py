@@ -8,13 +8,14 @@ Made for the first line of a scene script, where only one word may follow the in
 from __future__ import annotations
 
 import sys
+from typing import NoReturn
+
+from morse.cli import run_and_exit
 
 
-def main() -> None:
+def main() -> NoReturn:
     """Entry point of ``morseexec``."""
-    from morse.cli.app import execute
-
     if len(sys.argv) < 2:
         print("* Usage: morseexec SCRIPT [ARGUMENTS of the script]", file=sys.stderr)
         sys.exit(2)
-    sys.exit(execute(["run", *sys.argv[1:]]))
+    run_and_exit(["run", *sys.argv[1:]])
