@@ -26,6 +26,7 @@ def main() -> None:
         tidy_scene()
         runpy.run_path(str(HERE / f"{name}.py"))["build"]()
         frame_views()
+        forget_home()
         target = Path(out).resolve() / f"{name}.blend"
         target.parent.mkdir(parents=True, exist_ok=True)
         bpy.context.preferences.filepaths.save_version = 0
@@ -51,6 +52,14 @@ def frame_views() -> None:
             view.view_location = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
             view.view_distance = 1.6 * max(b - a for a, b in zip(low, high, strict=True))
             view.view_rotation = Euler((1.2, 0.0, 0.96)).to_quaternion()
+
+
+def forget_home() -> None:
+    """The file browsers of a new file stand in the home folder of whoever made it."""
+    spaces = (s for screen in bpy.data.screens for area in screen.areas for s in area.spaces if s.type == "FILE_BROWSER")
+    for params in (space.params for space in spaces if space.params):
+        params.directory = b"/" * 200  # a short path alone would leave the rest of the old one behind its end
+        params.directory = b"//"
 
 
 main()

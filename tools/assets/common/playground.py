@@ -10,7 +10,7 @@ import numpy as np
 
 from common.morse_code import inlay
 from common.parts import Part
-from common.shapes import box, ellipsoid, lathe, prism, rectangle, rounded_box, sheet, sphere, tube
+from common.shapes import box, ellipsoid, lathe, pill, prism, rectangle, rounded_box, sheet, sphere, tube
 
 if TYPE_CHECKING:
     import bpy
@@ -57,7 +57,7 @@ def marks(paints: Paints) -> list[Part]:
     parts = [
         ring(0.0, 2.05).moved(z=z).painted(paints.marks["teal"]),
         ring(2.17, 2.30).moved(z=z).painted(cream),
-        *(p.moved(0, y, z + PAINT).painted(cream) for y in (-0.45, 0.45) for p in dash(2.2, 0.42)),
+        *(sheet(pill(1.35, 0.42, 12)).turned(z=90).moved(0, y, z + PAINT).painted(cream) for y in (-0.85, 0.85)),
     ]
     for number, color in enumerate(("coral", "sky", "leaf", "sun")):
         corner = [ring(0.0, 3.1, 90.0).painted(paints.marks[color]), ring(3.2, 3.32, 90.0).painted(cream)]
@@ -65,12 +65,6 @@ def marks(paints: Paints) -> list[Part]:
         greeting = inlay("HELLO ROBOT", 0.105, 0.001, width=1.25)
         parts += [p.moved(0, -8.25, z - 0.001).turned(z=90 * number).painted(paints.marks["teal"]) for p in greeting]
     return parts
-
-
-def dash(length: float, width: float) -> list[Part]:
-    from common.shapes import pill
-
-    return [sheet(pill(length, width, 12))]
 
 
 def ring(inner: float, outer: float, degrees: float = 360.0) -> Part:

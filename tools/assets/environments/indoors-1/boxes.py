@@ -63,8 +63,17 @@ def coloured_box(panel, edge) -> list[Part]:
 
 
 def parquet(size: int) -> np.ndarray:
-    """Long boards of pale wood."""
-    return 0.35 * srgb("#c99a68") + 0.65 * planks(size, "#b07f4c", "#dcb27e", 16, seed=11)
+    """Long boards of pale wood with their ends staggered."""
+    boards = 12
+    picture = planks(size, "#c0925f", "#d9b184", boards, seed=11)
+    mean = picture.mean(axis=(0, 1))
+    picture = mean + 0.6 * (picture - mean)  # seen from afar, strong joints would flicker
+    columns = np.arange(size)
+    for board in range(boards):
+        ends = np.abs((columns - board * 197) % size - size / 2) < 1.5
+        rows = slice(board * size // boards, (board + 1) * size // boards)
+        picture[rows, ends] *= 0.75
+    return picture
 
 
 def wall_picture(size: int) -> np.ndarray:
