@@ -1,0 +1,20 @@
+"""Collision shapes found in triangle meshes.
+
+The physics knows boxes, spheres, cylinders, capsules and convex hulls. A mesh that is one of them is given as
+such; any other is cut into parts that are, so that rooms, doorways and shelves stay hollow.
+"""
+
+from morse.assets.shapes.decompose import DEFAULT_LIMIT, convex_parts
+from morse.assets.shapes.detect import detect_primitive
+from morse.assets.shapes.fit import fit_bounds
+from morse.assets.shapes.part import ConvexPart, Part, Primitive
+
+__all__ = [
+    "DEFAULT_LIMIT",
+    "ConvexPart",
+    "Part",
+    "Primitive",
+    "convex_parts",
+    "detect_primitive",
+    "fit_bounds",
+]

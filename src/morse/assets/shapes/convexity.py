@@ -1,0 +1,81 @@
+"""Convex pieces, and hulls of those that are not."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes.part import ConvexPart
+from morse.assets.shapes.surface import edge_neighbours
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.assets.shapes.surface import Surface
+
+    Floats = NDArray[np.float64]
+
+_BULGE = 1e-3  # of the diagonal: how far a vertex may lie in front of a face
+_WORK = 20_000_000  # products of vertices and faces that are looked at
+_CHUNK = 2_000_000
+_HULL_POINTS = 512  # a hull with more vertices is given by its extreme ones
+_THINNEST = 0.001  # metres; hulls that are flatter are made this thick
+
+
+def is_convex(surface: Surface) -> bool:
+    """True if one piece of a surface is closed, seen from outside, and no vertex lies in front of a face."""
+    if surface.signed_volume <= 0.0 or not surface.is_closed:
+        return False
+    tolerance = _BULGE * surface.diagonal
+    faces = np.flatnonzero(surface.areas > 0.0)
+    offsets = np.einsum("ij,ij->i", surface.normals, surface.vertices[surface.triangles[:, 0]])
+    step = max(1, len(faces) * len(surface.vertices) // _WORK)
+    if step > 1 and not _bends_backward(surface, offsets, tolerance):
+        return False
+    chosen = faces[::step]
+    for chunk in np.array_split(chosen, max(1, len(chosen) * len(surface.vertices) // _CHUNK)):
+        heights = surface.vertices @ surface.normals[chunk].T - offsets[chunk]
+        if heights.max() > tolerance:
+            return False
+    return True
+
+
+def _bends_backward(surface: Surface, offsets: Floats, tolerance: float) -> bool:
+    """True if no triangle rises in front of its neighbours."""
+    for across in edge_neighbours(surface).T:
+        corners = surface.corners[across]
+        heights = np.einsum("tcj,tj->tc", corners, surface.normals) - offsets[:, None]
+        if heights.max() > tolerance:
+            return False
+    return True
+
+
+def hull_part(points: Floats) -> ConvexPart:
+    """The convex hull of points (P, 3), thickened if they lie in a plane, with few enough points for the physics."""
+    if len(points) > _HULL_POINTS:
+        points = _extreme_points(points)
+    centre = points.mean(axis=0)
+    _, axes = np.linalg.eigh((points - centre).T @ (points - centre))
+    for axis in axes.T:
+        heights = (points - centre) @ axis
+        lacking = _THINNEST - float(np.ptp(heights))
+        if lacking > 0.0:
+            points = np.vstack([points - axis * (lacking / 2.0), points + axis * (lacking / 2.0)])
+    return ConvexPart(points)
+
+
+def _extreme_points(points: Floats) -> Floats:
+    """Those points (P, 3) that are farthest out in directions spread evenly over the sphere (a Fibonacci lattice)."""
+    index = np.arange(_HULL_POINTS) + 0.5
+    height = 1.0 - 2.0 * index / _HULL_POINTS
+    turn = index * (math.pi * (1.0 + math.sqrt(5.0)))
+    around = np.sqrt(1.0 - height**2)
+    directions = np.vstack(
+        [np.column_stack([around * np.cos(turn), around * np.sin(turn), height]), np.eye(3), -np.eye(3)]
+    )
+    scale = np.maximum(np.ptp(points, axis=0), 1e-12)
+    extreme = np.unique(np.concatenate([(points @ d).argmax(keepdims=True) for d in directions / scale]))
+    chosen: Floats = points[extreme]
+    return chosen

@@ -1,0 +1,122 @@
+"""Meshes taken apart into convex parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes.convexity import hull_part, is_convex
+from morse.assets.shapes.detect import primitive_of
+from morse.assets.shapes.patches import Flatness, flat_patches
+from morse.assets.shapes.plates import plates
+from morse.assets.shapes.surface import Surface, clean_surface, components
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from morse.assets.shapes.part import Part
+
+    Ints = NDArray[np.int64]
+
+DEFAULT_LIMIT = 4096
+"""Parts per mesh: the engine takes so many static ones in a fifth of a second."""
+
+_FLATNESSES = ((0.02, 5e-4), (0.1, 3e-3), (0.35, 1e-2), (0.6, 3e-2))  # radians, share of the diagonal
+_EXACT = 2e-3  # metres that the first of these allows at most
+
+
+def convex_parts(
+    vertices: ArrayLike, triangles: ArrayLike, *, limit: int = DEFAULT_LIMIT, warnings: list[str] | None = None
+) -> list[Part]:
+    """Take a mesh apart into primitives and convex parts, in the frame of the mesh.
+
+    Each piece that hangs together becomes one part if it is a primitive or convex. Any other becomes plates behind
+    its flat patches, so that the visible surface is exact and what is hollow stays so. The more patches there are,
+    the less flat they need to be, until the limit holds; a piece for which it cannot be kept becomes its convex hull.
+
+    Args:
+        vertices: (V, 3) metres.
+        triangles: (T, 3) indices, counter-clockwise seen from outside.
+        limit: most parts to be made, at least 1.
+        warnings: gets a sentence for all that is less exact than the mesh.
+
+    Returns:
+        The parts; none for a mesh without area.
+
+    Raises:
+        ValueError: the limit is less than 1 or the arrays have other shapes.
+    """
+    if limit < 1:
+        raise ValueError(f"convex_parts needs a limit of at least 1, given {limit}")
+    said = [] if warnings is None else warnings
+    surface = clean_surface(vertices, triangles)
+    pieces = [surface.part(piece) for piece in components(surface)]
+    pieces = [piece for piece in pieces if piece.areas.any()]
+    if not pieces:
+        return []
+    alone = pieces[: limit // 2] if len(pieces) > limit else pieces
+    rest = pieces[len(alone) :]
+    groups = min(len(rest), limit - len(alone))
+    hollow = _hollow(pieces)
+    parts: list[Part] = []
+    for index, piece in enumerate(alone):
+        budget = limit - len(parts) - groups - (len(alone) - index - 1)
+        parts += _parts_of(piece, budget, hollow[index], said)
+    if rest:
+        parts += _hulls_of_groups(rest, groups, said)
+    return parts
+
+
+def _parts_of(piece: Surface, budget: int, hollow: bool, warnings: list[str]) -> list[Part]:
+    if not hollow:
+        primitive = primitive_of(piece)
+        if primitive is not None:
+            return [primitive]
+        if is_convex(piece):
+            return [hull_part(piece.vertices)]
+    size = piece.diagonal
+    for angle, share in _FLATNESSES:
+        distance = min(_EXACT, share * size) if angle == _FLATNESSES[0][0] else share * size
+        patches = flat_patches(piece, Flatness(angle, distance), budget)
+        made = None if patches is None else plates(piece, patches, budget)
+        if made is not None:
+            if angle != _FLATNESSES[0][0]:
+                warnings.append(
+                    f"a piece {size:.3g} m across has more than {budget} flat faces: "
+                    f"it collides with an error of up to {distance:.2g} m"
+                )
+            return made
+    warnings.append(
+        f"a piece {size:.3g} m across needs more than {budget} convex parts: it collides as its convex hull, "
+        f"which fills its hollows. Give it fewer faces, or collision shapes of its own"
+    )
+    return [hull_part(piece.vertices)]
+
+
+def _hollow(pieces: list[Surface]) -> list[bool]:
+    """Whether each piece is a cavity or holds one: then it is no solid."""
+    lows = np.array([piece.vertices.min(axis=0) for piece in pieces])
+    highs = np.array([piece.vertices.max(axis=0) for piece in pieces])
+    hollow = np.zeros(len(pieces), dtype=bool)
+    for index, piece in enumerate(pieces):
+        if piece.signed_volume < 0.0 and piece.is_closed:
+            hollow |= (lows <= lows[index]).all(axis=1) & (highs >= highs[index]).all(axis=1)
+    return hollow.tolist()
+
+
+def _hulls_of_groups(pieces: list[Surface], groups: int, warnings: list[str]) -> list[Part]:
+    """The convex hulls of so many groups of neighbouring pieces."""
+    warnings.append(
+        f"the mesh has {len(pieces)} small pieces (up to {pieces[0].diagonal:.3g} m) beyond the limit: "
+        f"they collide as the convex hulls of {groups} groups of neighbours"
+    )
+    centres = np.array([piece.vertices.mean(axis=0) for piece in pieces])
+    clusters = [np.arange(len(pieces))]
+    while len(clusters) < groups:
+        clusters.sort(key=len)
+        widest = clusters.pop()
+        axis = int(np.ptp(centres[widest], axis=0).argmax())
+        order = widest[np.argsort(centres[widest, axis], kind="stable")]
+        clusters += [order[: len(order) // 2], order[len(order) // 2 :]]
+    return [hull_part(np.vstack([pieces[i].vertices for i in cluster])) for cluster in clusters]

@@ -1,0 +1,174 @@
+"""Meshes that are boxes, spheres or cylinders."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes.fit import fit_round
+from morse.assets.shapes.part import Primitive
+from morse.assets.shapes.surface import Surface, clean_surface, components
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import ArrayLike, NDArray
+
+    Floats = NDArray[np.float64]
+
+_OFF = 0.02  # how far vertices may lie off the solid, of its size: bevels and rounded numbers
+_BOX_VOLUME = 0.985  # volume of the mesh, of that of the solid, from which on it is one
+_SPHERE_VOLUME = 0.8  # an icosphere of 42 vertices has 0.82, a dodecahedron 0.66
+_CYLINDER_VOLUME = 0.88  # a prism of eight sides has 0.90, one of six 0.83
+_PARALLEL = 1e-3  # radians
+
+
+def detect_primitive(vertices: ArrayLike, triangles: ArrayLike) -> Primitive | None:
+    """The box, sphere or cylinder that a mesh is, in the frame of the mesh; None if it is none of them.
+
+    A mesh seen from inside (a room) or of several pieces is none.
+
+    Args:
+        vertices: (V, 3) metres.
+        triangles: (T, 3) indices, counter-clockwise seen from outside.
+    """
+    surface = clean_surface(vertices, triangles)
+    if len(surface.triangles) < 8 or len(components(surface)) != 1:
+        return None
+    return primitive_of(surface)
+
+
+def primitive_of(surface: Surface) -> Primitive | None:
+    """The box, sphere or cylinder that one piece of a surface is."""
+    volume = surface.signed_volume
+    if len(surface.triangles) < 8 or volume <= 0.0:
+        return None
+    for rotation in _box_frames(surface):
+        found = _as_box(surface.vertices, volume, rotation)
+        if found is not None:
+            return found
+    sphere = _as_sphere(surface.vertices, volume)
+    if sphere is not None:
+        return sphere
+    for axis in _cylinder_axes(surface):
+        found = _as_cylinder(surface.vertices, volume, axis)
+        if found is not None:
+            return found
+    return None
+
+
+def _as_box(points: Floats, volume: float, rotation: Floats) -> Primitive | None:
+    local = points @ rotation
+    low, high = local.min(axis=0), local.max(axis=0)
+    half = (high - low) / 2.0
+    centre = (high + low) / 2.0
+    if half.min() <= 0.0 or volume < _BOX_VOLUME * 8.0 * half.prod():
+        return None
+    off = np.abs(np.abs(local - centre) - half).min(axis=1)
+    if off.max() > _OFF * half.max():
+        return None
+    x, y, z = half.tolist()
+    return Primitive("box", (x, y, z), rotation @ centre, rotation)
+
+
+def _box_frames(surface: Surface) -> Iterator[Floats]:
+    first = _main_normal(surface.normals, surface.areas)
+    across = (np.abs(surface.normals @ first) < _PARALLEL) & (surface.areas > 0.0)
+    if across.any():
+        second = _main_normal(surface.normals[across], surface.areas[across])
+        second = second - first * (first @ second)
+        second /= np.linalg.norm(second)
+        yield _nearest_to_frame([first, second, np.cross(first, second)])
+    yield np.eye(3)
+
+
+def _main_normal(normals: Floats, areas: Floats) -> Floats:
+    """The normal, whichever its sign, that most of the area has, to a thousandth."""
+    folded = normals * np.where(_leading_sign(normals) < 0.0, -1.0, 1.0)[:, None]
+    keys = np.round(folded / _PARALLEL).astype(np.int64) + 1024
+    _, group = np.unique((keys[:, 0] << 22) + (keys[:, 1] << 11) + keys[:, 2], return_inverse=True)
+    group = group.ravel()
+    chosen = group == np.bincount(group, weights=areas).argmax()
+    mean: Floats = areas[chosen] @ folded[chosen]
+    return mean / np.linalg.norm(mean)
+
+
+def _leading_sign(normals: Floats) -> Floats:
+    x, y, z = np.where(np.abs(normals) < 2.0 * _PARALLEL, 0.0, normals).T
+    signs: Floats = np.where(x != 0.0, x, np.where(y != 0.0, y, z))
+    return signs
+
+
+def _nearest_to_frame(axes: list[Floats]) -> Floats:
+    """The axes as columns of a rotation, each as X, Y or Z, whichever it is nearest to."""
+    rotation = np.zeros((3, 3))
+    left = list(axes)
+    for column in range(2):
+        pick = max(range(len(left)), key=lambda i: abs(left[i][column]))
+        axis = left.pop(pick)
+        rotation[:, column] = axis if axis[column] >= 0.0 else -axis
+    rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
+    return rotation
+
+
+def _as_sphere(points: Floats, volume: float) -> Primitive | None:
+    if len(points) < 20:
+        return None
+    fitted = fit_round(points)
+    if fitted is None:
+        return None
+    centre, _ = fitted
+    distance = np.linalg.norm(points - centre, axis=1)
+    radius = float(distance.mean())
+    if np.abs(distance - radius).max() > _OFF * radius:
+        return None
+    if volume < _SPHERE_VOLUME * 4.0 / 3.0 * math.pi * radius**3:
+        return None
+    return Primitive("sphere", (radius,), centre)
+
+
+def _cylinder_axes(surface: Surface) -> Iterator[Floats]:
+    yield from np.eye(3)
+    # The caps of a short one have most of the area in one direction …
+    yield _main_normal(surface.normals, surface.areas)
+    # … and the mantle of a long one has its normals at right angles to the axis.
+    spread = (surface.normals * surface.areas[:, None]).T @ surface.normals
+    yield from np.linalg.eigh(spread)[1].T
+
+
+def _as_cylinder(points: Floats, volume: float, axis: Floats) -> Primitive | None:
+    rotation = _frame_along(axis)
+    local = points @ rotation
+    low, high = float(local[:, 2].min()), float(local[:, 2].max())
+    half, middle = (high - low) / 2.0, (high + low) / 2.0
+    flat = local[:, :2]
+    fitted = fit_round(_outline(flat))
+    if fitted is None or half <= 0.0:
+        return None
+    centre, radius = fitted
+    distance = np.linalg.norm(flat - centre, axis=1)
+    on_mantle = np.abs(distance - radius) <= _OFF * radius
+    on_cap = (np.abs(np.abs(local[:, 2] - middle) - half) <= _OFF * half) & (distance <= (1.0 + _OFF) * radius)
+    if not (on_mantle | on_cap).all() or (on_mantle & on_cap).sum() < 12:
+        return None
+    if not _CYLINDER_VOLUME <= volume / (2.0 * half * math.pi * radius**2) <= 1.0 + _OFF:
+        return None
+    return Primitive("cylinder", (radius, half), rotation @ np.array([*centre, middle]), rotation)
+
+
+def _outline(flat: Floats) -> Floats:
+    """The points (P, 2) farthest out: the rim, without what caps have inside."""
+    distance = np.linalg.norm(flat - (flat.max(axis=0) + flat.min(axis=0)) / 2.0, axis=1)
+    rim: Floats = flat[distance >= 0.9 * distance.max()]
+    return rim
+
+
+def _frame_along(axis: Floats) -> Floats:
+    """A rotation whose third column is the axis; the identity for Z."""
+    z = axis / np.linalg.norm(axis)
+    start = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
+    x = start - z * (z @ start)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])

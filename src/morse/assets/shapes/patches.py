@@ -1,0 +1,132 @@
+"""Flat patches of a surface."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes.surface import edge_neighbours, half_edges
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.assets.shapes.surface import Surface
+
+    Floats = NDArray[np.float64]
+    Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Flatness:
+    """How flat a patch has to be.
+
+    Attributes:
+        angle: radians that a triangle may lean.
+        distance: metres that a corner may lie off the plane.
+    """
+
+    angle: float
+    distance: float
+
+
+@dataclass(eq=False, slots=True)
+class Patch:
+    """Neighbouring triangles in one plane.
+
+    Attributes:
+        triangles: (N,) their indices.
+        normal: (3,) of the plane.
+        offset: metres from the origin to the plane along the normal.
+        acute: (K, 4) planes (normal, offset) of patches that meet this one at less than a right angle of solid.
+    """
+
+    triangles: Ints
+    normal: Floats
+    offset: float
+    acute: Floats
+
+
+def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch] | None:
+    """The surface as flat patches, grown from its largest triangles; None if there are more than `limit`.
+
+    A patch is measured against its first triangle, so that a curved surface does not become one patch step by step.
+    """
+    across = edge_neighbours(surface)
+    label = np.where(surface.areas > 0.0, -1, -2)
+    slope = math.cos(flatness.angle)
+    seeds = np.argsort(-surface.areas, kind="stable")
+    offsets = np.einsum("ij,ij->i", surface.normals, surface.vertices[surface.triangles[:, 0]])
+    found: list[int] = []
+    for seed in seeds.tolist():
+        if label[seed] != -1:
+            continue
+        if len(found) == limit:
+            return None
+        normal, offset = surface.normals[seed], offsets[seed]
+        number = len(found)
+        label[seed] = number
+        front = np.array([seed])
+        while front.size:
+            near = across[front].ravel()
+            near = np.unique(near[near >= 0])
+            near = near[label[near] == -1]
+            lies = surface.normals[near] @ normal >= slope
+            near = near[lies]
+            heights = surface.vertices[surface.triangles[near]] @ normal - offset
+            front = near[(np.abs(heights) <= flatness.distance).all(axis=1)]
+            label[front] = number
+        found.append(seed)
+    order = np.argsort(label, kind="stable")
+    order = order[label[order] >= 0]
+    groups = np.split(order, np.flatnonzero(np.diff(label[order])) + 1) if found else []
+    acute = _acute_neighbours(surface, across, label, np.array(found, dtype=np.int64), offsets)
+    return [
+        Patch(group, surface.normals[seed], float(offsets[seed]), planes)
+        for group, seed, planes in zip(groups, found, acute, strict=True)
+    ]
+
+
+def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, offsets: Floats) -> list[Floats]:
+    """Of each patch, the planes of those neighbours that the solid behind it narrows toward."""
+    one, other = np.repeat(np.arange(len(across)), 3), across.ravel()
+    met = other >= 0
+    one, other = one[met], other[met]
+    mine, theirs = label[one], label[other]
+    met = (mine >= 0) & (theirs >= 0) & (mine != theirs)
+    one, other, mine, theirs = one[met], other[met], mine[met], theirs[met]
+    leans_back = np.einsum("ij,ij->i", surface.normals[one], surface.normals[other]) < -1e-3
+    centres = surface.corners[other].mean(axis=1)
+    behind = np.einsum("ij,ij->i", surface.normals[one], centres) < offsets[one]
+    met = leans_back & behind
+    pairs = np.unique(mine[met] * len(seeds) + theirs[met]) if len(seeds) else np.empty(0, dtype=np.int64)
+    planes = np.column_stack([surface.normals[seeds], offsets[seeds]])
+    cuts = np.searchsorted(pairs // max(1, len(seeds)), np.arange(1, len(seeds)))
+    return [planes[group % len(seeds)] for group in np.split(pairs, cuts)] if len(seeds) else []
+
+
+def outline(surface: Surface, chosen: Ints) -> list[list[int]]:
+    """The closed loops of vertices around some triangles: outer ones counter-clockwise, holes clockwise."""
+    starts, ends = half_edges(surface.triangles[chosen])
+    count = len(surface.vertices)
+    border = ~np.isin(starts * count + ends, ends * count + starts)
+    following: dict[int, list[int]] = {}
+    for start, end in zip(starts[border].tolist(), ends[border].tolist(), strict=True):
+        following.setdefault(start, []).append(end)
+    loops = []
+    while following:
+        first = next(iter(following))
+        loop = [first]
+        here = first
+        while here in following:
+            after = following[here].pop()
+            if not following[here]:
+                del following[here]
+            if after == first:
+                break
+            loop.append(after)
+            here = after
+        loops.append(loop)
+    return loops

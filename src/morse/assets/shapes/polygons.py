@@ -1,0 +1,131 @@
+"""Plane polygons cut into convex ones."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+import mapbox_earcut
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Point2: TypeAlias = tuple[float, float]
+Polygon: TypeAlias = list[int]
+
+_STRAIGHT = 1e-7  # sine of a bend that counts as none
+_SAME_AREA = 1e-3
+
+
+def convex_polygons(points: Floats, loops: Sequence[Polygon], triangles: Sequence[Polygon]) -> list[Polygon]:
+    """Convex polygons, counter-clockwise, that fill an area together.
+
+    Args:
+        points: (P, 2) metres.
+        loops: indices of points around the area: one outer loop counter-clockwise, holes clockwise.
+        triangles: the same area in triangles, used where the loops cross or touch themselves.
+    """
+    where: list[Point2] = [(x, y) for x, y in points.tolist()]
+    simple = [loop for loop in (_without_straight(where, loop) for loop in loops) if len(loop) >= 3]
+    wanted = sum(_area(where, triangle) for triangle in triangles)
+    outer = [loop for loop in simple if _area(where, loop) > 0.0]
+    if len(outer) == 1 and abs(sum(_area(where, loop) for loop in simple) - wanted) <= _SAME_AREA * wanted:
+        if len(simple) == 1 and _is_convex(where, outer[0]):
+            return outer
+        cut = _ears(points, [outer[0], *(loop for loop in simple if loop is not outer[0])])
+        if abs(sum(_area(where, triangle) for triangle in cut) - wanted) <= _SAME_AREA * wanted:
+            return _merged(where, cut)
+    return _merged(where, [list(triangle) for triangle in triangles])
+
+
+def _cross(a: Point2, b: Point2, c: Point2) -> float:
+    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+
+
+def _bend(a: Point2, b: Point2, c: Point2) -> float:
+    """Sine of the left turn at b, 0 if two of the points are one."""
+    lengths = ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) * ((c[0] - b[0]) ** 2 + (c[1] - b[1]) ** 2)
+    return _cross(a, b, c) / lengths**0.5 if lengths > 0.0 else 0.0
+
+
+def _area(where: Sequence[Point2], polygon: Iterable[int]) -> float:
+    corners = [where[i] for i in polygon]
+    following = corners[1:] + corners[:1]
+    return sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(corners, following, strict=True)) / 2.0
+
+
+def _without_straight(where: Sequence[Point2], loop: Polygon) -> Polygon:
+    previous = [loop[-1], *loop[:-1]]
+    following = [*loop[1:], loop[0]]
+    return [
+        here
+        for before, here, after in zip(previous, loop, following, strict=True)
+        if abs(_bend(where[before], where[here], where[after])) > _STRAIGHT
+    ]
+
+
+def _is_convex(where: Sequence[Point2], loop: Polygon) -> bool:
+    previous = [loop[-1], *loop[:-1]]
+    following = [*loop[1:], loop[0]]
+    return all(
+        _bend(where[before], where[here], where[after]) >= -_STRAIGHT
+        for before, here, after in zip(previous, loop, following, strict=True)
+    )
+
+
+def _ears(points: Floats, loops: list[Polygon]) -> list[Polygon]:
+    indices = np.concatenate([np.array(loop, dtype=np.int64) for loop in loops])
+    ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
+    cut = mapbox_earcut.triangulate_float64(np.ascontiguousarray(points[indices]), ends).reshape(-1, 3)
+    where = points[indices]
+    a, b, c = where[cut[:, 0]], where[cut[:, 1]], where[cut[:, 2]]
+    turned = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]) < 0.0
+    cut[turned] = cut[turned][:, ::-1]
+    triangles: list[Polygon] = indices[cut].tolist()
+    return triangles
+
+
+def _merged(where: Sequence[Point2], pieces: list[Polygon]) -> list[Polygon]:
+    """Convex polygons joined over common edges, the longest first, while they stay convex.
+
+    S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons" (1983): at most four times as many as needed.
+    """
+    polygons: dict[int, Polygon] = dict(enumerate(pieces))
+    owner = {edge: number for number, polygon in polygons.items() for edge in _edges(polygon)}
+    inner = [(a, b) for a, b in owner if a < b and (b, a) in owner]
+    inner.sort(key=lambda edge: _squared(where[edge[0]], where[edge[1]]), reverse=True)
+    for a, b in inner:
+        one, other = owner[a, b], owner[b, a]
+        if one == other:
+            continue
+        left = _rotated(polygons[one], b)
+        right = _rotated(polygons[other], a)
+        # left runs from b round to a, right from a round to b
+        if (
+            _bend(where[left[-2]], where[a], where[right[1]]) < -_STRAIGHT
+            or _bend(where[right[-2]], where[b], where[left[1]]) < -_STRAIGHT
+        ):
+            continue
+        joined = left + right[1:-1]
+        polygons[one] = joined
+        del polygons[other]
+        for edge in _edges(joined):
+            owner[edge] = one
+    return list(polygons.values())
+
+
+def _edges(polygon: Polygon) -> Iterable[tuple[int, int]]:
+    return zip(polygon, [*polygon[1:], polygon[0]], strict=True)
+
+
+def _rotated(polygon: Polygon, first: int) -> Polygon:
+    at = polygon.index(first)
+    return polygon[at:] + polygon[:at]
+
+
+def _squared(a: Point2, b: Point2) -> float:
+    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2

@@ -1,0 +1,204 @@
+"""Triangle surfaces made fit for geometry: finite, welded, with their normals and neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Floats = NDArray[np.float64]
+    Ints = NDArray[np.int64]
+
+_FARTHEST = 1e9  # metres; coordinates beyond it are taken for rubbish
+_WELD = 1e-6  # of the diagonal: corners nearer than this are one
+_SINGLE_PRECISION = 2.5e-7  # of the coordinates: a few roundings of 32-bit floats
+_NO_AREA = 1e-14  # of the squared diagonal
+
+
+@dataclass(eq=False, slots=True)
+class Surface:
+    """Triangles whose common corners have common indices.
+
+    Attributes:
+        vertices: (V, 3) metres; each belongs to a triangle.
+        triangles: (T, 3) indices, counter-clockwise seen from outside.
+        normals: (T, 3) unit normals, null for triangles without area.
+        areas: (T,) m².
+    """
+
+    vertices: Floats
+    triangles: Ints
+    normals: Floats
+    areas: Floats
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the diagonal of the bounding box."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
+
+    @property
+    def corners(self) -> Floats:
+        """(T, 3, 3) corners of the triangles."""
+        return self.vertices[self.triangles]
+
+    @property
+    def signed_volume(self) -> float:
+        """Volume by the divergence theorem about the centre of the bounding box; negative if seen from inside."""
+        centre = (self.vertices.max(axis=0) + self.vertices.min(axis=0)) / 2.0
+        heights = np.einsum("ij,ij->i", self.normals, self.vertices[self.triangles[:, 0]] - centre)
+        return float((heights * self.areas).sum() / 3.0)
+
+    @property
+    def is_closed(self) -> bool:
+        """True if every edge is run through as often in the one direction as in the other."""
+        starts, ends = half_edges(self.triangles)
+        count = len(self.vertices)
+        forward = np.sort(starts * count + ends)
+        backward = np.sort(ends * count + starts)
+        return bool(np.array_equal(forward, backward))
+
+    def part(self, chosen: Ints) -> Surface:
+        """The surface of some of the triangles."""
+        used, triangles = np.unique(self.triangles[chosen], return_inverse=True)
+        return Surface(self.vertices[used], triangles.reshape(-1, 3), self.normals[chosen], self.areas[chosen])
+
+
+def half_edges(triangles: Ints) -> tuple[Ints, Ints]:
+    """First and last vertex of the (3 T,) directed edges: those of the first triangle, then of the second, …"""
+    return triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+
+
+def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
+    """A surface of what is usable of a mesh.
+
+    Triangles with missing, infinite or equal corners are left out. Corners at one place are welded where the
+    mesh has open edges: two closed solids that touch stay two.
+
+    Args:
+        vertices: (V, 3) metres.
+        triangles: (T, 3) indices.
+
+    Raises:
+        ValueError: the arrays have other shapes or the indices are no whole numbers.
+    """
+    points: Floats = rows_of_three(vertices, "vertices").astype(np.float64)
+    indices = rows_of_three(triangles, "triangles")
+    if indices.dtype.kind not in "iu":
+        raise ValueError(f"triangles are made of whole numbers, given {indices.dtype}")
+    faces: Ints = indices.astype(np.int64)
+    faces = faces[((faces >= 0) & (faces < len(points))).all(axis=1)]
+    usable: NDArray[np.bool_] = np.all(np.abs(points) < _FARTHEST, axis=1)
+    faces = _with_three_corners(faces[usable[faces].all(axis=1)])
+    used, faces = np.unique(faces, return_inverse=True)
+    points, faces = points[used], faces.reshape(-1, 3)
+    if len(faces):
+        faces = _with_three_corners(_weld_borders(points, faces)[faces])
+        used, faces = np.unique(faces, return_inverse=True)
+        points, faces = points[used], faces.reshape(-1, 3)
+    return _measured(points, faces)
+
+
+def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
+    """An array of shape (N, 3); an empty one of whatever shape has no rows.
+
+    Raises:
+        ValueError: the shape is another.
+    """
+    array = np.asarray(values)
+    if array.size == 0:
+        return np.empty((0, 3), dtype=np.int64)
+    if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iuf":
+        raise ValueError(f"{what} take numbers in the shape (N, 3), given {array.dtype} in the shape {array.shape}")
+    return array
+
+
+def _with_three_corners(faces: Ints) -> Ints:
+    a, b, c = faces.T
+    kept: Ints = faces[(a != b) & (b != c) & (c != a)]
+    return kept
+
+
+def _measured(points: Floats, faces: Ints) -> Surface:
+    corners = points[faces]
+    crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(crosses, axis=1)
+    surface = Surface(points, faces, crosses, lengths / 2.0)
+    flat = surface.areas <= _NO_AREA * surface.diagonal**2
+    surface.areas[flat] = 0.0
+    lengths[flat] = 1.0
+    surface.normals[flat] = 0.0
+    surface.normals /= lengths[:, None]
+    return surface
+
+
+def _weld_borders(points: Floats, faces: Ints) -> Ints:
+    """(V,) index that each vertex gets: the same for vertices of open edges that lie at one place."""
+    count = len(points)
+    starts, ends = half_edges(faces)
+    open_edge = ~np.isin(starts * count + ends, ends * count + starts)
+    border = np.unique(np.concatenate([starts[open_edge], ends[open_edge]]))
+    merged = np.arange(count)
+    if len(border) == 0:
+        return merged
+    low = points[border].min(axis=0)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    cell = max(size * _WELD, float(np.abs(points).max()) * _SINGLE_PRECISION, 1e-12)
+    # Two places that are one can lie in neighbouring cells: a second grid, half a cell off, joins most of those.
+    for shift in (0.0, 0.5):
+        x, y, z = np.floor((points[border] - low) / cell + shift).astype(np.int64).T
+        _, first, group = np.unique((x << 42) + (y << 21) + z, return_index=True, return_inverse=True)
+        merged[border] = merged[border[first]][group.ravel()]
+        points = points[merged]
+    return merged
+
+
+def edge_neighbours(surface: Surface) -> Ints:
+    """(T, 3) triangle across each edge, -1 at open edges; around an edge of more than two, the next one."""
+    starts, ends = half_edges(surface.triangles)
+    key = np.minimum(starts, ends) * len(surface.vertices) + np.maximum(starts, ends)
+    order = np.argsort(key, kind="stable")
+    sorted_key = key[order]
+    size = len(key)
+    is_first = np.ones(size, dtype=bool)
+    is_first[1:] = sorted_key[1:] != sorted_key[:-1]
+    group_start = np.flatnonzero(is_first)
+    group_of = np.cumsum(is_first) - 1
+    following = np.arange(1, size + 1)
+    is_last = np.append(is_first[1:], True)
+    following[is_last] = group_start[group_of[is_last]]
+    across = np.empty(size, dtype=np.int64)
+    across[order] = order[following] // 3
+    across[order[is_first & is_last]] = -1
+    return across.reshape(-1, 3)
+
+
+def components(surface: Surface) -> list[Ints]:
+    """Indices of the triangles of each piece that hangs together by edges, the largest bounding box first."""
+    across = edge_neighbours(surface)
+    count = len(across)
+    label = np.arange(count)
+    one, other = np.repeat(np.arange(count), 3), across.ravel()
+    one, other = one[other >= 0], other[other >= 0]
+    while True:
+        low = np.minimum(label[one], label[other])
+        high = np.maximum(label[one], label[other])
+        if np.array_equal(low, high):
+            break
+        np.minimum.at(label, high, low)
+        while not np.array_equal(label[label], label):
+            label = label[label]
+    order = np.argsort(label, kind="stable")
+    cuts = np.flatnonzero(np.diff(label[order])) + 1
+    pieces = np.split(order, cuts) if count else []
+    if len(pieces) < 2:
+        return list(pieces)
+    starts = np.concatenate([[0], cuts])
+    corners = surface.corners[order]
+    low_corner = np.minimum.reduceat(corners.min(axis=1), starts, axis=0)
+    high_corner = np.maximum.reduceat(corners.max(axis=1), starts, axis=0)
+    extents = np.linalg.norm(high_corner - low_corner, axis=1)
+    return [pieces[i] for i in np.argsort(-extents, kind="stable")]
