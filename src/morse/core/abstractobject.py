@@ -65,5 +65,8 @@ class AbstractObject:
         """One tick."""
         self.default_action()
 
+    def restart(self) -> None:
+        """The simulation starts anew: forget what happened."""
+
     def finalize(self) -> None:
         """The simulation ends: release what was taken."""

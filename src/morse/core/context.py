@@ -30,6 +30,10 @@ def _no_keys() -> frozenset[str]:
     return frozenset()
 
 
+def _nothing() -> None:
+    return None
+
+
 def _any_robot() -> str | None:
     return None
 
@@ -45,6 +49,7 @@ class Context:
         service_objects: pseudo components: ``simulation``, ``time``, ``communication``.
         held_keys: names of the keys that are held down in the live view (``ArrowUp``).
         listening_robot: name of the robot that the keys drive, or None for all.
+        wake: tells a paused simulation that something arrived; may be called from any thread.
         seed: of all random numbers.
     """
 
@@ -63,6 +68,7 @@ class Context:
     overlays: dict[str, Any] = field(default_factory=dict)
     held_keys: Callable[[], frozenset[str]] = _no_keys
     listening_robot: Callable[[], str | None] = _any_robot
+    wake: Callable[[], None] = _nothing
 
     def random(self, name: str) -> np.random.Generator:
         """A generator of random numbers that depends on nothing but the seed and ``name``.

@@ -28,9 +28,8 @@ class Attachments:
         self._suspended: dict[int, _Pose] = {}
 
     def reset(self) -> None:
-        """Let everything go."""
-        for index in list(self._held):
-            self.release(index)
+        """Let everything go; the model is as it was compiled."""
+        self._held.clear()
         self._suspended.clear()
 
     def hold(self, index: int, holder: GameObject) -> None:

@@ -35,9 +35,8 @@ class Drives:
         self._kinematic: dict[int, tuple[Sequence[float], Sequence[float]]] = {}
 
     def reset(self) -> None:
-        """Forget everything."""
-        for index in list(self._sliding):
-            self._set_sliding(index, False)
+        """Forget everything; the model is as it was compiled."""
+        self._sliding.clear()
         self._commands.clear()
         self._kinematic.clear()
         self._turn_after.clear()

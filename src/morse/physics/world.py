@@ -27,6 +27,21 @@ if TYPE_CHECKING:
     from morse.scene import CollisionShape, Node, Scene
 
 
+#: the arrays of the model that are written while a simulation runs
+_CHANGED_WHILE_RUNNING = (
+    "body_pos",
+    "body_quat",
+    "body_gravcomp",
+    "dof_damping",
+    "geom_pos",
+    "geom_quat",
+    "geom_condim",
+    "geom_priority",
+    "geom_contype",
+    "geom_conaffinity",
+)
+
+
 class World:
     """A compiled scene and its state.
 
@@ -64,7 +79,7 @@ class World:
         self.repainted: set[GameObject] = set()
         self.layout = 0
         self._forces = False
-        self._moved: set[int] = set()
+        self._pristine = {name: getattr(self.model, name).copy() for name in _CHANGED_WHILE_RUNNING}
         self.reset()
 
     # -- objects ---------------------------------------------------------------------------
@@ -98,6 +113,8 @@ class World:
 
     def reset(self) -> None:
         """Everything as the scene says, at rest."""
+        for name, values in self._pristine.items():
+            getattr(self.model, name)[:] = values
         mujoco.mj_resetData(self.model, self.data)
         self.drives.reset()
         self.attachments.reset()
@@ -105,11 +122,6 @@ class World:
         self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
         for obj in self._objects.values():
             obj.restore()
-        for obj in self.displaced:
-            self.move_shapes(obj)
-        for index in sorted(self._moved):
-            self.place(index, self.positions[index], self.rotations[index])
-        self._moved.clear()
         self._forces = False
         mujoco.mj_forward(self.model, self.data)
         self.refresh()
@@ -170,7 +182,6 @@ class World:
         self.model.opt.enableflags &= ~flag
         mujoco.mj_kinematics(self.model, self.data)
         self.model.opt.enableflags |= flag
-        self._moved.add(self.slots.index(slot))
 
     def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
         """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""

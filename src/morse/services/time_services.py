@@ -86,6 +86,12 @@ class TimeServices(AbstractObject):
 
     sleep._morse_callable = _sleep._morse_callable  # type: ignore[attr-defined]
 
+    def restart(self) -> None:
+        """Time starts anew: nobody would wake the sleepers at the right moment."""
+        alarms, self._alarms = self._alarms, []
+        for _, callback in alarms:
+            callback((status.PREEMPTED, None))
+
     def action(self) -> None:
         """Ring the alarms that are due, the earliest first."""
         if not self._alarms:

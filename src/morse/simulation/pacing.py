@@ -26,6 +26,7 @@ class Pacer:
         self.lost = 0.0
         self._due = time.perf_counter()
         self._wake = threading.Event()
+        self._stopped = False
         self._last_report = -math.inf
         self._window = (time.perf_counter(), 0)
         self._ticks = 0
@@ -40,8 +41,13 @@ class Pacer:
         self.speed = speed
         self.restart()
 
-    def interrupt(self) -> None:
-        """End a wait early; may be called from any thread and from signal handlers."""
+    def wake(self) -> None:
+        """Something arrived: end `idle` early; may be called from any thread."""
+        self._wake.set()
+
+    def stop(self) -> None:
+        """End every wait; may be called from signal handlers."""
+        self._stopped = True
         self._wake.set()
 
     def wait(self) -> None:
@@ -55,8 +61,16 @@ class Pacer:
             self.lost += late
             self._due += late
         elif late < 0:
-            self._wake.wait(-late)
-        self._wake.clear()
+            self._sleep_until(self._due)
+
+    def _sleep_until(self, due: float) -> None:
+        # being woken is for those who idle; only the end of the simulation cuts a wait short
+        while not self._stopped:
+            left = due - time.perf_counter()
+            if left <= 0:
+                return
+            self._wake.wait(left)
+            self._wake.clear()
 
     def idle(self, seconds: float) -> None:
         """Wait while nothing moves."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 from morse.core import context as _context
@@ -14,15 +15,18 @@ from morse.core.request_manager import MorseServices
 from morse.physics import World
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
+from morse.services.lockstep_services import LockstepServices
 from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
+from morse.simulation.digest import state_hash
 from morse.simulation.faults import describe
 from morse.simulation.loader import add_request_manager, load_components, make_stream_manager
 from morse.simulation.pacing import Pacer
+from morse.simulation.profile import Profile
 from morse.simulation.schedule import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.object import Object
@@ -32,6 +36,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse." + __name__)
 
+#: ticks that are measured to find out what a slow simulation spends its time on
+_DIAGNOSIS = 60
 SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
 
@@ -63,9 +69,14 @@ class Simulation:
         self.world: World = self.context.world
         self.clock = self.context.clock
         self.pacer = Pacer(self.clock.period, speed)
+        self.context.wake = self.pacer.wake
         self.paused = False
         self.view: View | None = None
+        self.profile: Profile | None = Profile(trace=True) if options.profile else None
+        self._diagnosis: Profile | None = None
         self._steps = 0
+        self._stepped: Callable[[], None] | None = None
+        self._restart: tuple[int | None, Callable[[], None]] | None = None
         self._stop = False
         self._reset_asked = False
         self.finished = False
@@ -80,6 +91,7 @@ class Simulation:
         for manager in self.scene.simulation_managers:
             add_request_manager(self.context, manager)
         self._offer(Supervision(self.context, self.stop, self.ask_reset))
+        self._offer(LockstepServices(self))
         self._offer(ViewpointServices(self.scene.settings.view, self._viewpoint_changed))
         self._offer(TimeServices(self.clock, self.pacer.set_speed))
         self._offer(CommunicationServices(self.context))
@@ -92,30 +104,56 @@ class Simulation:
 
     def load(self) -> None:
         """Make the components and connect them."""
-        self.loaded = load_components(self.context)
+        self._make_components()
         for manager, options in self.scene.manager_options.items():
             if options and manager not in self.context.stream_managers:
                 self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
+        self._managers = list(self.context.stream_managers.values())
+
+    def _make_components(self) -> None:
+        self.loaded = load_components(self.context)
         frequency = self.clock.frequency
         self._robots = self.loaded.robots
         self._actuators: Schedule[Object] = Schedule(self.loaded.actuators, frequency)
         self._sensors: Schedule[Object] = Schedule(self.loaded.sensors, frequency)
-        self._managers = list(self.context.stream_managers.values())
 
     # -- running ---------------------------------------------------------------------------
 
     def stop(self) -> None:
         """End the run after this tick; may be called from signal handlers."""
         self._stop = True
-        self.pacer.interrupt()
+        self.pacer.stop()
 
     def ask_reset(self) -> None:
         """Put everything back to the start, after this tick."""
         self._reset_asked = True
 
-    def step(self, ticks: int = 1) -> None:
-        """While paused: let that many ticks pass."""
-        self._steps += ticks
+    def pause(self) -> None:
+        """Stop time."""
+        self.paused = True
+
+    def resume(self) -> None:
+        """Let time pass again."""
+        self.paused = False
+        self._steps = 0
+        self.pacer.restart()
+
+    def step(self, ticks: int = 1, done: Callable[[], None] | None = None) -> None:
+        """While paused: let that many ticks pass, and call ``done`` when their data is out."""
+        self._steps = ticks
+        self._stepped = done
+
+    def restart(self, seed: int | None, done: Callable[[], None]) -> None:
+        """Start anew before the next tick, with that seed or the present one."""
+        self._restart = (seed, done)
+
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+        return self.context.seed
+
+    def state_hash(self) -> str:
+        """See `morse.simulation.digest.state_hash`."""
+        return state_hash(self.context)
 
     def run(self) -> None:
         """Tick until told to stop, or until the duration asked for has passed."""
@@ -127,67 +165,133 @@ class Simulation:
                 self._wait_paused()
                 continue
             self.tick()
-            if self._steps:
-                self._steps -= 1
             if clock.tick >= last:
                 break
-            pacer.wait()
-            lost = pacer.report_due()
-            if lost:
-                logger.warning(
-                    "the simulation is too slow for the wall clock: %.1f s lost, now %.2f times real time of %.2f asked for",
-                    lost,
-                    pacer.real_time_factor,
-                    pacer.speed,
-                )
+            if self._steps:
+                self._count_step()
+            else:
+                pacer.wait()
+                if pacer.lost:
+                    self._diagnose()
+
+    def _count_step(self) -> None:
+        self._steps -= 1
+        if self._steps == 0 and self._stepped is not None:
+            done, self._stepped = self._stepped, None
+            done()
 
     def _wait_paused(self) -> None:
         if self.view is not None:
             self.view.before_tick()
         self.context.services.process()
-        if self._reset_asked:
-            self.reset()
+        self._start_anew()
         if self.view is not None:
             self.view.after_tick()
-        self.pacer.idle(self.clock.period)
+        if self.paused and not self._steps:
+            self.pacer.idle(self.clock.period)
+
+    def _diagnose(self) -> None:
+        """The simulation is too slow: find out why, and say so from time to time."""
+        measured = self.profile or self._diagnosis
+        if measured is None:
+            self._diagnosis = Profile()
+            return
+        if measured.ticks < _DIAGNOSIS:
+            return
+        lost = self.pacer.report_due()
+        if not lost:
+            return
+        name, cost = measured.costliest()
+        self._diagnosis = None
+        logger.warning(
+            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (asked for %.2f); "
+            "most time goes to %s: %.1f ms a tick of %.1f ms",
+            lost,
+            self.pacer.real_time_factor,
+            self.pacer.speed,
+            name,
+            cost * 1e3,
+            self.clock.period / self.pacer.speed * 1e3,
+        )
+        if self.view is not None:
+            self.view.report_pace(lost, name, cost * 1e3)
 
     def tick(self) -> None:
         """One tick: input, services, actuators, physics, sensors, output."""
         context, clock = self.context, self.clock
+        profile = self.profile or self._diagnosis
+        if profile is not None:
+            profile.begin()
         if self.view is not None:
             self.view.before_tick()
+        if profile is not None:
+            profile.mark("view input")
         for manager in self._managers:
             manager.action()
         clock.observe()
+        if profile is not None:
+            profile.mark("streams in")
         for obj in context.service_objects.values():
             obj.action()
         context.services.process()
+        self._start_anew()
+        if profile is not None:
+            profile.mark("services")
         due = clock.tick
-        self._act(self._robots)
-        self._act(self._actuators.due(due))
+        self._act(self._robots, profile)
+        self._act(self._actuators.due(due), profile)
+        if profile is not None:
+            profile.mark("actuators")
         self.world.step()
         clock.advance()
-        self._act(self._robots)
-        self._act(self._sensors.due(due))
+        if profile is not None:
+            profile.mark("physics")
+        self._act(self._robots, profile)
+        self._act(self._sensors.due(due), profile)
+        if profile is not None:
+            profile.mark("sensors")
         for manager in self._managers:
             manager.flush()
-        if self._reset_asked:
-            self.reset()
+        if profile is not None:
+            profile.mark("streams out")
         if self.view is not None:
             self.view.after_tick()
+        if profile is not None:
+            profile.mark("view output")
 
-    def _act(self, components: Sequence[Object]) -> None:
+    def _act(self, components: Sequence[Object], profile: Profile | None) -> None:
         for component in components:
             try:
-                component.action()
+                if profile is None:
+                    component.action()
+                else:
+                    begin = perf_counter()
+                    component.action()
+                    profile.component(component.name(), begin, perf_counter())
             except Exception as error:
                 component.active = False
                 logger.error("%s failed and is deactivated: %s", component.name(), describe(error))
 
-    def reset(self) -> None:
-        """Every object back to where it was at the start, at rest."""
-        self._reset_asked = False
+    def _start_anew(self) -> None:
+        if self._reset_asked:
+            self._reset_asked = False
+            self.world.reset()
+        if self._restart is None:
+            return
+        seed, done = self._restart
+        self._restart = None
+        if seed is not None:
+            self.context.seed = seed
+        self.finalize_components()
         self.world.reset()
+        self.clock.restart()
+        for obj in self.context.service_objects.values():
+            obj.restart()
+        self._make_components()
+        if self.view is not None:
+            self.view.restarted()
+        self.pacer.restart()
+        done()
 
     def _viewpoint_changed(self) -> None:
         if self.view is not None:

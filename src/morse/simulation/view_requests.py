@@ -30,6 +30,11 @@ class ViewRequests(RequestManager):
         self._server = server
         self._pending: dict[uuid.UUID, int] = {}
         self._context = context
+        self.register_all()
+
+    def register_all(self) -> None:
+        """Offer the services of the components as they are now."""
+        context = self._context
         for name, obj in [*context.service_objects.items(), *context.robots.items(), *context.components.items()]:
             for declaration in obj.services():
                 method = getattr(obj, declaration.attribute)

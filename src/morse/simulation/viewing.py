@@ -39,6 +39,10 @@ def has_display() -> bool:
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+def _nothing() -> None:
+    """Nobody waits for the end."""
+
+
 class View:
     """Sends what happens to the pages, and carries out what the driving page asks for."""
 
@@ -63,7 +67,7 @@ class View:
             page.Play: lambda _: self._set_paused(False),
             page.Pause: lambda _: self._set_paused(True),
             page.Step: lambda event: simulation.step(event.count) if simulation.paused else None,
-            page.Reset: lambda _: simulation.ask_reset(),
+            page.Reset: lambda _: simulation.restart(None, _nothing),
             page.SetSpeed: lambda event: simulation.pacer.set_speed(event.factor or math.inf),
             page.Quit: lambda _: simulation.stop(),
             page.ListenTo: self._listen_to,
@@ -134,8 +138,10 @@ class View:
                 self._server.send(Values(name, context.clock.time, component.local_data))
 
     def _set_paused(self, paused: bool) -> None:
-        self._simulation.paused = paused
-        self._simulation.pacer.restart()
+        if paused:
+            self._simulation.pause()
+        else:
+            self._simulation.resume()
 
     def _listen_to(self, event: page.ListenTo) -> None:
         if event.robot is None or event.robot in self._simulation.context.robots:
@@ -152,6 +158,11 @@ class View:
     def viewpoint_changed(self) -> None:
         """The camera of the scene was moved by a service."""
         self._describe()
+
+    def restarted(self) -> None:
+        """The simulation started anew: the components are new ones."""
+        self._requests.register_all()
+        self._server.send(Tree(component_tree(self._simulation.context)))
 
     def close(self) -> None:
         """Stop the server."""

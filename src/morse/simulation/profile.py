@@ -1,0 +1,108 @@
+"""Where the time of a tick goes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: the phases of a tick, in their order
+PHASES = ("view input", "streams in", "services", "actuators", "physics", "rays", "sensors", "streams out", "view output")
+
+#: events kept for the trace file; later ones are counted but not kept
+_MAX_EVENTS = 1_000_000
+
+
+@dataclass(slots=True)
+class Cost:
+    """Wall-clock time spent on one thing: seconds in all, seconds at worst, and how often."""
+
+    total: float = 0.0
+    worst: float = 0.0
+    count: int = 0
+
+    def add(self, seconds: float) -> None:
+        """Count one more time."""
+        self.total += seconds
+        self.count += 1
+        self.worst = max(self.worst, seconds)
+
+    @property
+    def mean(self) -> float:
+        """Seconds each time."""
+        return self.total / self.count if self.count else 0.0
+
+
+class Profile:
+    """Measures phases and components of the ticks it sees.
+
+    Attributes:
+        phases: cost by phase.
+        components: cost by component name.
+        ticks: ticks measured.
+    """
+
+    def __init__(self, *, trace: bool = False) -> None:
+        self.phases: dict[str, Cost] = {phase: Cost() for phase in PHASES}
+        self.components: dict[str, Cost] = {}
+        self.ticks = 0
+        self._events: list[tuple[str, str, float, float]] | None = [] if trace else None
+        self._start = perf_counter()
+        self._last = self._start
+
+    def begin(self) -> None:
+        """A tick begins."""
+        self.ticks += 1
+        self._last = perf_counter()
+
+    def mark(self, phase: str) -> None:
+        """A phase ends."""
+        now = perf_counter()
+        self.phases[phase].add(now - self._last)
+        self._keep(phase, "phase", self._last, now)
+        self._last = now
+
+    def component(self, name: str, begin: float, end: float) -> None:
+        """A component acted from ``begin`` to ``end`` (`time.perf_counter`)."""
+        cost = self.components.get(name)
+        if cost is None:
+            cost = self.components[name] = Cost()
+        cost.add(end - begin)
+        self._keep(name, "component", begin, end)
+
+    def _keep(self, name: str, kind: str, begin: float, end: float) -> None:
+        if self._events is not None and len(self._events) < _MAX_EVENTS:
+            self._events.append((name, kind, begin, end))
+
+    def costliest(self) -> tuple[str, float]:
+        """The component, or else the phase, that takes longest: its name and seconds a tick."""
+        everything = {**{f"the phase '{n}'": c for n, c in self.phases.items()}, **self.components}
+        everything.pop("the phase 'actuators'", None)
+        everything.pop("the phase 'sensors'", None)
+        name, cost = max(everything.items(), key=lambda item: item[1].total)
+        return name, cost.total / max(self.ticks, 1)
+
+    def write_trace(self, path: Path) -> None:
+        """Write a file for trace viewers (Trace Event Format: chrome://tracing, Perfetto, speedscope)."""
+        threads = {"phase": 1, "component": 2}
+        events = [
+            {
+                "name": name,
+                "cat": kind,
+                "ph": "X",
+                "pid": 1,
+                "tid": threads[kind],
+                "ts": round((begin - self._start) * 1e6, 3),
+                "dur": round((end - begin) * 1e6, 3),
+            }
+            for name, kind, begin, end in self._events or ()
+        ]
+        names = [
+            {"name": "thread_name", "ph": "M", "pid": 1, "tid": tid, "args": {"name": f"{kind}s"}}
+            for kind, tid in threads.items()
+        ]
+        path.write_text(json.dumps({"traceEvents": names + events, "displayTimeUnit": "ms"}))
