@@ -1,0 +1,73 @@
+"""Simulated time."""
+
+import pytest
+
+from morse.core import status
+from morse.core.clock import Clock
+from morse.core.exceptions import MorseRPCTypeError
+from morse.scene import TimeStrategies
+from morse.services.time_services import TimeServices
+
+
+@pytest.fixture
+def clock():
+    return Clock(60.0, TimeStrategies.BestEffort)
+
+
+def test_time_is_the_number_of_ticks_over_the_rate(clock):
+    for _ in range(6000):
+        clock.advance()
+    assert clock.time == 100.0
+
+
+def test_absolute_time_starts_now():
+    import time
+
+    assert Clock(60, TimeStrategies.BestEffort, absolute=True).time == pytest.approx(time.time(), abs=5)
+
+
+def test_several_clients_sleep_at_once(clock):
+    woken = []
+    services = TimeServices(clock, lambda speed: None)
+    services.sleep(lambda outcome: woken.append(("long", clock.tick, outcome)), 1.0)
+    services.sleep(lambda outcome: woken.append(("short", clock.tick, outcome)), 0.5)
+    services.sleep(lambda outcome: woken.append(("none", clock.tick, outcome)), 0)
+    for _ in range(100):
+        services.action()
+        clock.advance()
+    done = (status.SUCCESS, None)
+    assert woken == [("none", 0, done), ("short", 30, done), ("long", 60, done)]
+
+
+@pytest.mark.parametrize("bad", ["x", None, float("nan"), float("inf"), True, []])
+def test_sleep_takes_numbers_only(clock, bad):
+    with pytest.raises(MorseRPCTypeError, match="seconds"):
+        TimeServices(clock, lambda speed: None).sleep(lambda outcome: None, bad)
+
+
+@pytest.mark.parametrize("bad", ["x", 0, -1, float("nan"), float("inf"), True])
+def test_the_time_scale_is_positive(clock, bad):
+    with pytest.raises(MorseRPCTypeError, match="greater than 0"):
+        TimeServices(clock, lambda speed: None).set_time_scale(bad)
+
+
+def test_the_time_scale_reaches_the_pacing(clock):
+    speeds = []
+    assert TimeServices(clock, speeds.append).set_time_scale(2) is True
+    assert speeds == [2.0]
+
+
+def test_modes_have_their_old_names(clock):
+    assert TimeServices(clock, print).mode() == "Best Effort"
+    assert TimeServices(Clock(60, TimeStrategies.FixedSimulationStep), print).mode() == "Fixed Simulation Step"
+
+
+def test_statistics_have_the_fields_of_their_mode(clock):
+    assert set(TimeServices(clock, print).statistics()) == {
+        "mean_time",
+        "variance_time",
+        "mean_frame_by_sec",
+        "variance_frame_by_sec",
+    }
+    fixed = Clock(60, TimeStrategies.FixedSimulationStep)
+    assert set(TimeServices(fixed, print).statistics()) == {"mean_time", "variance_time", "diff_real_time"}

@@ -1,0 +1,141 @@
+"""Services: declaration, calls, interruption, refusal."""
+
+import pytest
+
+from morse.core import status
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseMethodNotFoundError, MorseRPCNbArgsError, MorseServiceAlreadyRunningError
+from morse.core.request_manager import MorseServices, RequestManager
+from morse.core.services import async_service, interruptible, noninterruptible, service
+
+
+class Arm(AbstractObject):
+    def name(self):
+        return "arm"
+
+    @service
+    def get(self, a, b=2):
+        return [a, b]
+
+    @service(name="renamed")
+    def original(self):
+        return "here"
+
+    @service(component="elsewhere")
+    def far(self):
+        return 1
+
+    @interruptible
+    @async_service
+    def move(self, target):
+        self.target = target
+
+    @noninterruptible
+    @async_service
+    def press(self):
+        pass
+
+    @async_service
+    def broken(self):
+        raise ValueError("no arm")
+
+
+class Manager(RequestManager):
+    title = "Test manager"
+
+    def __init__(self):
+        super().__init__()
+        self.ended = []
+
+    def initialization(self):
+        return True
+
+    def finalization(self):
+        return True
+
+    def main(self):
+        pass
+
+    def on_service_completion(self, request_id, result):
+        self.ended.append((request_id, result))
+
+
+@pytest.fixture
+def arm():
+    return Arm()
+
+
+@pytest.fixture
+def manager(arm):
+    services = MorseServices()
+    made = Manager()
+    services.add_request_manager(made)
+    services.register_request_manager_mapping("arm", made.classpath)
+    services.register_object("arm", arm)
+    return made
+
+
+def test_every_declared_service_is_offered(manager):
+    assert set(manager.services()["arm"]) == {"get", "renamed", "move", "press", "broken"}
+    assert manager.services()["elsewhere"] == ["far"]
+
+
+def test_a_service_answers_at_once(manager):
+    assert manager.on_incoming_request("arm", "get", [1]) == (True, (status.SUCCESS, [1, 2]))
+    assert manager.on_incoming_request("arm", "renamed", None) == (True, (status.SUCCESS, "here"))
+
+
+def test_an_asynchronous_service_answers_when_it_is_done(manager, arm):
+    done, request = manager.on_incoming_request("arm", "move", [3])
+    assert not done
+    manager.update()
+    assert manager.ended == []
+    arm.completed(status.SUCCESS, "there")
+    manager.update()
+    assert manager.ended == [(request, (status.SUCCESS, "there"))]
+
+
+def test_a_new_call_preempts_an_interruptible_one(manager, arm):
+    _, first = manager.on_incoming_request("arm", "move", [1])
+    _, second = manager.on_incoming_request("arm", "move", [2])
+    manager.update()
+    assert manager.ended == [(first, (status.PREEMPTED, None))]
+    arm.completed(status.SUCCESS)
+    manager.update()
+    assert manager.ended[-1][0] == second
+
+
+def test_a_new_call_is_refused_while_a_noninterruptible_one_runs(manager):
+    manager.on_incoming_request("arm", "press", [])
+    with pytest.raises(MorseServiceAlreadyRunningError):
+        manager.on_incoming_request("arm", "press", [])
+
+
+def test_a_cancelled_call_is_preempted(manager):
+    _, request = manager.on_incoming_request("arm", "move", [1])
+    manager.abort_request(request)
+    manager.update()
+    assert manager.ended == [(request, (status.PREEMPTED, None))]
+
+
+def test_an_exception_leaves_the_component_free(manager, arm):
+    with pytest.raises(ValueError, match="no arm"):
+        manager.on_incoming_request("arm", "broken", [])
+    assert arm.on_completion is None
+    assert manager.on_incoming_request("arm", "move", [1])[0] is False
+
+
+def test_wrong_arguments_are_refused_by_number(manager):
+    with pytest.raises(MorseRPCNbArgsError, match="wrong # of parameters"):
+        manager.on_incoming_request("arm", "get", [1, 2, 3])
+    with pytest.raises(MorseRPCNbArgsError, match="parameters are expected"):
+        manager.on_incoming_request("arm", "get", [])
+    with pytest.raises(MorseRPCNbArgsError, match="wrong # of parameters"):
+        manager.on_incoming_request("arm", "move", [1, 2])
+
+
+def test_unknown_names_get_the_nearest(manager):
+    with pytest.raises(MorseMethodNotFoundError, match="The request moves has not been registered in Test manager.*'move'"):
+        manager.on_incoming_request("arm", "moves", [])
+    with pytest.raises(MorseMethodNotFoundError, match="did you mean 'arm'"):
+        manager.on_incoming_request("armm", "move", [])
