@@ -20,6 +20,8 @@ class Library:
         collections: name to the names of the nodes in it (Blender's groups and collections).
         world: properties of the world the file describes: ``horizon_color`` (linear RGB),
             ``ambient_color``, ``gravity`` (m/s^2), ``mist`` where the file has them.
+        outside_scene: names of nodes that are in the file but not in its scene: templates, which show only through
+            instances of their collection.
         images: images by name, for textures that no material uses.
         warnings: what could not be read, one sentence each, for the user.
     """
@@ -28,6 +30,7 @@ class Library:
     roots: list[Node] = field(default_factory=list)
     collections: dict[str, list[str]] = field(default_factory=dict)
     world: dict[str, object] = field(default_factory=dict)
+    outside_scene: set[str] = field(default_factory=set)
     images: dict[str, Image] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 

@@ -1,0 +1,93 @@
+"""From a file on disk to the plain bytes of a ``.blend``: size limits and decompression."""
+
+from __future__ import annotations
+
+import io
+import stat
+import zlib
+from typing import TYPE_CHECKING
+
+import zstandard
+
+from morse.assets.blend.errors import Damage
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: bytes that a file may have after decompression
+SIZE_LIMIT = 1 << 30
+#: a small file may grow to this without a look at the ratio
+_HARMLESS = 64 << 20
+#: more than this is no scene, but a file made to fill the memory (scenes: 2 to 20)
+_MAX_RATIO = 2000
+_CHUNK = 1 << 20
+_ZSTD_WINDOW = 128 << 20
+
+_GZIP = b"\x1f\x8b"
+_ZSTD = b"\x28\xb5\x2f\xfd"
+_ZSTD_SKIPPABLE = b"\x2a\x4d\x18"
+
+
+def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
+    """The uncompressed content of a plain, gzip (before 3.0) or zstd (since 3.0) compressed file.
+
+    Raises:
+        Damage: it is no regular file, too large, or its compression is broken.
+        OSError: it cannot be opened.
+    """
+    with path.open("rb") as file:
+        status = stat.S_IFMT(path.stat().st_mode)
+        if status != stat.S_IFREG:
+            raise Damage("this is not a regular file")
+        data = file.read(limit + 1)
+    if len(data) > limit:
+        raise Damage(f"the file is larger than the limit of {_size(limit)}")
+    if data[:2] == _GZIP:
+        return _gunzip(data, limit)
+    if data[:4] == _ZSTD or data[1:4] == _ZSTD_SKIPPABLE:
+        return _unzstd(data, limit)
+    return data
+
+
+def _gunzip(data: bytes, limit: int) -> bytes:
+    out = io.BytesIO()
+    rest = data
+    while rest[:2] == _GZIP:
+        member = zlib.decompressobj(wbits=31)
+        while not member.eof:
+            try:
+                piece = member.decompress(rest, _CHUNK)
+            except zlib.error as error:
+                raise Damage(f"its gzip compression is broken ({error})") from error
+            out.write(piece)
+            _check(out.tell(), len(data), limit)
+            rest = member.unconsumed_tail
+            if not piece and not rest and not member.eof:
+                raise Damage("the file is cut off: its gzip stream has no end")
+        rest = member.unused_data
+    return out.getvalue()
+
+
+def _unzstd(data: bytes, limit: int) -> bytes:
+    out = io.BytesIO()
+    # Blender writes many frames, and a seek table in a frame that decoders skip
+    decoder = zstandard.ZstdDecompressor(max_window_size=_ZSTD_WINDOW)
+    try:
+        with decoder.stream_reader(io.BytesIO(data), read_across_frames=True) as reader:
+            while piece := reader.read(_CHUNK):
+                out.write(piece)
+                _check(out.tell(), len(data), limit)
+    except zstandard.ZstdError as error:
+        raise Damage(f"its zstd compression is broken ({error})") from error
+    return out.getvalue()
+
+
+def _check(size: int, packed: int, limit: int) -> None:
+    if size > limit:
+        raise Damage(f"it would grow beyond the limit of {_size(limit)} when decompressed")
+    if size > _HARMLESS and size > packed * _MAX_RATIO:
+        raise Damage(f"its {packed} bytes would grow more than {_MAX_RATIO} times when decompressed")
+
+
+def _size(count: int) -> str:
+    return f"{count / (1 << 20):g} MiB"

@@ -1,0 +1,13 @@
+"""What goes wrong with ``.blend`` files."""
+
+from __future__ import annotations
+
+from morse.assets.errors import AssetError
+
+
+class BlendError(AssetError):
+    """A ``.blend`` file cannot be read at all."""
+
+
+class Damage(Exception):
+    """A part of the file contradicts itself; whoever reads that part decides what it costs."""

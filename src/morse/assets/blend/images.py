@@ -1,0 +1,109 @@
+"""Textures: packed into the file, or beside it."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.blend.errors import Damage
+from morse.assets.blend.file import datablock_name
+from morse.scene import Image
+
+if TYPE_CHECKING:
+    from morse.assets.blend.file import Record
+
+#: bytes of one encoded picture
+_MAX_BYTES = 256 << 20
+_GENERATED, _VIEWER = 4, 5
+_SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+
+
+class Images:
+    """Reads each image once, however many materials show it."""
+
+    def __init__(self, path: Path) -> None:
+        self._folder = path.parent
+        self._read: dict[int, Image | None] = {}
+        #: the images read so far, by name
+        self.by_name: dict[str, Image] = {}
+
+    def image(self, record: Record) -> Image | None:
+        """The picture of an image datablock, or None (with a warning) if there is no PNG or JPEG."""
+        if record.offset not in self._read:
+            image = self._read[record.offset] = self._image(record)
+            if image is not None:
+                self.by_name.setdefault(image.name, image)
+        return self._read[record.offset]
+
+    def _image(self, record: Record) -> Image | None:
+        name = datablock_name(record)
+        if record.integer("source", 1) in (_GENERATED, _VIEWER) and not _is_packed(record):
+            record.file.warn(f"the image '{name}' is painted by Blender itself; pack it into the file to see it here")
+            return None
+        try:
+            data = _packed(record) if _is_packed(record) else self._external(record, name)
+        except Damage as damage:
+            record.file.warn(f"the image '{name}' is left out: {damage}")
+            return None
+        mime = next((mime for signature, mime in _SIGNATURES.items() if data.startswith(signature)), None)
+        if mime is None:
+            record.file.warn(f"the image '{name}' is left out: it is neither PNG nor JPEG; save it as one of these")
+            return None
+        return Image(name, data, mime)
+
+    def _external(self, record: Record, name: str) -> bytes:
+        stored = record.text(record.either("name", "filepath"))
+        path = _resolve(stored, self._folder)
+        if path is None:
+            raise Damage(f"its path '{stored}' cannot be followed; store it relative to the .blend file")
+        try:
+            status = path.stat()
+            if not stat.S_ISREG(status.st_mode):
+                raise Damage(f"'{path}' is not a file")
+            if status.st_size > _MAX_BYTES:
+                raise Damage(f"'{path}' is larger than {_MAX_BYTES >> 20} MiB")
+            with path.open("rb") as file:
+                # a look at the first bytes: nothing but pictures is read
+                head = file.read(16)
+                if not any(head.startswith(signature) for signature in _SIGNATURES):
+                    return head
+                return head + file.read(_MAX_BYTES)
+        except (OSError, ValueError) as error:
+            raise Damage(f"its file '{path}' cannot be read; put it there or pack it into the .blend file") from error
+
+
+def _is_packed(record: Record) -> bool:
+    if record.has("packedfiles") and record.part("packedfiles").integer("first"):
+        return True
+    return bool(record.integer("packedfile", 0))
+
+
+def _packed(record: Record) -> bytes:
+    packed = record.follow("packedfile", "PackedFile") if record.integer("packedfile", 0) else None
+    if packed is None:
+        entry = next(record.chain("packedfiles", "ImagePackedFile"), None)
+        packed = None if entry is None else entry.follow("packedfile", "PackedFile")
+    if packed is None:
+        raise Damage("its packed bytes are missing")
+    data = packed.content("data")
+    size = packed.integer("size")
+    if not 0 < size <= len(data):
+        raise Damage("its packed bytes are cut off")
+    if size > _MAX_BYTES:
+        raise Damage(f"it is larger than {_MAX_BYTES >> 20} MiB")
+    return data[:size]
+
+
+def _resolve(stored: str, folder: Path) -> Path | None:
+    """The file that a path in Blender's notation means (``//`` is the folder of the .blend file)."""
+    if stored.startswith("//"):
+        path = folder / stored[2:].replace("\\", "/")
+    elif stored.startswith("\\\\") or not stored:
+        # a share of another computer: opening it would send the user's credentials there
+        return None
+    else:
+        path = Path(stored.replace("\\", "/"))
+        if not path.is_absolute():
+            path = folder / path
+    return path

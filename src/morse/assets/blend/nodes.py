@@ -1,0 +1,122 @@
+"""A shader node tree: nodes, their sockets, and the links between them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.assets.blend.file import Record
+
+_MUTED = 1 << 9
+_OUTPUT = 1 << 6
+#: reroutes and muted nodes passed on the way to the node that feeds a socket
+_DEPTH = 32
+
+
+class Node:
+    """A node of the tree.
+
+    Attributes:
+        kind: e.g. ``ShaderNodeBsdfPrincipled``.
+    """
+
+    def __init__(self, tree: NodeTree, record: Record) -> None:
+        self.tree = tree
+        self.record = record
+        self.kind = record.text("idname") or _OLD_KINDS.get(record.integer("type"), "")
+        self.inputs = list(record.chain("inputs", "bNodeSocket"))
+
+    def socket(self, *names: str) -> Record | None:
+        """The first input of one of these names."""
+        for name in names:
+            for socket in self.inputs:
+                if socket.text("name") == name:
+                    return socket
+        return None
+
+    def source(self, *names: str) -> Node | None:
+        """The node that feeds an input."""
+        socket = self.socket(*names)
+        return None if socket is None else self.tree.source(socket)
+
+    def value(self, *names: str, default: float) -> float:
+        """The number set at an input that nothing feeds; the default otherwise."""
+        socket = self.socket(*names)
+        if socket is None or self.tree.source(socket) is not None:
+            return default
+        holder = socket.follow("default_value")
+        return default if holder is None else holder.real("value", default)
+
+    def color(self, *names: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
+        """The colour at an input: as set there, or of the RGB node that feeds it; the default otherwise."""
+        socket = self.socket(*names)
+        if socket is None:
+            return default
+        source = self.tree.source(socket)
+        if source is not None:
+            if source.kind != "ShaderNodeRGB":
+                return default
+            socket = next(source.record.chain("outputs", "bNodeSocket"), None)
+        holder = None if socket is None else socket.follow("default_value")
+        if holder is None:
+            return default
+        red, green, blue = holder.reals("value", default)
+        return red, green, blue
+
+    def image(self, *names: str) -> Record | None:
+        """The image that reaches an input, through whatever changes its colours on the way."""
+        source = self.source(*names)
+        waiting, seen = [source] if source else [], set[Node]()
+        while waiting:
+            node = waiting.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            if node.kind in ("ShaderNodeTexImage", "ShaderNodeTexEnvironment"):
+                return node.record.follow("id", "Image")
+            fed = [self.tree.source(socket) for socket in node.inputs]
+            waiting.extend(source for source in reversed(fed) if source)
+        return None
+
+
+class NodeTree:
+    """A shader node tree."""
+
+    def __init__(self, record: Record) -> None:
+        self.record = record
+        self._nodes = {node.block.address: Node(self, node) for node in record.chain("nodes", "bNode")}
+        self._sources = {
+            link.integer("tosock"): link.integer("fromnode") for link in record.chain("links", "bNodeLink")
+        }
+
+    def nodes(self) -> Iterator[Node]:
+        """All nodes."""
+        yield from self._nodes.values()
+
+    def source(self, socket: Record) -> Node | None:
+        """The node that feeds a socket; past reroutes and muted nodes."""
+        for _ in range(_DEPTH):
+            node = self._nodes.get(self._sources.get(socket.block.address, 0))
+            if node is None or not (node.kind == "NodeReroute" or node.record.integer("flag") & _MUTED):
+                return node
+            fed = next((entry for entry in node.inputs if entry.block.address in self._sources), None)
+            if fed is None:
+                return None
+            socket = fed
+        return None
+
+    def output(self, kind: str) -> Node | None:
+        """The active output node."""
+        outputs = [node for node in self._nodes.values() if node.kind == kind]
+        return next(
+            (node for node in outputs if node.record.integer("flag") & _OUTPUT), outputs[0] if outputs else None
+        )
+
+
+#: numbers of the kinds before nodes had names of their kind (2.5 to 2.65)
+_OLD_KINDS = {
+    101: "ShaderNodeRGB", 124: "ShaderNodeOutputMaterial", 125: "ShaderNodeEmission", 126: "ShaderNodeBsdfDiffuse",
+    128: "ShaderNodeMixShader", 129: "ShaderNodeAddShader", 140: "ShaderNodeEmission", 143: "ShaderNodeTexImage",
+}  # fmt: skip

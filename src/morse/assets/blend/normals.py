@@ -1,0 +1,82 @@
+"""Normals of the corners of smoothly shaded meshes."""
+
+from __future__ import annotations
+
+from math import cos
+
+import numpy as np
+
+from morse.assets.blend.polygons import Floats, Ints, Polygons, unit
+
+
+def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | None:
+    """(C, 3) unit normals, or None if all polygons are flat.
+
+    Each is the mean of the normals of the polygons around its vertex, weighted with their angles there
+    (Thürmer and Wüthrich 1998); sharp edges part these polygons.
+
+    Args:
+        polygons: the mesh.
+        crease: edges that bend by more than this angle (rad) are sharp; None for no limit.
+    """
+    if not polygons.smooth.any():
+        return None
+    weighted = polygons.normals[polygons.polygon] * _angles(polygons)[:, None]
+    group = polygons.corners if crease is None and not len(polygons.sharp) else _fans(polygons, crease)
+    count = int(group.max()) + 1
+    sums: Floats = np.stack([np.bincount(group, weighted[:, axis], count) for axis in range(3)], axis=1)
+    result = unit(sums)[group]
+    flat = ~polygons.smooth[polygons.polygon] | ~result.any(axis=1)
+    result[flat] = polygons.normals[polygons.polygon[flat]]
+    return result
+
+
+def _angles(polygons: Polygons) -> Floats:
+    """(C,) inner angle of each corner, rad."""
+    points = polygons.vertices[polygons.corners]
+    ahead = unit(points[polygons.following] - points)
+    behind = np.empty_like(ahead)
+    behind[polygons.following] = -ahead
+    angles: Floats = np.arccos(np.clip(np.einsum("nj,nj->n", ahead, behind), -1.0, 1.0))
+    return angles
+
+
+def _fans(polygons: Polygons, crease: float | None) -> Ints:
+    """(C,) a label that corners share if smooth edges connect them around their vertex."""
+    first, second = _smooth_edges(polygons, crease)
+    after_first, after_second = polygons.following[first], polygons.following[second]
+    # neighbours run along their common edge in opposite directions, unless one is inside out
+    opposite = polygons.corners[first] != polygons.corners[second]
+    one = np.concatenate([first, after_first])
+    other = np.concatenate([np.where(opposite, after_second, second), np.where(opposite, second, after_second)])
+    labels = np.arange(len(polygons.corners))
+    while True:
+        lowest = np.minimum(labels[one], labels[other])
+        joined = labels.copy()
+        np.minimum.at(joined, one, lowest)
+        np.minimum.at(joined, other, lowest)
+        joined = joined[joined]
+        if np.array_equal(joined, labels):
+            return labels
+        labels = joined
+
+
+def _smooth_edges(polygons: Polygons, crease: float | None) -> tuple[Ints, Ints]:
+    """The corners at which the edges between two polygons start, one array for each of the two."""
+    keys = _edge_keys(polygons.corners, polygons.corners[polygons.following], len(polygons.vertices))
+    order = np.argsort(keys, kind="stable")
+    _, begin, count = np.unique(keys[order], return_index=True, return_counts=True)
+    begin = begin[count == 2]
+    first, second = order[begin], order[begin + 1]
+    keep = polygons.smooth[polygons.polygon[first]] & polygons.smooth[polygons.polygon[second]]
+    if crease is not None:
+        a, b = (polygons.normals[polygons.polygon[side]] for side in (first, second))
+        keep &= np.einsum("nj,nj->n", a, b) >= cos(crease) - 1e-6
+    if len(polygons.sharp):
+        sharp = _edge_keys(polygons.sharp[:, 0], polygons.sharp[:, 1], len(polygons.vertices))
+        keep &= ~np.isin(keys[first], sharp)
+    return first[keep], second[keep]
+
+
+def _edge_keys(a: Ints, b: Ints, count: int) -> Ints:
+    return np.minimum(a, b) * count + np.maximum(a, b)

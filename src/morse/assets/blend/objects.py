@@ -1,0 +1,131 @@
+"""Objects of a file as nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.assets import rules
+from morse.assets.blend.bodies import game_properties, game_settings, rigid_body
+from morse.assets.blend.errors import Damage
+from morse.assets.blend.file import datablock_name
+from morse.assets.blend.id_properties import id_properties
+from morse.assets.blend.lamps import camera, light
+from morse.assets.blend.transforms import is_identity, matrix, pose
+from morse.scene import Node, NodeKind
+
+if TYPE_CHECKING:
+    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.materials import Materials
+    from morse.assets.blend.meshes import Meshes
+
+MESH, LIGHT, CAMERA, ARMATURE = 1, 10, 11, 25
+_KINDS = {MESH: NodeKind.MESH, LIGHT: NodeKind.LIGHT, CAMERA: NodeKind.CAMERA, ARMATURE: NodeKind.ARMATURE}
+_HIDDEN = 1 << 2
+#: parents of parents of parents: a chain longer than that is a mistake
+_MAX_DEPTH = 256
+
+
+class Objects:
+    """Makes the node of each object.
+
+    Attributes:
+        records: the objects by address, in the order of the file.
+        nodes: their nodes, by address.
+    """
+
+    def __init__(self, file: BlendFile, materials: Materials, meshes: Meshes) -> None:
+        self._file = file
+        self._materials = materials
+        self._meshes = meshes
+        self.records = {record.block.address: record for record in file.datablocks("OB", "Object")}
+        self.nodes: dict[int, Node] = {}
+        for address, record in self.records.items():
+            try:
+                self.nodes[address] = self._node(record)
+            except Damage as damage:
+                file.warn(f"the object '{datablock_name(record)}' is damaged and is left out: {damage}")
+
+    def _node(self, record: Record) -> Node:
+        name = datablock_name(record)
+        kind = record.integer("type")
+        settled = rules.settle(name, id_properties(record), rigid_body(record), game_settings(record))
+        for warning in settled.warnings:
+            self._file.warn(warning)
+        location, rotation_euler, scale = pose(record)
+        node = Node(
+            name,
+            _KINDS.get(kind, NodeKind.EMPTY),
+            location,
+            rotation_euler,
+            scale,
+            body=settled.body,
+            shapes=settled.shapes,
+            properties={**game_properties(record), **settled.properties},
+            visible=settled.visible
+            and not record.integer(record.either("restrictflag", "visibility_flag"), 0) & _HIDDEN,
+            source_name=name,
+        )
+        self._fill(node, kind, record)
+        return node
+
+    def _fill(self, node: Node, kind: int, record: Record) -> None:
+        """Add the mesh, the light or the camera."""
+        if kind == MESH:
+            data = record.follow("data", "Mesh")
+            node.mesh = None if data is None else self._meshes.mesh(data)
+            if node.mesh is not None:
+                self._set_materials(node, record)
+        elif kind == LIGHT:
+            data = record.follow("data", "Lamp" if self._file.dna.index("Lamp") is not None else "Light")
+            node.light = None if data is None else light(data)
+        elif kind == CAMERA:
+            data = record.follow("data", "Camera")
+            node.camera = None if data is None else camera(data)
+
+    def _set_materials(self, node: Node, record: Record) -> None:
+        """Take the material slots that belong to the object instead of its mesh."""
+        assert node.mesh is not None
+        count = max(record.integer("totcol", 0), 0)
+        own = record.content("matbits")[:count]
+        if not any(own):
+            return
+        slots = self._materials.slots(record, "mat", count)
+        shared = node.mesh.materials
+        node.materials = [
+            slots[index] if index < min(len(own), len(slots)) and own[index] else shared[index]
+            for index in range(len(shared))
+        ]
+
+    def connect(self) -> None:
+        """Give every node its parent."""
+        for address, above in self._parents().items():
+            node, parent = self.nodes[address], self.nodes[above]
+            node.parent = parent
+            parent.children.append(node)
+            inverse = matrix(self.records[address], "parentinv")
+            node.parent_inverse = None if is_identity(inverse) else inverse
+
+    def _parents(self) -> dict[int, int]:
+        """Object to parent, without circles and endless chains."""
+        parents = {address: self.records[address].integer("parent", 0) for address in self.nodes}
+        parents = {address: above for address, above in parents.items() if above in self.nodes}
+        depths: dict[int, int] = {}
+        for start in self.nodes:
+            path: dict[int, None] = {}
+            current: int | None = start
+            while current is not None and current not in depths and current not in path:
+                path[current] = None
+                current = parents.get(current)
+            # what closes a circle is cut off as if it had no parent
+            depth = -1 if current is None or current in path else depths[current]
+            for address in reversed(path):
+                depth += 1
+                if address in parents and (depth > _MAX_DEPTH or depth == 0):
+                    self._file.warn(
+                        f"the object '{self.nodes[address].name}' is below itself, or too deep below others; "
+                        "it is left without a parent"
+                    )
+                    del parents[address]
+                    depth = 0
+                depths[address] = depth
+        return parents

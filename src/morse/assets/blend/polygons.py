@@ -1,0 +1,117 @@
+"""The faces of a mesh, the same for all generations of the file format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from morse.assets.blend.errors import Damage
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(eq=False)
+class Polygons:
+    """Polygons whose corners follow each other in one array; each has three corners or more.
+
+    Attributes:
+        vertices: (V, 3) metres.
+        corners: (C,) vertex of each corner.
+        sizes: (P,) corners of each polygon.
+        materials: (P,) material slot.
+        smooth: (P,) shaded smoothly.
+        uvs: (C, 2), or None.
+        sharp: (E, 2) vertices of the edges that shading does not cross.
+    """
+
+    vertices: Floats
+    corners: Ints
+    sizes: Ints
+    materials: Ints
+    smooth: Bools
+    uvs: Floats | None
+    sharp: Ints
+
+    @cached_property
+    def starts(self) -> Ints:
+        """(P,) first corner of each polygon."""
+        return np.cumsum(self.sizes) - self.sizes
+
+    @cached_property
+    def polygon(self) -> Ints:
+        """(C,) polygon of each corner."""
+        return np.repeat(np.arange(len(self.sizes)), self.sizes)
+
+    @cached_property
+    def following(self) -> Ints:
+        """(C,) the next corner of the same polygon."""
+        following = np.arange(1, len(self.corners) + 1)
+        following[self.starts + self.sizes - 1] = self.starts
+        return following
+
+    @cached_property
+    def normals(self) -> Floats:
+        """(P, 3) unit normals by Newell's method; zero for polygons without area."""
+        if not len(self.sizes):
+            return np.zeros((0, 3))
+        # relative to the first corner, as the products of large coordinates would eat the digits
+        points = self.vertices[self.corners] - self.vertices[self.corners[self.starts]][self.polygon]
+        return unit(np.add.reduceat(np.cross(points, points[self.following]), self.starts))
+
+
+def gather(
+    vertices: Floats,
+    corners: Ints,
+    starts: Ints,
+    sizes: Ints,
+    materials: Ints | None,
+    smooth: Bools | None,
+    uvs: Floats | None,
+    sharp: Ints | None,
+) -> Polygons:
+    """Check the arrays of a file and lay the corners of all polygons side by side.
+
+    Polygons of fewer than three corners, or with a vertex that is nowhere, are left out.
+
+    Raises:
+        Damage: an index points outside of its array, or polygons overlap.
+    """
+    if len(sizes) and (sizes.min() < 0 or starts.min() < 0 or (starts + sizes).max() > len(corners)):
+        raise Damage("its polygons point outside of their corners")
+    if sizes.sum() > len(corners):
+        raise Damage("its polygons overlap")
+    if len(corners) and (corners.min() < 0 or corners.max() >= len(vertices)):
+        raise Damage("its polygons point outside of their vertices")
+    with np.errstate(invalid="ignore"):
+        lost: Bools = np.logical_not((np.abs(vertices) < 1e9).all(axis=1))
+    keep = sizes >= 3
+    if lost.any():
+        vertices = np.where(lost[:, None], 0.0, vertices)
+        bad = np.zeros(len(corners) + 1, np.int64)
+        np.cumsum(lost[corners], out=bad[1:])
+        keep &= bad[starts + sizes] == bad[starts]
+    starts, sizes = starts[keep], sizes[keep]
+    order = np.arange(sizes.sum()) + np.repeat(starts - np.cumsum(sizes) + sizes, sizes)
+    if uvs is not None:
+        uvs = np.where(np.abs(uvs[order]) < 1e6, uvs[order], 0.0)
+    return Polygons(
+        vertices,
+        corners[order],
+        sizes,
+        np.zeros(len(sizes), np.int64) if materials is None else materials[keep],
+        np.zeros(len(sizes), np.bool_) if smooth is None else smooth[keep],
+        uvs,
+        np.zeros((0, 2), np.int64) if sharp is None else sharp,
+    )
+
+
+def unit(vectors: Floats) -> Floats:
+    """(N, 3) vectors at length 1; those without a direction become zero."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    result: Floats = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 1e-20)
+    return result

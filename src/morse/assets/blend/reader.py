@@ -1,0 +1,80 @@
+"""``.blend`` files as libraries of nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.blend.collections import Collections
+from morse.assets.blend.container import SIZE_LIMIT, load
+from morse.assets.blend.errors import BlendError, Damage
+from morse.assets.blend.file import BlendFile
+from morse.assets.blend.images import Images
+from morse.assets.blend.materials import Materials
+from morse.assets.blend.meshes import Meshes
+from morse.assets.blend.objects import Objects
+from morse.assets.blend.world import world_properties
+from morse.scene import Library
+
+if TYPE_CHECKING:
+    from morse.assets.blend.file import Record
+    from morse.scene import Node
+
+
+def read_blend(path: str | Path, *, blender: str | None = None, size_limit: int = SIZE_LIMIT) -> Library:
+    """Read a file saved by Blender 2.5 to 5.x.
+
+    Args:
+        path: the file; plain, gzip or zstd compressed.
+        blender: the program that evaluates modifiers and curves, where the file has such; by default the
+            one that MORSE_BLENDER names, or `blender` on the PATH.
+        size_limit: bytes that the file may have after decompression.
+
+    Raises:
+        BlendError: the file is broken, cut off, too large, or not a .blend file.
+        OSError: it cannot be opened.
+    """
+    path = Path(path)
+    try:
+        return _read(path, size_limit)
+    except Damage as damage:
+        raise BlendError(path, str(damage)) from damage
+
+
+def _read(path: Path, size_limit: int) -> Library:
+    file = BlendFile(load(path, size_limit))
+    images = Images(path)
+    materials = Materials(file, images)
+    objects = Objects(file, materials, Meshes(materials))
+    objects.connect()
+    collections = Collections(file)
+    scene = _scene(file)
+    order = [*collections.scene_objects(scene), *objects.nodes]
+    inside = set(collections.scene_objects(scene))
+    outside = {node.name for address, node in objects.nodes.items() if address not in inside} if inside else set()
+    roots: dict[Node, None] = {}
+    for address in order:
+        node = objects.nodes.get(address)
+        if node is not None and node.parent is None:
+            roots[node] = None
+    if "LI" in file.codes():
+        file.warn("it links to other .blend files, which are not read; make these parts local (Object > Relations)")
+    return Library(
+        path=str(path),
+        roots=list(roots),
+        collections=collections.by_name({address: node.name for address, node in objects.nodes.items()}),
+        outside_scene=outside,
+        world=world_properties(file, scene),
+        images=images.by_name,
+        warnings=file.warnings,
+    )
+
+
+def _scene(file: BlendFile) -> Record | None:
+    """The scene that was open when the file was saved, or else the first one."""
+    scenes = {record.block.address: record for record in file.datablocks("SC", "Scene")}
+    for record in file.datablocks("GLOB", "FileGlobal"):
+        current = scenes.get(record.integer("curscene", 0))
+        if current is not None:
+            return current
+    return next(iter(scenes.values()), None)
