@@ -23,6 +23,7 @@ _MODULES = {
     "add": "morse.cli.add",
     "check": "morse.cli.check",
     "run": "morse.cli.run",
+    "verify": "morse.cli.verify",
     "edit": "morse.cli.edit",
 }
 

@@ -8,6 +8,7 @@ import platform
 import signal
 import sys
 import traceback
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
+
+#: where `--profile` writes its trace
+_TRACE = Path("morse-profile.json")
 
 
 def run(options: RunOptions) -> int:
@@ -108,12 +112,14 @@ def _failed(error: Exception) -> None:
 
 def _loop(simulation: Simulation) -> int:
     from morse.physics import UnstableError
+    from morse.simulation.profile_table import LiveProfile
 
     def stop(_signal: int, _frame: Any) -> None:
         simulation.stop()
 
     for name in ("SIGINT", "SIGTERM"):
         signal.signal(getattr(signal, name), stop)
+    live = LiveProfile(simulation.profile) if simulation.profile is not None else None
     try:
         simulation.run()
     except UnstableError as error:
@@ -123,6 +129,11 @@ def _loop(simulation: Simulation) -> int:
         logger.error("[ERROR][MORSE] Uncaught exception, quit.")
         traceback.print_exc(file=sys.stdout)
         return 1
+    finally:
+        if live is not None and simulation.profile is not None:
+            live.close()
+            simulation.profile.write_trace(_TRACE)
+            logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", _TRACE.resolve())
     return 0
 
 
@@ -137,8 +148,6 @@ def _finish(simulation: Simulation | None) -> None:
     section("CLOSING DATASTREAMS...")
     simulation.finalize_streams()
     section("CLOSING OVERLAYS...")
-    if simulation.view is not None:
-        simulation.view.close()
     simulation.close()
     section("EXITING SIMULATION")
     sys.stdout.flush()

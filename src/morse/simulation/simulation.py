@@ -276,10 +276,13 @@ class Simulation:
         if self._reset_asked:
             self._reset_asked = False
             self.world.reset()
-        if self._restart is None:
-            return
-        seed, done = self._restart
-        self._restart = None
+        if self._restart is not None:
+            (seed, done), self._restart = self._restart, None
+            self.restart_now(seed)
+            done()
+
+    def restart_now(self, seed: int | None = None) -> None:
+        """Everything as after the launch, with that seed or the present one; not within a tick."""
         if seed is not None:
             self.context.seed = seed
         self.finalize_components()
@@ -291,7 +294,6 @@ class Simulation:
         if self.view is not None:
             self.view.restarted()
         self.pacer.restart()
-        done()
 
     def _viewpoint_changed(self) -> None:
         if self.view is not None:
@@ -320,6 +322,15 @@ class Simulation:
             manager.finalize()
 
     def close(self) -> None:
-        """Stop the network."""
+        """Stop the view and the network."""
+        if self.view is not None:
+            self.view.close()
         self.context.network.stop()
         _context.set_current(None)
+
+    def shut_down(self) -> None:
+        """All of the end, without saying so."""
+        self.finalize_components()
+        self.finalize_services()
+        self.finalize_streams()
+        self.close()

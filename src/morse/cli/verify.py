@@ -1,0 +1,51 @@
+"""``morse verify``: does a scene give the same bits again?"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from morse.cli.messages import CommandError, complain, say
+from morse.cli.scenes import resolve
+from morse.simulation.options import RunOptions
+
+CONTEXT_SETTINGS = {"allow_interspersed_args": False}
+
+
+def command(
+    scene: Annotated[
+        list[str],
+        typer.Argument(metavar="ENVIRONMENT [FILE] | PATH", help="The scene, as for `morse run`.", show_default=False),
+    ],
+    ticks: Annotated[int, typer.Option("--ticks", min=1, help="Ticks to compare.")] = 600,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = None,
+) -> int:
+    """Run a scene several times and compare every tick, to the bit.
+
+    A new process, a restart and a run with the live view have to agree in the physics and in the
+    data of every component. If they do not, the first tick and component that differ are named.
+    """
+    from morse.simulation.verify import ReplayError, verify
+
+    resolved = resolve(scene)
+    options = RunOptions(
+        script=str(resolved.script),
+        arguments=resolved.arguments,
+        source_paths=resolved.source_paths,
+        resource_paths=resolved.resource_paths,
+        seed=seed,
+    )
+    try:
+        differences = verify(options, ticks, lambda text: say(f"Running {text} ..."))
+    except ReplayError as error:
+        raise CommandError(f"The scene did not run to the end:\n{error}") from None
+    for difference in differences:
+        complain(
+            f"Not repeatable: {difference.runs} differ first in tick {difference.tick}, in '{difference.part}'. "
+            "Look there for the clock, for random numbers that do not come from self.context.random(), "
+            "for sets, and for threads."
+        )
+    if not differences:
+        say(f"Repeatable: {ticks} ticks are the same to the bit.")
+    return 1 if differences else 0
