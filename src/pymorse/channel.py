@@ -1,0 +1,131 @@
+"""A connection that a `Poller` serves: bytes in, bytes out."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pymorse.polling import Poller
+
+_CHUNK = 1 << 18
+MAX_UNSENT = 64 << 20
+"""Bytes that wait for a simulation that does not read before sending is refused."""
+
+
+class Channel:
+    """One TCP connection.
+
+    Args:
+        sock: connected; the channel owns it from now on.
+        poller: the thread that serves it.
+    """
+
+    def __init__(self, sock: socket.socket, poller: Poller) -> None:
+        self.socket = sock
+        self.poller = poller
+        self.peer = _peer(sock)
+        self._unsent = bytearray()
+        self._state = threading.Condition()
+        self._up = True
+        sock.setblocking(False)
+        with contextlib.suppress(OSError):  # not every socket is TCP
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        poller.add(self)
+
+    def is_up(self) -> bool:
+        """Whether the connection stands."""
+        return self._up
+
+    def received(self, data: bytes) -> None:
+        """Bytes have arrived; runs in the poll thread."""
+
+    def closed(self) -> None:
+        """The connection has ended; runs once, usually in the poll thread."""
+
+    def send(self, data: bytes) -> None:
+        """Send now what the network takes, and the rest from the poll thread; never waits.
+
+        Raises:
+            ConnectionError: the connection has ended.
+            BufferError: the other side has not read for long.
+        """
+        with self._state:
+            if not self._up:
+                raise ConnectionError(f"the connection to {self.peer} is closed: is the simulation still running?")
+            if not self._unsent:
+                data = data[self._push(data) :]
+                if not data:
+                    return
+            elif len(self._unsent) + len(data) > MAX_UNSENT:
+                raise BufferError(f"{self.peer} has left {len(self._unsent)} bytes unread: has the simulation stopped?")
+            self._unsent += data
+        self.poller.command(lambda: self.poller.watch_writable(self, True))
+
+    def _push(self, data: bytes | bytearray) -> int:
+        try:
+            return self.socket.send(data)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError:
+            # the poll thread meets the same error and ends the connection
+            return 0
+
+    def drain(self, timeout: float) -> bool:
+        """Wait until everything has been sent; False if that takes longer than ``timeout`` seconds."""
+        deadline = time.monotonic() + timeout
+        with self._state:
+            while self._unsent and self._up:
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    return False
+                self._state.wait(min(left, 0.5))
+            return not self._unsent
+
+    def writable(self) -> None:
+        """The network takes bytes again; runs in the poll thread."""
+        with self._state:
+            del self._unsent[: self._push(self._unsent)]
+            if not self._unsent:
+                self.poller.watch_writable(self, False)
+                self._state.notify_all()
+
+    def readable(self) -> None:
+        """Bytes, or the end, can be read; runs in the poll thread."""
+        try:
+            data = self.socket.recv(_CHUNK)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            data = b""
+        if data:
+            self.received(data)
+        else:
+            self.close()
+
+    def close(self) -> None:
+        """End the connection; what has been handed to the network still arrives."""
+        self.poller.call(self._close)
+
+    def _close(self) -> None:
+        with self._state:
+            if not self._up:
+                return
+            self._up = False
+            self._state.notify_all()
+        self.poller.remove(self)
+        with contextlib.suppress(OSError):
+            self.socket.shutdown(socket.SHUT_WR)
+        self.socket.close()
+        self.closed()
+
+
+def _peer(sock: socket.socket) -> str:
+    try:
+        address = sock.getpeername()
+    except OSError:
+        return "the other side"
+    return f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "the other side"

@@ -1,0 +1,65 @@
+"""Learns from a simulation which robots and components it has."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+from pymorse.component import Component, Robot
+from pymorse.errors import MorseServiceFailed, MorseTimeoutError
+from pymorse.names import normalize_name
+
+if TYPE_CHECKING:
+    from pymorse.pymorse import Morse
+
+_TIMEOUT = 15.0
+
+
+def discover(morse: Morse) -> list[Robot]:
+    """The robots of a simulation, with their components.
+
+    Raises:
+        ConnectionError: what answers there is no simulation.
+    """
+    where = f"{morse.host}:{morse.port}"
+    try:
+        details = morse.rpc_t(_TIMEOUT, "simulation", "details")
+        described = details["robots"]
+        ports = _stream_ports(morse, described)
+        return [_robot(morse, robot, ports) for robot in described]
+    except MorseTimeoutError:
+        raise ConnectionError(
+            f"{where} did not say in {_TIMEOUT:.0f} s what is in the simulation: "
+            "is it MORSE that listens there, and is it done loading?"
+        ) from None
+    except (KeyError, TypeError, ValueError) as error:
+        raise ConnectionError(f"{where} does not describe its robots as MORSE does: {error!r}") from error
+
+
+def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, int]:
+    components = {name: part for robot in described for name, part in robot["components"].items()}
+    names = sorted(name for name, part in components.items() if part["stream_interfaces"])
+    ports = {}
+    # all questions first: the simulation answers them in one tick
+    for name, answer in [(name, morse.call("simulation", "get_stream_port", name)) for name in names]:
+        # a stream of another middleware has no port
+        with contextlib.suppress(MorseServiceFailed):
+            ports[name] = int(answer.result(_TIMEOUT))
+    return ports
+
+
+def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Robot:
+    name = described["name"]
+    robot = Robot(morse, name, name, described.get("services", ()))
+    components = described["components"]
+    for fqn in sorted(components, key=lambda name: name.count(".")):
+        *path, last = fqn.removeprefix(name + ".").split(".")
+        holder: Component = robot
+        for step in path:
+            holder = holder._part(normalize_name(step)) or holder._add_part(
+                Component(morse, step, f"{holder.fqn}.{step}")
+            )
+        part = components[fqn]
+        directions = [direction for _, direction in part["stream_interfaces"]] if fqn in ports else ()
+        holder._add_part(Component(morse, last, fqn, directions, ports.get(fqn), part.get("services", ())))
+    return robot

@@ -1,0 +1,26 @@
+"""What can go wrong between a client and the simulation."""
+
+from __future__ import annotations
+
+
+class MorseServiceError(Exception):
+    """Base of all answers that are no success."""
+
+
+class MorseServiceFailed(MorseServiceError):
+    """The service could not be run, or failed; the text says why."""
+
+
+class MorseServicePreempted(MorseServiceError):
+    """The service was cancelled, or interrupted by a newer call."""
+
+
+class MorseTimeoutError(RuntimeError, TimeoutError):
+    """The simulation did not answer in the time that the caller allowed."""
+
+
+class NoSuchComponentError(KeyError, AttributeError):
+    """The robot has no component or service of that name."""
+
+    def __str__(self) -> str:
+        return str(self.args[0]) if self.args else ""

@@ -1,0 +1,148 @@
+"""The result of a service call, which arrives later."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+from pymorse.errors import MorseServicePreempted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+logger = logging.getLogger("pymorse")
+
+WORKERS = 10
+"""Callbacks of futures that run at the same time."""
+
+
+class MorseExecutor:
+    """Runs the callbacks of futures, so that they may call services and wait for them."""
+
+    def __init__(self, max_workers: int = WORKERS) -> None:
+        self._pool = ThreadPoolExecutor(max_workers, thread_name_prefix="pymorse-callback")
+        self._workers = threading.local()
+
+    def submit(self, function: Callable[[Any], object], argument: Any) -> None:
+        """Have ``function(argument)`` run in a worker thread; what it raises is logged."""
+        self._pool.submit(self._run, function, argument)
+
+    def _run(self, function: Callable[[Any], object], argument: Any) -> None:
+        self._workers.here = True
+        try:
+            function(argument)
+        except Exception:
+            logger.exception("a callback of add_done_callback() failed")
+
+    def close(self) -> None:
+        """Wait for the callbacks that run, and end the threads."""
+        self._pool.shutdown(wait=not getattr(self._workers, "here", False))
+
+
+class MorseFuture(Future[Any]):
+    """The result of a service call.
+
+    Comparing it, or printing it in a console, waits for the result::
+
+        if simu.robot.gripper.grab() == "Ball": ...
+
+    Attributes:
+        request: number of the call, as `pymorse.Morse.cancel` takes it.
+        abandoned: nobody waits for the result any more, and closing does not either.
+    """
+
+    def __init__(self, request: int, abort: Callable[[int], object], executor: MorseExecutor) -> None:
+        super().__init__()
+        self.request = request
+        self.abandoned = False
+        self._abort = abort
+        self._executor = executor
+        self.set_running_or_notify_cancel()
+
+    def cancel(self) -> bool:
+        """Ask the simulation to abort the service; True if it was not over yet.
+
+        The result is then `MorseServicePreempted`, as soon as the simulation agrees.
+        """
+        if self.done():
+            return False
+        self._abort(self.request)
+        return True
+
+    def cancelled(self) -> bool:
+        """Whether the service was cancelled or interrupted."""
+        return self.done() and isinstance(super().exception(), MorseServicePreempted)
+
+    def result(self, timeout: float | None = None) -> Any:
+        """Wait for the result.
+
+        Args:
+            timeout: seconds to wait at most; None for ever.
+
+        Raises:
+            MorseServiceFailed: the service failed.
+            MorseServicePreempted: it was cancelled or interrupted.
+            TypeError: wrong number of arguments.
+            ConnectionError: the simulation ended before it answered.
+            TimeoutError: it takes longer than ``timeout``; the service goes on.
+        """
+        self._wait(timeout)
+        return super().result(0)
+
+    def exception(self, timeout: float | None = None) -> BaseException | None:
+        """Wait for the end, and return the exception that `result` would raise, or None.
+
+        Raises:
+            TimeoutError: it takes longer than ``timeout``.
+        """
+        self._wait(timeout)
+        return super().exception(0)
+
+    def _wait(self, timeout: float | None) -> None:
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while not self.done():
+            left = 0.5 if deadline is None else deadline - time.monotonic()
+            if left <= 0:
+                raise TimeoutError("the service has not ended yet")
+            try:
+                super().exception(min(left, 0.5))  # short waits let Ctrl+C through on every platform
+            except TimeoutError:
+                continue
+
+    def add_done_callback(self, fn: Callable[[Future[Any]], object]) -> None:
+        """Have ``fn(future)`` called in a thread of its own when the service ends."""
+        super().add_done_callback(lambda future: self._executor.submit(fn, future))
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.result() == _value(other))
+
+    def __ne__(self, other: object) -> bool:
+        return bool(self.result() != _value(other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.result() < _value(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.result() <= _value(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.result() > _value(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.result() >= _value(other))
+
+    # a future is what it is, whatever it compares equal to: it is kept in sets and dictionaries
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return repr(self.result())
+
+    def __str__(self) -> str:
+        return str(self.result())
+
+
+def _value(other: Any) -> Any:
+    return other.result() if isinstance(other, MorseFuture) else other

@@ -1,0 +1,45 @@
+"""How names of the simulation become names of Python."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+_FORBIDDEN = re.compile(r"[.\-~]")
+_COPY = re.compile(r"(?P<base>.+)_(?P<number>\d{3,})")
+
+
+def normalize_name(name: str) -> str:
+    """The attribute for a name of the simulation: ``.``, ``-`` and ``~`` become ``_``."""
+    return _FORBIDDEN.sub("_", name)
+
+
+def series(names: Iterable[str]) -> dict[str, list[str]]:
+    """The lists of robots that a loop of the scene script made.
+
+    Args:
+        names: normalised names of all robots.
+
+    Returns:
+        For ``m``, ``m_001``, ``m_002``, the entry ``ms`` with the three names in that order.
+    """
+    known = list(names)
+    copies: dict[str, list[tuple[int, str]]] = {}
+    for name in known:
+        match = _COPY.fullmatch(name)
+        if match and match["base"] in known:
+            copies.setdefault(match["base"], []).append((int(match["number"]), name))
+    return {base + "s": [base, *(name for _, name in sorted(numbered))] for base, numbered in copies.items()}
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """``; did you mean 'x'?``, or ``; there is: a, b``, to end an error message with."""
+    names = sorted(known)
+    close = difflib.get_close_matches(word, names, n=1)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; there is: {', '.join(names)}" if names else "; there is nothing of the kind"

@@ -1,0 +1,272 @@
+"""The connection to a simulation."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import logging
+import threading
+import time as _time
+import weakref
+from typing import TYPE_CHECKING, Any
+
+from pymorse.discovery import discover
+from pymorse.errors import MorseTimeoutError
+from pymorse.names import normalize_name, series, suggestion
+from pymorse.polling import Poller
+from pymorse.requests import ServiceConnection
+from pymorse.stream import TIMEOUT, StreamJSON, connect
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from pymorse.component import Component, Robot
+    from pymorse.future import MorseFuture
+
+logger = logging.getLogger("pymorse")
+
+PORTS = range(4000, 4010)
+"""Where simulations offer their services: the first takes the first of these, the second the second, ..."""
+_PARTING_TIMEOUT = 1.0
+
+
+class Morse:
+    """A simulation, its robots and its services.
+
+    Robots are attributes; robots that a loop of the scene made (``m``, ``m_001``, ...) are also in a
+    list ``ms``. Use it as a context, so that what was published arrives and what was opened closes::
+
+        with Morse() as simu:
+            simu.robot.motion.publish({"v": 1.0, "w": 0.0})
+            print(simu.robot.pose.get())
+
+    Args:
+        host: name or address of the machine of the simulation.
+        port: TCP port of its services; the simulation prints it when it is not 4000.
+
+    Attributes:
+        robots: names of the robots.
+
+    Raises:
+        ConnectionError: no simulation there.
+    """
+
+    def __init__(self, host: str = "localhost", port: int = PORTS[0]) -> None:
+        self.host = host
+        self.port = port
+        self.robots: list[str] = []
+        self._robots: dict[str, Robot] = {}
+        self._closed = False
+        # separate threads: a callback of a stream may call a service and wait for it
+        self._service_poller = Poller("pymorse-services")
+        self._stream_poller: Poller | None = None
+        self._opening = threading.Lock()
+        self._service_poller.start()
+        try:
+            self._services = _greet(host, port, self._service_poller)
+            self._learn()
+        except BaseException:
+            self._closed = True
+            self._service_poller.syncstop(_PARTING_TIMEOUT)
+            raise
+        _open.add(self)
+
+    def _learn(self) -> None:
+        for robot in discover(self):
+            attribute = normalize_name(robot.name)
+            self.robots.append(attribute)
+            self._robots[attribute] = robot
+            self._expose(attribute, robot)
+        for plural, members in series(self.robots).items():
+            self._expose(plural, [self._robots[member] for member in members])
+
+    def _expose(self, attribute: str, value: object) -> None:
+        if hasattr(type(self), attribute) or attribute in vars(self):
+            logger.warning("the name '%s' is taken in pymorse: reach the robot as simu[%r]", attribute, attribute)
+        else:
+            setattr(self, attribute, value)
+
+    def __getitem__(self, name: str) -> Robot:
+        """The robot of that name.
+
+        Raises:
+            KeyError: there is none.
+        """
+        if name not in self._robots:
+            raise KeyError(f"no robot '{name}' in the simulation{suggestion(name, self._robots)}")
+        return self._robots[name]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise AttributeError(f"no robot '{name}' in the simulation{suggestion(name, self._robots)}")
+
+    # services -------------------------------------------------------------------------------
+
+    def call(self, component: str, service: str, *args: Any) -> MorseFuture:
+        """Call a service and go on; the future has the result.
+
+        Raises:
+            ConnectionError: the simulation has ended.
+        """
+        if self._closed and not self._services.is_up():
+            raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+        return self._services.request(component, service, args)
+
+    def rpc(self, component: str, service: str, *args: Any) -> Any:
+        """Call a service and wait for its result, for ever if need be.
+
+        Raises:
+            MorseServiceFailed: it failed; the text says why.
+            MorseServicePreempted: it was cancelled or interrupted.
+            TypeError: wrong number of arguments.
+        """
+        return self.call(component, service, *args).result()
+
+    def rpc_t(self, timeout: float | None, component: str, service: str, *args: Any) -> Any:
+        """Call a service and wait at most ``timeout`` seconds for its result.
+
+        Raises:
+            MorseTimeoutError: no answer in time; the service goes on.
+        """
+        future = self.call(component, service, *args)
+        try:
+            return future.result(timeout)
+        except TimeoutError:
+            future.abandoned = True
+            raise MorseTimeoutError(
+                f"timeout exceeded while waiting for response of {component}.{service} ({timeout} s)"
+            ) from None
+
+    def cancel(self, service_id: int | MorseFuture) -> None:
+        """Abort a running service, given its future or its number."""
+        self._services.abort(service_id if isinstance(service_id, int) else service_id.request)
+
+    def quit(self) -> None:
+        """End the simulation, and this connection."""
+        # it may be gone before its answer is
+        with contextlib.suppress(ConnectionError):
+            self.rpc("simulation", "quit")
+        self.close(cancel_async_services=True)
+
+    def reset(self) -> Any:
+        """Put every object where it was at the start."""
+        return self.rpc("simulation", "reset_objects")
+
+    def streams(self) -> list[str]:
+        """Names of the components that have a stream."""
+        return self.rpc("simulation", "list_streams") or []
+
+    def get_stream_port(self, stream: str) -> int:
+        """TCP port of the stream of a component, given its full name."""
+        return int(self.rpc("simulation", "get_stream_port", stream))
+
+    def activate(self, component: str | Component) -> None:
+        """Switch a component on, given its full name."""
+        self.rpc("simulation", "activate", getattr(component, "fqn", component))
+
+    def deactivate(self, component: str | Component) -> None:
+        """Switch a component off, given its full name."""
+        self.rpc("simulation", "deactivate", getattr(component, "fqn", component))
+
+    def sleep(self, time: float) -> None:
+        """Wait for ``time`` simulated seconds."""
+        self.rpc("time", "sleep", time)
+
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.rpc("time", "now") or 0.0
+
+    # life -----------------------------------------------------------------------------------
+
+    def _open_stream(self, port: int) -> StreamJSON:
+        """A new connection to the stream on a port of the simulation."""
+        if self._closed:
+            raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+        with self._opening:
+            if self._stream_poller is None:
+                self._stream_poller = Poller("pymorse-streams")
+                self._stream_poller.start()
+        return StreamJSON(self.host, port, poller=self._stream_poller)
+
+    def is_up(self) -> bool:
+        """Whether the simulation is connected."""
+        return not self._closed and self._services.is_up()
+
+    def spin(self) -> None:
+        """Wait until the simulation ends, or for Ctrl+C; callbacks go on."""
+        with contextlib.suppress(KeyboardInterrupt):
+            while self.is_up():
+                _time.sleep(0.1)
+
+    def close(self, cancel_async_services: bool = False, wait_publishers: bool = True) -> None:
+        """Close every connection; no thread stays behind.
+
+        Args:
+            cancel_async_services: abort the services that still run, instead of waiting for them.
+            wait_publishers: let what was published be sent first, at most `TIMEOUT` seconds.
+        """
+        if self._closed:
+            return
+        try:
+            if cancel_async_services:
+                self._abort_pending()
+            else:
+                self._services.wait_pending()
+            if wait_publishers:
+                self._drain()
+        finally:
+            self._closed = True
+            _open.discard(self)
+            for poller in (self._stream_poller, self._service_poller):
+                if poller is not None:
+                    poller.syncstop(_PARTING_TIMEOUT)
+            self._services.executor.close()
+
+    def _abort_pending(self) -> None:
+        for future in self._services.pending():
+            with contextlib.suppress(ConnectionError, BufferError):
+                future.cancel()
+        self._services.wait_pending(_PARTING_TIMEOUT)
+
+    def _drain(self) -> None:
+        deadline = _time.monotonic() + TIMEOUT
+        for stream in [part._stream for robot in self._robots.values() for part in robot._tree()]:
+            if stream is not None and not stream.drain(max(0.0, deadline - _time.monotonic())):
+                logger.error("%s did not take everything that was published: it does not read", stream.peer)
+
+    def __enter__(self) -> Morse:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close(cancel_async_services=kind is not None)
+
+
+def _greet(host: str, port: int, poller: Poller) -> ServiceConnection:
+    try:
+        return ServiceConnection(host, port, poller)
+    except ConnectionRefusedError:
+        raise ConnectionRefusedError(
+            f"no simulation listens on {host}:{port}{_elsewhere(host, port)}. "
+            "Start one with 'morse run <scene>'; its log says which port it has."
+        ) from None
+
+
+def _elsewhere(host: str, port: int) -> str:
+    for other in PORTS:
+        if other != port:
+            with contextlib.suppress(OSError), connect(host, other, timeout=0.5):
+                return f", but something does on port {other}: try Morse({host!r}, {other})"
+    return ""
+
+
+_open: weakref.WeakSet[Morse] = weakref.WeakSet()
+
+
+@atexit.register
+def _close_all() -> None:
+    """A script that ends without `Morse.close` still gets its last message out."""
+    for morse in list(_open):
+        morse.close(cancel_async_services=True)

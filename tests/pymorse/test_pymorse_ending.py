@@ -1,0 +1,225 @@
+"""Connections that cannot be made, break, or are closed."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from scripted_simulation import Endpoint, ScriptedSimulation, wait_until
+
+from pymorse import Morse, MorseFuture, MorseServicePreempted
+from pymorse import pymorse as module
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SOURCE = Path(__file__).parents[2] / "src"
+
+
+@pytest.fixture
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
+def test_no_simulation(free_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PORTS", ())
+    with pytest.raises(ConnectionRefusedError, match=rf"127.0.0.1:{free_port}.*'morse run"):
+        Morse("127.0.0.1", free_port)
+
+
+def test_a_simulation_on_another_port_is_named(free_port: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    other = Endpoint()
+    monkeypatch.setattr(module, "PORTS", (free_port, other.port))
+    with pytest.raises(ConnectionRefusedError, match=rf"try Morse\('127.0.0.1', {other.port}\)"):
+        Morse("127.0.0.1", free_port)
+    other.close()
+
+
+def test_no_such_host() -> None:
+    with pytest.raises(ConnectionError, match=r"no host 'morse.invalid'"):
+        Morse("morse.invalid")
+
+
+@pytest.mark.parametrize(
+    "reply", ["SUCCESS", "SUCCESS []", 'SUCCESS {"robots": [{}]}', "SUCCESS 3", 'SUCCESS {"robots": 3}']
+)
+def test_something_that_is_no_simulation(reply: str) -> None:
+    with (
+        ScriptedSimulation({}, {"simulation details": reply}) as scripted,
+        pytest.raises(ConnectionError, match="as MORSE does"),
+    ):
+        Morse("127.0.0.1", scripted.port)
+
+
+def test_a_server_that_hangs_up() -> None:
+    server = Endpoint(lambda connection, _: connection.shutdown(socket.SHUT_RDWR))
+    with pytest.raises(ConnectionError, match=r"before simulation.details had an answer"):
+        Morse("127.0.0.1", server.port)
+    server.close()
+
+
+def test_calls_end_when_the_simulation_does(simulation: ScriptedSimulation) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    with Morse("127.0.0.1", simulation.port) as simu:
+        going = simu.robot1.motion.goto(1)
+        wait_until(lambda: len(simulation.rpc.lines) == 4)
+        simulation.rpc.drop()
+        with pytest.raises(ConnectionError, match=r"before robot1.motion.goto had an answer"):
+            going.result(5)
+        assert not simu.is_up()
+        with pytest.raises(ConnectionError, match="still running"):
+            simu.rpc("simulation", "details")
+
+
+def test_quitting_needs_no_answer(simulation: ScriptedSimulation) -> None:
+    def hang_up(*_: str) -> None:
+        simulation.rpc.drop()
+
+    simulation.replies["simulation quit"] = hang_up
+    Morse("127.0.0.1", simulation.port).quit()
+    assert simulation.rpc.lines[-1] == b"3 simulation quit []\n"
+
+
+def test_closing_waits_for_services(simulation: ScriptedSimulation) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    with Morse("127.0.0.1", simulation.port) as simu:
+        going = simu.robot1.motion.goto(1)
+        threading.Timer(0.1, simulation.rpc.send, [b'3 SUCCESS "Arrived"\n']).start()
+    assert going.result(0) == "Arrived"
+
+
+def test_an_error_in_the_script_cancels_services(simulation: ScriptedSimulation) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    started: list[MorseFuture] = []
+
+    def fail() -> None:
+        with Morse("127.0.0.1", simulation.port) as simu:
+            started.append(simu.robot1.motion.goto(1))
+            threading.Timer(0.1, simulation.rpc.send, [b"3 PREEMPTED\n"]).start()
+            _ = 1 / 0
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert b"3 cancel\n" in simulation.rpc.lines
+    assert isinstance(started[0].exception(0), MorseServicePreempted)
+
+
+def test_closing_is_final_and_may_be_repeated(simulation: ScriptedSimulation) -> None:
+    simu = Morse("127.0.0.1", simulation.port)
+    motion = simu.robot1.motion
+    simu.close()
+    simu.close()
+    with pytest.raises(ConnectionError, match=r"make a new Morse\(\)"):
+        motion.publish({})
+    with pytest.raises(ConnectionError, match=r"make a new Morse\(\)"):
+        simu.time()
+
+
+def test_a_component_can_be_closed_and_used_again(simulation: ScriptedSimulation) -> None:
+    with Morse("127.0.0.1", simulation.port) as simu:
+        simu.robot1.motion.publish({"v": 1})
+        simu.robot1.motion.close()
+        simu.robot1.motion.publish({"v": 2})
+    wait_until(lambda: simulation.streams["robot1.motion"].lines == [b'{"v": 1}\n', b'{"v": 2}\n'])
+    assert simulation.streams["robot1.motion"].accepted == 2
+
+
+def test_what_was_published_last_arrives(simulation: ScriptedSimulation) -> None:
+    for round_ in range(20):
+        with Morse("127.0.0.1", simulation.port) as simu:
+            for n in range(50):
+                simu.robot1.motion.publish({"round": round_, "n": n})
+        wait_until(lambda: len(simulation.streams["robot1.motion"].lines) == 50)
+        assert simulation.streams["robot1.motion"].lines[-1] == b'{"round": %d, "n": 49}\n' % round_
+        simulation.streams["robot1.motion"].lines.clear()
+
+
+def test_a_large_message_arrives_before_closing(simulation: ScriptedSimulation) -> None:
+    with Morse("127.0.0.1", simulation.port) as simu:
+        simu.robot1.motion.publish({"points": [0.5] * 2_000_000})
+    (line,) = wait_until(lambda: simulation.streams["robot1.motion"].lines, 20)
+    assert len(line) == len('{"points": []}\n') + 5 * 2_000_000 - 2
+
+
+def script(simulation: ScriptedSimulation, body: str) -> subprocess.Popen[str]:
+    text = textwrap.dedent(body).replace("PORT", str(simulation.port))
+    return subprocess.Popen(
+        [sys.executable, "-W", "error", "-c", text],
+        env={"PYTHONPATH": str(SOURCE), "PYTHONDEVMODE": "1"},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def ended_in_time() -> Iterator[None]:
+    start = time.monotonic()
+    yield
+    assert time.monotonic() - start < 30
+
+
+@pytest.mark.usefixtures("ended_in_time")
+def test_a_script_that_forgets_to_close_still_sends_and_ends(simulation: ScriptedSimulation) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    process = script(
+        simulation,
+        """
+        from pymorse import Morse
+        simu = Morse("127.0.0.1", PORT)
+        simu.robot1.pose.subscribe(print)
+        simu.robot1.motion.goto(1)
+        simu.robot1.motion.publish({"v": 1.0})
+        """,
+    )
+    out, err = process.communicate(timeout=20)
+    assert (process.returncode, out, err) == (0, "", "")
+    assert simulation.streams["robot1.motion"].lines == [b'{"v": 1.0}\n']
+    assert simulation.rpc.lines[-1] == b"3 cancel\n"
+
+
+@pytest.mark.usefixtures("ended_in_time")
+@pytest.mark.parametrize(
+    "waiting",
+    [
+        "input()",
+        "simu.robot1.pose.get()",
+        "simu.rpc('robot1.motion', 'goto')",
+        "simu.robot1.motion.goto().result()",
+        "simu.spin()",
+    ],
+)
+def test_ctrl_c_ends_a_script_whatever_it_waits_for(simulation: ScriptedSimulation, waiting: str) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    process = script(
+        simulation,
+        f"""
+        from pymorse import Morse
+        try:
+            with Morse("127.0.0.1", PORT) as simu:
+                simu.robot1.motion.publish({{"v": 1.0}})
+                print("waiting", flush=True)
+                {waiting}
+        except KeyboardInterrupt:
+            print("interrupted")
+        """,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "waiting\n"
+    time.sleep(0.05)  # it cannot say that it has begun to wait
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert err == ""
+    assert process.returncode == 0
+    assert out in ("interrupted\n", "" if waiting == "simu.spin()" else "interrupted\n")
+    assert simulation.streams["robot1.motion"].lines == [b'{"v": 1.0}\n']
