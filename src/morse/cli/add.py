@@ -67,7 +67,7 @@ def _ask_for_description(kind: str, name: str) -> str:
         return ""
     # bytes, because a description in an unknown encoding is no reason to fail
     line = sys.stdin.buffer.readline()
-    if not line.endswith(b"\n"):
+    if not (sys.stdin.isatty() and line.endswith(b"\n")):
         typer.echo()
     return line.decode("utf-8", errors="replace").strip()
 

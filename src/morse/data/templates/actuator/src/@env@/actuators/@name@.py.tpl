@@ -41,7 +41,8 @@ class @classname@(Actuator):
 
         It returns at once; `self.completed(...)` tells the client, later, how it went.
         """
-        self._target = value
+        # what is no number fails here, and the client is told
+        self._target = int(value)
 
     def interrupt(self):
         """The client cancels async_test, or calls it again: stop what it had started."""
