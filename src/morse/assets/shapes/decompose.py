@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets.shapes.coarsen import coarsened
 from morse.assets.shapes.convexity import hull_part, is_convex
 from morse.assets.shapes.detect import primitive_of
 from morse.assets.shapes.patches import Flatness, flat_patches
@@ -22,8 +24,10 @@ if TYPE_CHECKING:
 DEFAULT_LIMIT = 4096
 """Parts per mesh: the engine takes so many static ones in a fifth of a second."""
 
-_FLATNESSES = ((0.02, 5e-4), (0.1, 3e-3), (0.35, 1e-2), (0.6, 3e-2))  # radians, share of the diagonal
-_EXACT = 2e-3  # metres that the first of these allows at most
+_FLAT = Flatness(angle=0.02, distance=2e-3)
+_FLAT_SHARE = 5e-4  # of the diagonal: the same for small pieces
+_COARSER = 1.4
+_COARSEST = 1.0 / 3.0  # of the diagonal
 
 
 def convex_parts(
@@ -32,8 +36,8 @@ def convex_parts(
     """Take a mesh apart into primitives and convex parts, in the frame of the mesh.
 
     Each piece that hangs together becomes one part if it is a primitive or convex. Any other becomes plates behind
-    its flat patches, so that the visible surface is exact and what is hollow stays so. The more patches there are,
-    the less flat they need to be, until the limit holds; a piece for which it cannot be kept becomes its convex hull.
+    its flat patches, so that the visible surface is exact and what is hollow stays so. A piece that needs too many is
+    made coarser until the limit holds; if nothing helps it becomes its convex hull.
 
     Args:
         vertices: (V, 3) metres.
@@ -51,7 +55,7 @@ def convex_parts(
         raise ValueError(f"convex_parts needs a limit of at least 1, given {limit}")
     said = [] if warnings is None else warnings
     surface = clean_surface(vertices, triangles)
-    pieces = [surface.part(piece) for piece in components(surface)]
+    pieces = [surface.part(piece) for piece in components(surface)] if len(surface.triangles) else []
     pieces = [piece for piece in pieces if piece.areas.any()]
     if not pieces:
         return []
@@ -76,22 +80,31 @@ def _parts_of(piece: Surface, budget: int, hollow: bool, warnings: list[str]) ->
         if is_convex(piece):
             return [hull_part(piece.vertices)]
     size = piece.diagonal
-    for angle, share in _FLATNESSES:
-        distance = min(_EXACT, share * size) if angle == _FLATNESSES[0][0] else share * size
-        patches = flat_patches(piece, Flatness(angle, distance), budget)
-        made = None if patches is None else plates(piece, patches, budget)
-        if made is not None:
-            if angle != _FLATNESSES[0][0]:
-                warnings.append(
-                    f"a piece {size:.3g} m across has more than {budget} flat faces: "
-                    f"it collides with an error of up to {distance:.2g} m"
-                )
+    flatness = Flatness(_FLAT.angle, min(_FLAT.distance, _FLAT_SHARE * size))
+    made = _plates_of(piece, flatness, budget)
+    if made is not None:
+        return made
+    # A grid of triangles with cells of this width has as many as the budget; flat parts of it need fewer.
+    cell = size / math.sqrt(budget) / 2.0
+    while cell < _COARSEST * size:
+        made = _plates_of(coarsened(piece, cell), flatness, budget)
+        if made:
+            warnings.append(
+                f"a piece {size:.3g} m across has too many faces for {budget} convex parts: "
+                f"its collision shape is off by up to {cell * math.sqrt(3.0):.2g} m"
+            )
             return made
+        cell *= _COARSER
     warnings.append(
         f"a piece {size:.3g} m across needs more than {budget} convex parts: it collides as its convex hull, "
         f"which fills its hollows. Give it fewer faces, or collision shapes of its own"
     )
     return [hull_part(piece.vertices)]
+
+
+def _plates_of(piece: Surface, flatness: Flatness, budget: int) -> list[Part] | None:
+    patches = flat_patches(piece, flatness, budget)
+    return None if patches is None else plates(piece, patches, budget)
 
 
 def _hollow(pieces: list[Surface]) -> list[bool]:

@@ -52,11 +52,10 @@ def primitive_of(surface: Surface) -> Primitive | None:
     sphere = _as_sphere(surface.vertices, volume)
     if sphere is not None:
         return sphere
-    for axis in _cylinder_axes(surface):
-        found = _as_cylinder(surface.vertices, volume, axis)
-        if found is not None:
-            return found
-    return None
+    # Near axes pass too: the one that fits best is the true one.
+    fits = [_as_cylinder(surface.vertices, volume, axis) for axis in _cylinder_axes(surface)]
+    best = min((fit for fit in fits if fit is not None), key=lambda fit: fit[1], default=None)
+    return None if best is None else best[0]
 
 
 def _as_box(points: Floats, volume: float, rotation: Floats) -> Primitive | None:
@@ -138,7 +137,8 @@ def _cylinder_axes(surface: Surface) -> Iterator[Floats]:
     yield from np.linalg.eigh(spread)[1].T
 
 
-def _as_cylinder(points: Floats, volume: float, axis: Floats) -> Primitive | None:
+def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive, float] | None:
+    """The cylinder along an axis, and how far the vertices lie off it (share of its size)."""
     rotation = _frame_along(axis)
     local = points @ rotation
     low, high = float(local[:, 2].min()), float(local[:, 2].max())
@@ -149,13 +149,17 @@ def _as_cylinder(points: Floats, volume: float, axis: Floats) -> Primitive | Non
         return None
     centre, radius = fitted
     distance = np.linalg.norm(flat - centre, axis=1)
-    on_mantle = np.abs(distance - radius) <= _OFF * radius
-    on_cap = (np.abs(np.abs(local[:, 2] - middle) - half) <= _OFF * half) & (distance <= (1.0 + _OFF) * radius)
-    if not (on_mantle | on_cap).all() or (on_mantle & on_cap).sum() < 12:
+    off_mantle = np.abs(distance / radius - 1.0)
+    off_cap = np.abs(np.abs(local[:, 2] - middle) / half - 1.0)
+    on_mantle = off_mantle <= _OFF
+    on_cap = (off_cap <= _OFF) & (distance <= (1.0 + _OFF) * radius)
+    rims = on_mantle & on_cap
+    if not (on_mantle | on_cap).all() or rims.sum() < 12:
         return None
     if not _CYLINDER_VOLUME <= volume / (2.0 * half * math.pi * radius**2) <= 1.0 + _OFF:
         return None
-    return Primitive("cylinder", (radius, half), rotation @ np.array([*centre, middle]), rotation)
+    found = Primitive("cylinder", (radius, half), rotation @ np.array([*centre, middle]), rotation)
+    return found, float((off_mantle + off_cap)[rims].mean())
 
 
 def _outline(flat: Floats) -> Floats:

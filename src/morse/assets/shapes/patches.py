@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.shapes.surface import edge_neighbours, half_edges
+from morse.assets.shapes.surface import edge_neighbours, open_edges
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -109,11 +109,9 @@ def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, 
 
 def outline(surface: Surface, chosen: Ints) -> list[list[int]]:
     """The closed loops of vertices around some triangles: outer ones counter-clockwise, holes clockwise."""
-    starts, ends = half_edges(surface.triangles[chosen])
-    count = len(surface.vertices)
-    border = ~np.isin(starts * count + ends, ends * count + starts)
+    starts, ends = open_edges(surface.triangles[chosen], len(surface.vertices))
     following: dict[int, list[int]] = {}
-    for start, end in zip(starts[border].tolist(), ends[border].tolist(), strict=True):
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
         following.setdefault(start, []).append(end)
     loops = []
     while following:

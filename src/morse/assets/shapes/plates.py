@@ -9,6 +9,7 @@ import numpy as np
 from morse.assets.shapes.part import ConvexPart, Part, Primitive
 from morse.assets.shapes.patches import outline
 from morse.assets.shapes.polygons import convex_polygons
+from morse.assets.shapes.rectangles import rectangles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 _THICKNESS = 0.05  # of the square root of the area: a wall is thicker than a picture frame …
 _THINNEST, _THICKEST = 0.005, 0.1  # … within these, metres: thin plates let fast things through
 _HALVINGS = 6  # of the thickness, until something is left behind the neighbouring faces
+_SAME_AREA = 1e-3
 _SQUARE = 1e-3  # sine by which the corners of a rectangle may be off
 
 
@@ -45,8 +47,19 @@ def _polygons(surface: Surface, patch: Patch) -> list[Floats]:
     start = np.eye(3)[int(np.abs(patch.normal).argmin())]
     x = np.cross(start, patch.normal)
     x /= np.linalg.norm(x)
-    flat = points @ np.column_stack([x, np.cross(patch.normal, x)])
-    return [points[polygon] for polygon in convex_polygons(flat, loops, triangles.reshape(-1, 3).tolist())]
+    axes = np.column_stack([x, np.cross(patch.normal, x)])
+    flat = points @ axes
+    polygons = convex_polygons(flat, loops, triangles.reshape(-1, 3).tolist())
+    boxes = rectangles(flat, loops) if len(polygons) > 1 else None
+    if boxes is None or not _fill_the_same(boxes, patch, surface):
+        return [points[polygon] for polygon in polygons]
+    return [box @ axes.T + patch.normal * patch.offset for box in boxes]
+
+
+def _fill_the_same(boxes: list[Floats], patch: Patch, surface: Surface) -> bool:
+    wanted = float(surface.areas[patch.triangles].sum())
+    made = sum(float(np.linalg.norm(box[1] - box[0]) * np.linalg.norm(box[3] - box[0])) for box in boxes)
+    return abs(made - wanted) <= _SAME_AREA * wanted
 
 
 def _thicknesses(surface: Surface, patches: list[Patch]) -> list[float]:

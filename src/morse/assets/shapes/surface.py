@@ -72,6 +72,18 @@ def half_edges(triangles: Ints) -> tuple[Ints, Ints]:
     return triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
 
 
+def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
+    """First and last vertex of the directed edges that no triangle runs through in the other direction.
+
+    Args:
+        triangles: (T, 3) indices.
+        count: more than the largest index.
+    """
+    starts, ends = half_edges(triangles)
+    alone = ~np.isin(starts * count + ends, ends * count + starts)
+    return starts[alone], ends[alone]
+
+
 def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     """A surface of what is usable of a mesh.
 
@@ -92,14 +104,14 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     faces: Ints = indices.astype(np.int64)
     faces = faces[((faces >= 0) & (faces < len(points))).all(axis=1)]
     usable: NDArray[np.bool_] = np.all(np.abs(points) < _FARTHEST, axis=1)
-    faces = _with_three_corners(faces[usable[faces].all(axis=1)])
+    faces = with_three_corners(faces[usable[faces].all(axis=1)])
     used, faces = np.unique(faces, return_inverse=True)
     points, faces = points[used], faces.reshape(-1, 3)
     if len(faces):
-        faces = _with_three_corners(_weld_borders(points, faces)[faces])
+        faces = with_three_corners(_weld_borders(points, faces)[faces])
         used, faces = np.unique(faces, return_inverse=True)
         points, faces = points[used], faces.reshape(-1, 3)
-    return _measured(points, faces)
+    return measured(points, faces)
 
 
 def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
@@ -116,13 +128,15 @@ def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
     return array
 
 
-def _with_three_corners(faces: Ints) -> Ints:
+def with_three_corners(faces: Ints) -> Ints:
+    """The triangles whose corners differ."""
     a, b, c = faces.T
     kept: Ints = faces[(a != b) & (b != c) & (c != a)]
     return kept
 
 
-def _measured(points: Floats, faces: Ints) -> Surface:
+def measured(points: Floats, faces: Ints) -> Surface:
+    """The surface of triangles (T, 3) between points (V, 3)."""
     corners = points[faces]
     crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(crosses, axis=1)
@@ -137,11 +151,8 @@ def _measured(points: Floats, faces: Ints) -> Surface:
 
 def _weld_borders(points: Floats, faces: Ints) -> Ints:
     """(V,) index that each vertex gets: the same for vertices of open edges that lie at one place."""
-    count = len(points)
-    starts, ends = half_edges(faces)
-    open_edge = ~np.isin(starts * count + ends, ends * count + starts)
-    border = np.unique(np.concatenate([starts[open_edge], ends[open_edge]]))
-    merged = np.arange(count)
+    border = np.unique(np.concatenate(open_edges(faces, len(points))))
+    merged = np.arange(len(points))
     if len(border) == 0:
         return merged
     low = points[border].min(axis=0)

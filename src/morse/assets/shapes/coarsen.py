@@ -1,0 +1,59 @@
+"""Surfaces made coarser."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.shapes.surface import measured, open_edges, with_three_corners
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.assets.shapes.surface import Surface
+
+
+def coarsened(surface: Surface, cell: float) -> Surface:
+    """The surface with one vertex in each cell of a grid: the one where the surface bends most.
+
+    J. Rossignac and P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes" (1993).
+    No vertex moves farther than the diagonal of a cell.
+
+    Args:
+        surface: any.
+        cell: width of the cells, metres.
+    """
+    low = surface.vertices.min(axis=0)
+    x, y, z = np.floor((surface.vertices - low) / cell).astype(np.int64).T
+    key = (x << 42) + (y << 21) + z
+    order = np.lexsort((-_sharpness(surface), key))
+    _, first, group = np.unique(key[order], return_index=True, return_inverse=True)
+    kept = np.empty(len(key), dtype=np.int64)
+    kept[order] = order[first][group.ravel()]
+    faces = with_three_corners(kept[surface.triangles])
+    _, once = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    used, faces = np.unique(faces[once], return_inverse=True)
+    return measured(surface.vertices[used], faces.reshape(-1, 3))
+
+
+def _sharpness(surface: Surface) -> NDArray[np.float64]:
+    """(V,) 0 where the surface is flat, up to 1 where its faces look apart; 2 along its rim, up to 3 at corners."""
+    weights = np.repeat(surface.areas, 3)
+    total = np.bincount(surface.triangles.ravel(), weights=weights, minlength=len(surface.vertices))
+    mean = _sums(surface, surface.triangles.ravel(), np.repeat(surface.normals, 3, axis=0) * weights[:, None])
+    sharpness = 1.0 - np.linalg.norm(mean, axis=1) / np.maximum(total, 1e-300)
+    starts, ends = open_edges(surface.triangles, len(surface.vertices))
+    along = surface.vertices[ends] - surface.vertices[starts]
+    along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
+    straight = np.linalg.norm(_sums(surface, starts, along) + _sums(surface, ends, along), axis=1) / 2.0
+    sharpness[starts] = 3.0 - straight[starts]
+    # rounded, so that which vertex stays does not hang on the last bit
+    bent: NDArray[np.float64] = np.round(sharpness, 9)
+    return bent
+
+
+def _sums(surface: Surface, vertices: NDArray[np.int64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(V, 3) sums of the vectors given to each vertex."""
+    size = len(surface.vertices)
+    return np.column_stack([np.bincount(vertices, weights=column, minlength=size) for column in vectors.T])
