@@ -1,0 +1,75 @@
+"""Model files as libraries of nodes, each file read once; copies of their nodes."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.formats import reader_of
+
+if TYPE_CHECKING:
+    from morse.scene import Library, Node
+
+logger = logging.getLogger("morse." + __name__)
+
+#: path to (modification time, size) of the file and what it holds
+_cache: dict[Path, tuple[tuple[int, int], Library]] = {}
+
+
+def load(path: str | Path) -> Library:
+    """Read a model file, or return what it held if it has not changed since.
+
+    The library is shared: take copies of its nodes (`instantiate`).
+
+    Raises:
+        OSError: the file is missing or cannot be read.
+        UnsupportedFormatError: there is no reader for this kind of file.
+        ValueError: the file is damaged (the reader's own kinds of error).
+    """
+    path = Path(path).absolute()
+    read = reader_of(path)
+    status = path.stat()
+    stamp = (status.st_mtime_ns, status.st_size)
+    cached = _cache.get(path)
+    if cached is not None and cached[0] == stamp:
+        return cached[1]
+    library = read(path)
+    for warning in library.warnings:
+        logger.warning("%s: %s", path.name, warning)
+    _cache[path] = (stamp, library)
+    return library
+
+
+def instantiate(node: Node) -> Node:
+    """A copy of a node and all below it, without a parent.
+
+    Poses, properties and settings are copied; meshes, materials and images are shared.
+    """
+    copies: dict[Node, Node] = {}
+    for original in node.walk():
+        copy = copies[original] = _copy(original)
+        if original is not node and original.parent is not None:
+            copy.parent = copies[original.parent]
+            copy.parent.children.append(copy)
+    return copies[node]
+
+
+def _copy(node: Node) -> Node:
+    return replace(
+        node,
+        location=list(node.location),
+        rotation_euler=list(node.rotation_euler),
+        scale=list(node.scale),
+        parent=None,
+        children=[],
+        parent_inverse=None if node.parent_inverse is None else node.parent_inverse.copy(),
+        materials=list(node.materials),
+        light=None if node.light is None else replace(node.light),
+        camera=None if node.camera is None else replace(node.camera),
+        body=replace(node.body),
+        properties=dict(node.properties),
+        source_name=node.source_name or node.name,
+        shapes=None if node.shapes is None else list(node.shapes),
+    )

@@ -1,0 +1,113 @@
+"""Where the files of models are found."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.formats import SUFFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+#: the models that come with MORSE: ``robots``, ``environments``, ``props``, ...
+MORSE_COMPONENTS = str(Path(__file__).resolve().parents[1] / "data")
+
+_project_dirs: list[Path] = []
+
+_MAX_ENTRIES = 20_000
+
+
+class AssetNotFoundError(FileNotFoundError):
+    """No file has the name that was asked for; the message says where it was looked for."""
+
+
+def set_project_dirs(directories: Iterable[str | Path]) -> None:
+    """Search these directories before those of ``MORSE_RESOURCE_PATH`` (``<project>/data``)."""
+    _project_dirs[:] = [Path(directory) for directory in directories]
+
+
+def component_dirs() -> list[Path]:
+    """The directories that are laid out by category: our own, then ``$MORSE_ROOT/share/morse/data``."""
+    directories = [Path(MORSE_COMPONENTS)]
+    if root := os.environ.get("MORSE_ROOT"):
+        directories.append(Path(root) / "share" / "morse" / "data")
+    return directories
+
+
+def resource_dirs() -> list[Path]:
+    """The directories of projects: those of the scene that runs, then ``MORSE_RESOURCE_PATH``."""
+    listed = os.environ.get("MORSE_RESOURCE_PATH", "").split(os.pathsep)
+    return [*_project_dirs, *(Path(directory) for directory in listed if directory)]
+
+
+def find(name: str, category: str = "") -> Path:
+    """The file of a model.
+
+    A name with the suffix of a model file is a path: absolute, below the current directory, below
+    a resource directory or below a component directory. Any other name is looked for as
+    ``<component directory>/<category>/<name>.blend``, then in the resource directories.
+
+    Raises:
+        AssetNotFoundError: there is none.
+        ValueError: the name cannot be that of a file.
+    """
+    if "\0" in name or not name.strip():
+        raise ValueError(f"{name!r} is not the name of a model file")
+    for candidate in _candidates(name, category):
+        if candidate.is_file():
+            return candidate.absolute()
+    raise AssetNotFoundError(_not_found(name, category))
+
+
+def _candidates(name: str, category: str) -> Iterator[Path]:
+    has_suffix = Path(name).suffix.lower() in SUFFIXES
+    if has_suffix:
+        yield Path(name).expanduser()
+        names = [name]
+    else:
+        names = [name + suffix for suffix in SUFFIXES]
+        yield from (directory / category / full for directory in component_dirs() for full in names)
+    for directory in resource_dirs():
+        yield from (directory / full for full in names)
+        if category:
+            yield from (directory / category / full for full in names)
+    if has_suffix:
+        yield from (directory / part / name for directory in component_dirs() for part in {"", category})
+
+
+def _not_found(name: str, category: str) -> str:
+    known = available(category)
+    close = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or difflib.get_close_matches(
+        name.rsplit("/", 1)[-1], known, n=3
+    )
+    kind = f" in '{category}'" if category else ""
+    message = f"no model '{name}'{kind}"
+    if close:
+        message += f"; did you mean {' or '.join(repr(c) for c in close)}?"
+    elif known:
+        message += f"; there are: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}"
+    searched = ", ".join(str(directory) for directory in [*component_dirs(), *resource_dirs()])
+    return f"{message} (searched: {searched}; more directories: MORSE_RESOURCE_PATH)"
+
+
+def available(category: str = "") -> list[str]:
+    """The names that `find` knows for a category, sorted: without suffix, relative to the category."""
+    names: set[str] = set()
+    for directory in component_dirs():
+        names.update(_models_below(directory / category, keep_suffix=False))
+    for directory in resource_dirs():
+        names.update(_models_below(directory, keep_suffix=True))
+    return sorted(names)
+
+
+def _models_below(directory: Path, *, keep_suffix: bool) -> Iterator[str]:
+    if directory.is_dir():
+        # a search path may hold anything, a home directory even: a hint is not worth a long walk
+        for path in itertools.islice(directory.rglob("*"), _MAX_ENTRIES):
+            if path.suffix.lower() in SUFFIXES and not path.name.startswith((".", "@")):
+                relative = path.relative_to(directory)
+                yield (relative if keep_suffix else relative.with_suffix("")).as_posix()

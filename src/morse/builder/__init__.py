@@ -1,0 +1,78 @@
+"""What a scene script sees: ``from morse.builder import *``.
+
+A script makes robots, gives them sensors and actuators, and makes an `Environment` at its end. The
+names of the classes are those of the components; there is one for each file in ``morse/sensors``
+and ``morse/actuators``.
+"""
+
+# every name of this module is meant for scripts
+# ruff: noqa: F401
+
+import logging
+import math
+import os
+import pprint
+import sys
+from typing import TYPE_CHECKING, Any
+
+from morse import mathutils
+from morse.builder import actuators, bpymorse, robots, sensors
+from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.blenderobjects import (
+    Camera,
+    Cone,
+    Coordsys,
+    Cube,
+    Cylinder,
+    Empty,
+    IcoSphere,
+    Mesh,
+    Plane,
+    Sphere,
+    Spot,
+    Torus,
+)
+from morse.builder.component import Component
+from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
+from morse.builder.data import Configuration
+from morse.builder.environment import Environment
+from morse.builder.passive import PassiveObject, Zone
+from morse.builder.robot import GroundRobot, Robot, WheeledRobot
+from morse.core.exceptions import (
+    MorseBuilderBadSyntaxError,
+    MorseBuilderError,
+    MorseBuilderNoComponentError,
+    MorseBuilderUnexportableError,
+    MorseEnvironmentError,
+    MorseError,
+    MorseMethodNotFoundError,
+    MorseMiddlewareError,
+    MorseMultinodeError,
+    MorseRPCInvokationError,
+    MorseRPCNbArgsError,
+    MorseRPCTypeError,
+    MorseServiceAlreadyRunningError,
+    MorseServiceError,
+    MorseWrongArgsError,
+)
+from morse.scene import TimeStrategies
+
+logger = logging.getLogger("morse.builder")
+
+for _module in (sensors, actuators, robots):
+    globals().update({_name: getattr(_module, _name) for _name in _module.__all__})
+
+# scripts of 1.4 use these modules without importing them
+_MODULES = ("bpymorse", "logging", "math", "mathutils", "os", "pprint", "sys")
+
+__all__ = [
+    name
+    for name, value in list(globals().items())
+    if not name.startswith("_")
+    and name not in ("Any", "TYPE_CHECKING", "annotations")
+    and (name in _MODULES or not isinstance(value, type(sys)))
+]
+
+if TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any: ...

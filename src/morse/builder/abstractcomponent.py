@@ -1,0 +1,358 @@
+"""What everything in a scene has in common."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from morse.builder import checks, naming, workspace
+from morse.builder.classes import load_class
+from morse.builder.data import Configuration
+from morse.builder.game import checked_property, timer
+from morse.builder.interfaces import Interfaces
+from morse.builder.models import Models
+from morse.builder.naming import Strength
+from morse.builder.objects import SceneObject, unknown_attribute
+from morse.builder.properties import check_declared
+from morse.core.exceptions import MorseBuilderError
+from morse.scene import ComponentDeclaration
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from morse.builder.pose import LiveEuler, LiveVector
+    from morse.scene import Node, SourceLine
+
+__all__ = ["AbstractComponent", "Configuration", "timer"]
+
+logger = logging.getLogger("morse." + __name__)
+
+
+class AbstractComponent(Interfaces, Models):
+    """A robot, a sensor, an actuator or a thing of the scene.
+
+    Attributes:
+        parent: the component that it is part of, or None.
+        children: the components that are part of it.
+        basename: its name without those of its parents, or None until it has one.
+        name_strength: where ``basename`` came from.
+        _where: the line of the script that made it.
+    """
+
+    #: ``robot``, ``sensor``, ``actuator``, or empty for a thing that does nothing
+    _kind = ""
+
+    def __init__(self, obj: SceneObject | None = None, filename: str = "", category: str = "") -> None:
+        naming.guess_names()
+        self.parent: AbstractComponent | None = None
+        self.children: list[AbstractComponent] = []
+        self.basename: str | None = None
+        self.name_strength = Strength.NONE
+        self._where: SourceLine | None = naming.source_line(self)
+        self._blendname = filename
+        self._category = category
+        self._frequency: float | None = None
+        self._exportable = True
+        self._profiled = False
+        self._init_interfaces()
+        self._bpy_object: SceneObject
+        if obj is not None:
+            self.set_blender_object(obj)
+        workspace.current().components.append(self)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        if name.startswith("_"):
+            if name == "_bpy_object":
+                raise AttributeError(
+                    f"this {type(self).__name__} is not complete: its __init__ has to call the __init__ of its "
+                    f"base class, {type(self).__mro__[1].__name__}, first",
+                    name=name,
+                    obj=self,
+                )
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
+        unknown_attribute(self, name)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} '{self.name}'>" if self.is_complete else f"<{type(self).__name__}>"
+
+    # --- the object -------------------------------------------------------------------------
+
+    @property
+    def is_complete(self) -> bool:
+        """True once it has an object of the scene."""
+        return "_bpy_object" in self.__dict__
+
+    @property
+    def scene_node(self) -> Node:
+        """The node of the scene."""
+        return self._bpy_object.node
+
+    def set_blender_object(self, obj: SceneObject) -> None:
+        """Make an object of the scene the body of this component."""
+        if not isinstance(obj, SceneObject):
+            raise TypeError(f"set_blender_object takes an object of the scene, got {checks.shown(obj)}")
+        self._bpy_object = obj
+
+    def select(self) -> None:
+        """Make its object the selected one (see `morse.builder.bpymorse`)."""
+        workspace.current().selected = self.scene_node
+
+    # --- names ------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """The name in the scene; fully qualified (``robot.arm.pose``) once the environment is made."""
+        return self._bpy_object.name
+
+    @name.setter
+    def name(self, value: str) -> None:
+        self.basename = naming.check_given_name(value)
+        self.name_strength = Strength.GIVEN
+        self._bpy_object.name = value
+
+    @property
+    def plain_name(self) -> str:
+        """Its own name, without those of its parents."""
+        return self.basename or naming.without_copy_suffix(self.scene_node.name)
+
+    def suggest_name(self, name: str, strength: Strength) -> None:
+        """Take a name, unless it has got one from a stronger source."""
+        if strength > self.name_strength:
+            self.basename = name
+            self.name_strength = strength
+
+    @staticmethod
+    def close_context(level: int = 1) -> None:
+        """Name the components after the variables that hold them now.
+
+        Call it at the end of the body of a loop or function that makes components, before the next
+        round gives other values to the variables.
+
+        Args:
+            level: whose variables: 1 is the function that calls, 2 the one that called that, ...
+        """
+        frame = naming.frame_above(checks.integer(level, "close_context(level)", minimum=1))
+        if frame is not None:
+            naming.name_unparented(frame.f_locals, Strength.VARIABLE)
+
+    # --- the tree ---------------------------------------------------------------------------
+
+    def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
+        """Make a component part of this one; it is named after the variable or attribute that holds it.
+
+        Args:
+            obj: the component; its pose is from now on in the frame of this one.
+            child: name of one of the objects below this one, to fix it on that instead.
+            level: whose variables are searched for the name: 1 for those of the caller.
+
+        Raises:
+            MorseBuilderError: there is no such child, or the component would be part of itself.
+        """
+        if not isinstance(obj, AbstractComponent):
+            raise TypeError(f"{type(self).__name__}.append takes a component such as Pose(), got {checks.shown(obj)}")
+        mount = self._bpy_object if child is None else self._named_child(child)
+        frame = naming.frame_above(level)
+        if frame is not None:
+            if (found := naming.name_in_frame(obj, frame)) is not None:
+                obj.suggest_name(found, Strength.VARIABLE)
+            naming.name_unparented(frame.f_locals, Strength.GUESSED)
+        try:
+            workspace.current().attach(mount.node, obj.scene_node)
+        except ValueError:
+            raise MorseBuilderError(f"'{obj.name}' cannot be appended to '{self.name}', which is part of it") from None
+        if obj.parent is not None:
+            obj.parent.children.remove(obj)
+        obj.parent = self
+        self.children.append(obj)
+
+    def _named_child(self, name: str) -> SceneObject:
+        found = self.get_child(name)
+        if found is None:
+            known = [node.plain_name for node in self.scene_node.walk() if node is not self.scene_node]
+            raise MorseBuilderError(f"'{self.name}' has no child '{name}'{checks.suggestion(name, known)}")
+        return found
+
+    def get_child(
+        self, name: str, objects: Iterable[SceneObject] | None = None, recursive: bool = True
+    ) -> SceneObject | None:
+        """The object of that name below this one, else the first whose name begins so, else None.
+
+        Args:
+            name: without the copy suffix that Blender adds (``left_eye`` for ``left_eye.001``).
+            objects: search these instead of the children.
+            recursive: search the children of the children, too.
+        """
+        pool = list(self._bpy_object.children if objects is None else objects)
+        if recursive:
+            pool = [SceneObject(node) for obj in pool for node in obj.node.walk()]
+        exact = (obj for obj in pool if obj.node.name == name)
+        plain = (obj for obj in pool if obj.node.plain_name == name)
+        prefixed = (obj for obj in pool if obj.node.plain_name.startswith(name))
+        return next(itertools.chain(exact, plain, prefixed), None)
+
+    def _walk(self) -> Iterator[AbstractComponent]:
+        """This component and all that are part of it."""
+        yield self
+        for child in self.children:
+            yield from child._walk()
+
+    # --- the pose ---------------------------------------------------------------------------
+
+    @property
+    def location(self) -> LiveVector:
+        """Metres, in the frame of what it is part of; can be changed in place."""
+        return self._bpy_object.location
+
+    @location.setter
+    def location(self, value: Iterable[float]) -> None:
+        self._bpy_object.location = value
+
+    @property
+    def rotation_euler(self) -> LiveEuler:
+        """Radians, XYZ order; can be changed in place."""
+        return self._bpy_object.rotation_euler
+
+    @rotation_euler.setter
+    def rotation_euler(self, value: Iterable[float]) -> None:
+        self._bpy_object.rotation_euler = value
+
+    @property
+    def scale(self) -> LiveVector:
+        """Factor along each axis; can be changed in place."""
+        return self._bpy_object.scale
+
+    @scale.setter
+    def scale(self, value: Iterable[float]) -> None:
+        self._bpy_object.scale = value
+
+    def translate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Move it by metres along the axes of what it is part of."""
+        self._add(self.scene_node.location, (x, y, z), "translate")
+
+    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Add radians to its roll, pitch and yaw."""
+        self._add(self.scene_node.rotation_euler, (x, y, z), "rotate")
+
+    def _add(self, target: list[float], values: tuple[Any, Any, Any], method: str) -> None:
+        what = f"{type(self).__name__}.{method}"
+        steps = [checks.number(value, f"{what}({axis})") for axis, value in zip("xyz", values, strict=True)]
+        target[:] = [old + step for old, step in zip(target, steps, strict=True)]
+
+    # --- properties -------------------------------------------------------------------------
+
+    def properties(self, **kwargs: Any) -> None:
+        """Set properties: parameters of the component, or tags that others look for.
+
+        A property that the component does not declare is kept, with a warning.
+        """
+        for key, value in kwargs.items():
+            self.scene_node.properties[key] = checked_property(key, value)
+        if "classpath" in kwargs:
+            checks.text(kwargs["classpath"], "properties(classpath)")
+        elif self._kind in ("sensor", "actuator"):
+            check_declared(self, kwargs)
+
+    def property_value(self, name: str) -> Any:
+        """The value of a property, or None if it is not set."""
+        return self.scene_node.properties.get(name)
+
+    def frequency(self, frequency: float) -> None:
+        """Act that many times per simulated second."""
+        self._frequency = checks.number(frequency, f"{type(self).__name__}.frequency(hz)", above=0.0)
+        self.scene_node.properties["frequency"] = self._frequency
+
+    def profile(self) -> None:
+        """Show the share of time that a sensor takes, while the simulation runs."""
+        if self._kind != "sensor":
+            logger.warning("%s is no sensor: profile() has no effect on it", self.name)
+            return
+        self._profiled = True
+
+    def set_color(self, r: float = 0.0, g: float = 0.0, b: float = 0.0) -> None:
+        """Give all its surfaces one colour: red, green, blue, 0..1."""
+        rgb = checks.color((r, g, b), f"{type(self).__name__}.set_color")
+        for node in self.own_nodes():
+            if node.mesh is not None:
+                node.color = (*rgb, 1.0)
+
+    def own_nodes(self) -> Iterator[Node]:
+        """Its node and those of its model, without those of the components on it."""
+        others = {component.scene_node for component in self._walk() if component is not self}
+        stack = [self.scene_node]
+        while stack:
+            node = stack.pop()
+            yield node
+            stack.extend(child for child in reversed(node.children) if child not in others)
+
+    # --- what runs --------------------------------------------------------------------------
+
+    @property
+    def classpath(self) -> str | None:
+        """The class that runs in the simulation, or None for a thing that does nothing."""
+        found = self.scene_node.properties.get("classpath")
+        return None if found is None else str(found)
+
+    @classpath.setter
+    def classpath(self, value: str) -> None:
+        self.scene_node.properties["classpath"] = checks.text(value, "classpath")
+
+    def component_class(self) -> type[Any] | None:
+        """The class behind `classpath`, loaded.
+
+        Raises:
+            MorseBuilderNoComponentError: it cannot be loaded.
+        """
+        return None if self.classpath is None else load_class(self.classpath)
+
+    def is_morseable(self) -> bool:
+        """True if it does something in the simulation."""
+        return self.classpath is not None
+
+    def morseable(self, calling_module: str | None = None) -> None:
+        """Make it a component that runs.
+
+        Args:
+            calling_module: class path of the class that runs, if the builder class does not say it.
+        """
+        classpath = calling_module or getattr(type(self), "_classpath", None)
+        if classpath is None:
+            raise MorseBuilderError(
+                f"{type(self).__name__} does not say which class runs: give its path, "
+                "e.g. morseable('my_sim.sensors.sonar.Sonar')"
+            )
+        self.scene_node.properties["Component_Tag"] = True
+        self.scene_node.properties["classpath"] = checks.text(classpath, "morseable(calling_module)")
+
+    def is_exportable(self) -> bool:
+        """True if it has data that can be streamed."""
+        return self._exportable
+
+    def mark_unexportable(self) -> None:
+        """Say that it has no data to stream."""
+        self._exportable = False
+
+    def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
+        """What the simulation needs to know of this component, which ``robot`` carries."""
+        return ComponentDeclaration(
+            node=self.scene_node,
+            kind=self._scene_kind(),
+            classpath=self.classpath or "",
+            robot=robot.scene_node,
+            frequency=self._frequency,
+            level=self._level,
+            streams=list(self._streams),
+            managers=list(self._managers),
+            modifiers=list(self._modifiers),
+            overlays=list(self._overlays),
+            options=self._scene_options(),
+            profile=self._profiled,
+            where=self._where,
+        )
+
+    def _scene_kind(self) -> str:
+        return self._kind
+
+    def _scene_options(self) -> dict[str, object]:
+        """What the simulation needs to know of this kind of component."""
+        return {}

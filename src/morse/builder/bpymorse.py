@@ -1,0 +1,144 @@
+"""Functions on the objects of the scene, under the names of MORSE 1.4.
+
+There is no Blender behind them: objects are `morse.builder.objects.SceneObject`.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import checks, naming, workspace
+from morse.builder.game import checked_property
+from morse.builder.objects import ObjectMaterial, SceneObject, material_slots
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = [
+    "delete",
+    "fullscreen",
+    "get_context_object",
+    "get_material",
+    "get_object",
+    "get_objects",
+    "get_properties",
+    "properties",
+    "select_only",
+    "set_speed",
+    "set_viewport",
+]
+
+logger = logging.getLogger("morse." + __name__)
+
+
+def get_object(name: str) -> SceneObject:
+    """The object of that name.
+
+    Raises:
+        MorseBuilderNoComponentError: there is none.
+    """
+    node = workspace.current().find(checks.text(name, "bpymorse.get_object(name)"))
+    if node is None:
+        known = workspace.current().names()
+        raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, known)}")
+    return SceneObject(node)
+
+
+def get_objects() -> list[SceneObject]:
+    """Every object, parents before their children."""
+    return [SceneObject(node) for node in workspace.current().nodes()]
+
+
+def get_material(name: str) -> ObjectMaterial:
+    """The material of that name, as the first object that shows it has it.
+
+    Raises:
+        MorseBuilderNoComponentError: there is none.
+    """
+    known = set()
+    for node in workspace.current().nodes():
+        for index, material in enumerate(material_slots(node)):
+            if material is not None:
+                if material.name == name:
+                    return ObjectMaterial(node, index)
+                known.add(material.name)
+    raise MorseBuilderNoComponentError(f"there is no material '{name}'{checks.suggestion(name, known)}")
+
+
+def properties(obj: SceneObject, **kwargs: Any) -> None:
+    """Set properties of an object."""
+    node = _object(obj, "bpymorse.properties(obj, ...)").node
+    for key, value in kwargs.items():
+        node.properties[key] = checked_property(key, value)
+
+
+def get_properties(obj: SceneObject) -> dict[str, object]:
+    """The properties of an object by name."""
+    return dict(_object(obj, "bpymorse.get_properties(obj)").node.properties)
+
+
+def select_only(obj: SceneObject) -> None:
+    """Make an object the selected one."""
+    workspace.current().selected = _object(obj, "bpymorse.select_only(obj)").node
+
+
+def get_context_object() -> SceneObject | None:
+    """The selected object, or None."""
+    selected = workspace.current().selected
+    return None if selected is None else SceneObject(selected)
+
+
+def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
+    """Take objects, given by themselves or by their names, out of the scene; their children stay.
+
+    Raises:
+        MorseBuilderNoComponentError: there is no object of such a name.
+        MorseBuilderError: it is the body of a component.
+    """
+    given = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
+    bodies = {c.scene_node: c for c in workspace.current().components if c.is_complete}
+    for item in given:
+        node = (get_object(item) if isinstance(item, str) else _object(item, "bpymorse.delete(objects)")).node
+        if node in bodies:
+            raise MorseBuilderError(
+                f"'{node.name}' is the body of a {type(bodies[node]).__name__}: it cannot be deleted"
+            )
+        workspace.current().delete(node)
+
+
+def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
+    """Set the frequency of the simulation (old name of ``env.simulator_frequency``).
+
+    Raises:
+        MorseBuilderError: there is no environment yet.
+    """
+    logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", naming.source_line())
+    environment = workspace.current().environment
+    if environment is None:
+        raise MorseBuilderError("bpymorse.set_speed has to follow the Environment: write env.simulator_frequency(...)")
+    environment.simulator_frequency(fps or 60, logic_step_max or 20, physics_step_max or 20)
+
+
+def fullscreen(fullscreen: bool = True) -> None:
+    """Let the view fill the screen (``env.fullscreen``)."""
+    _environment("fullscreen").fullscreen(fullscreen)
+
+
+def set_viewport(viewport_shade: str = "WIREFRAME", clip_end: float = 1000.0) -> None:
+    """Choose how the scene is drawn (``env.set_viewport``)."""
+    _environment("set_viewport").set_viewport(viewport_shade, clip_end)
+
+
+def _environment(function: str) -> Any:
+    environment = workspace.current().environment
+    if environment is None:
+        raise MorseBuilderError(f"bpymorse.{function} has to follow the Environment: write env.{function}(...)")
+    return environment
+
+
+def _object(obj: Any, what: str) -> SceneObject:
+    if not isinstance(obj, SceneObject):
+        raise TypeError(f"{what} takes an object of the scene such as robot._bpy_object, got {checks.shown(obj)}")
+    return obj

@@ -1,0 +1,154 @@
+"""Builder classes of sensors and actuators."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import checks, shapes, workspace
+from morse.builder.component import Component, new_object
+from morse.builder.objects import SceneObject
+from morse.core import declarations
+from morse.core.declarations import BuilderDefaults
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+from morse.scene import Material, Node, NodeKind
+
+if TYPE_CHECKING:
+    from morse.core.declarations import Visual
+
+_SHAPES = {"cube": shapes.cube, "sphere": shapes.sphere, "cylinder": shapes.cylinder}
+
+
+class ComponentCreator(Component):
+    """A sensor or actuator.
+
+    Args:
+        name: its name, if not that of the variable or attribute that holds it.
+        category: ``sensors`` or ``actuators``.
+        action: ``APPEND_EMPTY`` makes a frame without a body, ``USE_BLEND`` loads a model,
+            ``LINK_EXISTING_OBJECT`` takes an object that is in the scene already.
+        blendfile: name of the model for ``USE_BLEND``.
+        blendobject: name of the object in the model, or of the existing object.
+        make_morseable: let it run.
+
+    Attributes:
+        _classpath: the class that runs; subclasses set it.
+        _blendname: the name of the model, if ``blendfile`` is not given; subclasses may set it.
+    """
+
+    APPEND_EMPTY = "APPEND_EMPTY"
+    USE_BLEND = "USE_BLEND"
+    LINK_EXISTING_OBJECT = "LINK_EXISTING_OBJECT"
+
+    _classpath: str | None = None
+    _blendname: str = ""
+
+    def __init__(
+        self,
+        name: str | None = None,
+        category: str = "",
+        action: str = APPEND_EMPTY,
+        blendfile: str | None = None,
+        blendobject: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        actions = (self.APPEND_EMPTY, self.USE_BLEND, self.LINK_EXISTING_OBJECT)
+        checks.choice(action, actions, f"{type(self).__name__}(action)")
+        model = blendfile or type(self)._blendname
+        if action == self.USE_BLEND:
+            if not model:
+                raise MorseBuilderError(f"{type(self).__name__}: USE_BLEND needs the name of a model: blendfile='...'")
+            super().__init__(category, model, blendobject, make_morseable=False)
+        else:
+            super(Component, self).__init__(filename=model, category=category)
+            existing = action == self.LINK_EXISTING_OBJECT
+            self.set_blender_object(self._existing(blendobject or name) if existing else self._new())
+        self._blendname = model
+        self._load_defaults(make_morseable)
+        if name is not None:
+            self.name = name
+
+    def _new(self) -> SceneObject:
+        return new_object(type(self).__name__)
+
+    def _existing(self, name: str | None) -> SceneObject:
+        if name is None:
+            raise MorseBuilderError(
+                f"{type(self).__name__}: LINK_EXISTING_OBJECT needs the name of an object: blendobject='...'"
+            )
+        node = workspace.current().find(name)
+        if node is None:
+            known = workspace.current().names()
+            raise MorseBuilderNoComponentError(f"there is no object '{name}'{checks.suggestion(name, known)}")
+        return SceneObject(node)
+
+    def _load_defaults(self, make_morseable: bool) -> None:
+        if type(self)._classpath is None and not self.is_morseable():
+            self.frequency(BuilderDefaults().frequency)
+            return
+        if make_morseable and not self.is_morseable():
+            self.morseable()
+        cls = self.component_class()
+        defaults = getattr(cls, "_builder", None) or BuilderDefaults()
+        self.frequency(defaults.frequency)
+        if cls is not None and not declarations.data_fields(cls):
+            self.mark_unexportable()
+        self.properties(**defaults.properties)
+        if defaults.visual is not None:
+            self._add_marker(defaults.visual)
+        if defaults.model is not None:
+            workspace.current().attach(self.scene_node, self.append_model(defaults.model).node)
+
+    def _add_marker(self, visual: Visual) -> None:
+        marker = Node(f"{type(self).__name__}Mesh", kind=NodeKind.MESH, mesh=_SHAPES[visual.shape]())
+        marker.scale = list(visual.scale)
+        marker.materials = [Material(marker.name, (*visual.color, 1.0))]
+        workspace.current().add(marker)
+        workspace.current().attach(self.scene_node, marker)
+
+
+class SensorCreator(ComponentCreator):
+    """A sensor; subclasses say which class runs (``_classpath``)."""
+
+    _kind = "sensor"
+
+    def __init__(
+        self,
+        name: str | None = None,
+        action: str = ComponentCreator.APPEND_EMPTY,
+        blendfile: str | None = None,
+        blendobject: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        super().__init__(name, "sensors", action, blendfile, blendobject, make_morseable)
+
+
+class ActuatorCreator(ComponentCreator):
+    """An actuator; subclasses say which class runs (``_classpath``)."""
+
+    _kind = "actuator"
+
+    def __init__(
+        self,
+        name: str | None = None,
+        action: str = ComponentCreator.APPEND_EMPTY,
+        blendfile: str | None = None,
+        blendobject: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        super().__init__(name, "actuators", action, blendfile, blendobject, make_morseable)
+
+
+def derived_classes(package: str, base: type[ComponentCreator], module: str) -> dict[str, Any]:
+    """A builder class for each component of a package that needs no methods of its own.
+
+    Args:
+        package: ``morse.sensors`` or ``morse.actuators``.
+        base: `SensorCreator` or `ActuatorCreator`.
+        module: where the classes will live.
+    """
+    from morse.builder import catalog
+
+    return {
+        name: type(name, (base,), {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module})
+        for name, entry in catalog.components(package).items()
+    }

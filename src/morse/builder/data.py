@@ -1,0 +1,71 @@
+"""Tables of what there is, for scripts that look names up."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from morse.assets.search import MORSE_COMPONENTS, resource_dirs
+from morse.builder import workspace
+from morse.middleware import registry
+
+__all__ = [
+    "MORSE_COMPONENTS",
+    "MORSE_DATASTREAM_DICT",
+    "MORSE_DATASTREAM_MODULE",
+    "MORSE_RESOURCE_PATH",
+    "MORSE_SERVICE_DICT",
+    "Configuration",
+]
+
+#: the directories searched for models besides `MORSE_COMPONENTS`
+MORSE_RESOURCE_PATH = [str(directory) for directory in resource_dirs()]
+
+#: name of a middleware to the class path of its stream manager
+MORSE_DATASTREAM_MODULE = MappingProxyType(
+    {name: m.stream_manager for name, m in registry.installed().items() if m.stream_manager is not None}
+)
+
+#: name of a middleware to the class path of its request manager
+MORSE_SERVICE_DICT = MappingProxyType(
+    {name: m.request_manager for name, m in registry.installed().items() if m.request_manager is not None}
+)
+
+#: name of a middleware to component to level (``all`` for every level) to the classes that carry
+#: its data; components that are not listed have the general form of the middleware
+MORSE_DATASTREAM_DICT = MappingProxyType({name: m.streams for name, m in registry.installed().items()})
+
+
+class Configuration:
+    """What the script has said about the components so far, by their names."""
+
+    @staticmethod
+    def datastreams() -> dict[str, list[tuple[str, str, str, dict[str, object]]]]:
+        """Streams: stream manager, class, direction, options."""
+        return {
+            c.name: [(s.manager, s.stream, s.direction, s.options) for s in c._streams]
+            for c in workspace.current().components
+            if c._streams
+        }
+
+    @staticmethod
+    def services() -> dict[str, list[str]]:
+        """Class paths of the request managers."""
+        return {c.name: list(c._managers) for c in workspace.current().components if c._managers}
+
+    @staticmethod
+    def modifiers() -> dict[str, list[tuple[str, dict[str, object]]]]:
+        """Modifiers: class path, options."""
+        return {
+            c.name: [(m.classpath, m.options) for m in c._modifiers]
+            for c in workspace.current().components
+            if c._modifiers
+        }
+
+    @staticmethod
+    def overlays() -> dict[str, list[tuple[str, str, dict[str, object]]]]:
+        """Overlays: request manager, class path, options."""
+        return {
+            c.name: [(o.manager, o.classpath, o.options) for o in c._overlays]
+            for c in workspace.current().components
+            if c._overlays
+        }

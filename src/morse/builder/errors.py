@@ -1,0 +1,71 @@
+"""What is wrong with a scene script."""
+
+from __future__ import annotations
+
+import linecache
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseBuilderError
+
+if TYPE_CHECKING:
+    from morse.scene import SourceLine
+
+
+@dataclass(slots=True)
+class Step:
+    """One line of the user's code on the way to an error.
+
+    Attributes:
+        function: the function the line belongs to, or ``<module>``.
+    """
+
+    where: SourceLine
+    function: str = "<module>"
+
+    @property
+    def source(self) -> str:
+        """The text of the line, or an empty string if the file is not readable."""
+        return linecache.getline(self.where.file, self.where.line).strip()
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.source}" if self.source else str(self.where)
+
+
+@dataclass(eq=False)
+class ScriptError(MorseBuilderError):
+    """A scene script cannot be built.
+
+    Attributes:
+        message: one sentence: what was given and what was expected.
+        steps: the lines of the user's code that led there, outermost first; our own code is left out.
+        mend: what to write instead, or an empty string.
+        script: the script that was run.
+    """
+
+    message: str
+    steps: list[Step] = field(default_factory=list)
+    mend: str = ""
+    script: str = ""
+
+    def __post_init__(self) -> None:
+        super().__init__(self.message)
+
+    @property
+    def where(self) -> SourceLine | None:
+        """The line at fault."""
+        return self.steps[-1].where if self.steps else None
+
+    def __str__(self) -> str:
+        where = self.where
+        return self.message if where is None else f"{where}: {self.message}"
+
+    def report(self) -> str:
+        """Several lines for the user: place and message, the source line, the mend, the way there."""
+        lines = [f"{self.where or self.script or 'scene script'}: {self.message}"]
+        if self.steps and (source := self.steps[-1].source):
+            lines.append(f"    {source}")
+        if self.mend:
+            lines.append(f"  {self.mend}")
+        lines.extend(f"  called from {step}" for step in reversed(self.steps[:-1]))
+        return "\n".join(lines)

@@ -1,0 +1,165 @@
+"""Components are named after the variables of the script that hold them.
+
+Names come from several places; a stronger one replaces a weaker one, never the other way round:
+
+1. a variable that held the component when it was used (`Strength.GUESSED`),
+2. a variable or attribute that holds it when it is appended, when `close_context` is called or
+   when the environment is made (`Strength.VARIABLE`),
+3. a name that the script gave (`Strength.GIVEN`).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import workspace
+from morse.scene import SourceLine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from types import CodeType, FrameType
+
+    from morse.builder.abstractcomponent import AbstractComponent
+
+_COPY_SUFFIX = re.compile(r"\.\d{3,}$")
+_PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__))) + os.sep
+
+
+class Strength(IntEnum):
+    """Where a name came from, weakest first."""
+
+    NONE = 0
+    GUESSED = 1
+    VARIABLE = 2
+    GIVEN = 3
+
+
+def is_users(code: CodeType) -> bool:
+    """True for code that is neither ours nor Python's import machinery."""
+    return not code.co_filename.startswith((_PACKAGE, "<frozen"))
+
+
+def user_frames() -> Iterator[FrameType]:
+    """The frames of the script that called us, innermost first, up to that of the script itself."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        if is_users(frame.f_code):
+            yield frame
+            if frame.f_code.co_name == "<module>":
+                return
+        frame = frame.f_back
+
+
+def source_line(made: object = None) -> SourceLine | None:
+    """The line of the script that is being run.
+
+    Args:
+        made: an object that is being made: its own ``__init__`` methods do not count.
+    """
+    frames = user_frames()
+    frame = next((f for f in frames if made is None or f.f_locals.get("self") is not made), None)
+    return None if frame is None else SourceLine(frame.f_code.co_filename, frame.f_lineno)
+
+
+def frame_above(level: int) -> FrameType | None:
+    """The frame ``level`` calls above the function that calls this one, or None."""
+    frame: FrameType | None = sys._getframe(1)
+    for _ in range(level):
+        frame = frame.f_back if frame is not None else None
+    return frame
+
+
+def check_given_name(name: Any) -> str:
+    """A name that a script gives to a component.
+
+    Raises:
+        TypeError: not a string.
+        ValueError: empty.
+        SyntaxError: a dot in it.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"a component's name is a string, got {name!r}")
+    if not name.strip():
+        raise ValueError("a component's name cannot be empty")
+    if "." in name:
+        raise SyntaxError(
+            f"the name '{name}' has a dot: dots separate robots from their components (robot.arm.pose); "
+            f"write '{name.replace('.', '_')}'"
+        )
+    return name
+
+
+def without_copy_suffix(name: str) -> str:
+    """The name of an object as the name of a component: ``morsy`` for ``morsy.001``, no dots."""
+    return _COPY_SUFFIX.sub("", name).replace(".", "_")
+
+
+def name_in_frame(component: AbstractComponent, frame: FrameType) -> str | None:
+    """The attribute of ``self`` or the variable that holds a component, as seen from a frame."""
+    owner = frame.f_locals.get("self")
+    if owner is not None and owner is not component:
+        attribute = _holder(component, getattr(owner, "__dict__", {}))
+        # `parent` and the like are how we ourselves keep components
+        if attribute is not None and attribute not in ("parent", "children"):
+            return attribute
+    return _holder(component, frame.f_locals) or _holder(component, frame.f_globals)
+
+
+def _holder(component: AbstractComponent, variables: Mapping[str, Any]) -> str | None:
+    return next((name for name, value in variables.items() if value is component and _usable(name)), None)
+
+
+def _usable(name: str) -> bool:
+    return name.isidentifier() and name != "self" and not name.startswith("_")
+
+
+def name_unparented(variables: Mapping[str, Any], strength: Strength) -> None:
+    """Name the components among these variables that are part of no other one."""
+    from morse.builder.abstractcomponent import AbstractComponent
+
+    for name, value in list(variables.items()):
+        if isinstance(value, AbstractComponent) and _usable(name) and value.is_complete and value.parent is None:
+            value.suggest_name(name, strength)
+
+
+def guess_names() -> None:
+    """Note which variables hold which components, before a loop or a function forgets it."""
+    frame = next(user_frames(), None)
+    if frame is not None:
+        name_unparented(frame.f_locals, Strength.GUESSED)
+
+
+def rename_all() -> None:
+    """Give every component its name in the simulation: ``robot.arm.pose`` for what is on a robot."""
+    from morse.builder.robot import Robot
+
+    scene = workspace.current()
+    used: set[str] = set()
+    for component in scene.components:
+        if component.parent is None:
+            _rename_tree(component, (), used, isinstance(component, Robot))
+
+
+def _rename_tree(component: AbstractComponent, prefix: tuple[str, ...], used: set[str], on_robot: bool) -> None:
+    path = (*prefix, component.plain_name)
+    if not on_robot and component.name_strength is Strength.NONE:
+        name = component.name
+    else:
+        name = _free(".".join(path), used)
+        workspace.current().claim(component.scene_node, name)
+        path = (*prefix, name.rpartition(".")[2])
+    used.add(name)
+    for child in component.children:
+        _rename_tree(child, path if on_robot else (), used, on_robot)
+
+
+def _free(name: str, used: set[str]) -> str:
+    candidate, count = name, 0
+    while candidate in used:
+        count += 1
+        candidate = f"{name}_{count:03d}"
+    return candidate

@@ -1,0 +1,83 @@
+"""Which objects of a model file go into the scene, as copies with their physics settled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+from morse.assets import instantiate
+from morse.mathutils import Matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from morse.scene import Library, Node
+
+
+def whole_component(library: Library) -> Node:
+    """All objects of a file as one: the root of a robot, sensor or actuator.
+
+    Raises:
+        AssetError: there is no object in the file.
+    """
+    from morse.assets.rules import gather_under_root, resolve_auto
+
+    root = gather_under_root(replace(library, roots=[instantiate(root) for root in library.roots]))
+    resolve_auto([root], role="component")
+    return root
+
+
+def pick(
+    library: Library,
+    role: Literal["environment", "component", "prop"],
+    names: Sequence[str] | None = None,
+    prefix: str | None = None,
+) -> list[Node]:
+    """Copies of objects of a library, each with all below it.
+
+    Objects whose names begin with ``_`` are left out, with all below them.
+
+    Args:
+        library: the content of the file; it stays as it is.
+        role: what they will be, which decides their physics where the file does not.
+        names: only these.
+        prefix: only those whose names begin so; if there are none, those in the collection of
+            that name.
+
+    Returns:
+        The copies without a parent, in the order of the file; empty if nothing matches.
+    """
+    from morse.assets.rules import resolve_auto
+
+    if names is not None:
+        wanted = [node for node in library.nodes() if node.name in names]
+    elif prefix is not None:
+        named = [node for node in library.nodes() if node.name.startswith(prefix)]
+        members = set(library.collections.get(prefix, ()))
+        wanted = named or [node for node in library.nodes() if node.name in members]
+    else:
+        wanted = [root for root in library.roots if root.name not in library.outside_scene]
+    roots = [_copy(node) for node in _topmost(wanted) if not node.name.startswith("_")]
+    resolve_auto(roots, role=role)
+    return roots
+
+
+def _topmost(nodes: Iterable[Node]) -> list[Node]:
+    chosen = dict.fromkeys(nodes)
+    return [node for node in chosen if not any(ancestor in chosen for ancestor in node.ancestors())]
+
+
+def _copy(original: Node) -> Node:
+    copy = instantiate(original)
+    if original.parent is not None:
+        # the part stays where it was in the file
+        copy.parent_inverse = original.parent.world_matrix() @ parent_inverse_of(original)
+    for node in list(copy.walk()):
+        if node.name.startswith("_"):
+            node.detach()
+    return copy
+
+
+def parent_inverse_of(node: Node) -> Matrix:
+    """The 4x4 matrix between a node's own pose and its parent."""
+    return Matrix.Identity(4) if node.parent_inverse is None else node.parent_inverse

@@ -1,0 +1,131 @@
+"""The scene while a script describes it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import ModuleType
+
+    from morse.builder.abstractcomponent import AbstractComponent
+    from morse.builder.environment import Environment
+    from morse.scene import Node
+
+_SUFFIX = re.compile(r"\.\d{3,}$")
+
+
+class Workspace:
+    """Every node and component made so far, with unique names.
+
+    Attributes:
+        roots: nodes without a parent, in the order in which they were made.
+        components: robots, sensors, things, ... in the order in which they were made.
+        environment: the environment, once the script has made it.
+        selected: the node that was selected last.
+        script: the script itself, kept so that its functions still find their names.
+    """
+
+    def __init__(self) -> None:
+        self.roots: list[Node] = []
+        self.components: list[AbstractComponent] = []
+        self.environment: Environment | None = None
+        self.selected: Node | None = None
+        self.script: ModuleType | None = None
+        self._nodes: dict[str, Node] = {}
+        self._counters: dict[str, int] = {}
+
+    def add(self, root: Node) -> None:
+        """Put a node and all below it into the scene; names that are taken get ``.001``, ``.002``, ..."""
+        for node in root.walk():
+            node.name = self._unique(node.name)
+            self._nodes[node.name] = node
+        self.roots.append(root)
+
+    def attach(self, parent: Node, child: Node, *, keep_world_pose: bool = False) -> None:
+        """Make a node the child of another one.
+
+        Raises:
+            ValueError: if that would make the node its own ancestor.
+        """
+        was_root = child.parent is None
+        parent.attach(child, keep_world_pose=keep_world_pose)
+        if was_root:
+            self.roots.remove(child)
+
+    def detach(self, child: Node) -> None:
+        """Make a node one without a parent."""
+        if child.parent is not None:
+            child.detach()
+            self.roots.append(child)
+
+    def delete(self, node: Node) -> None:
+        """Take a node out of the scene; its children become roots and keep their place in the world."""
+        for child in list(node.children):
+            above = node.world_matrix()
+            inverse = above if child.parent_inverse is None else above @ child.parent_inverse
+            self.detach(child)
+            child.parent_inverse = inverse
+        self.detach(node)
+        self.roots.remove(node)
+        del self._nodes[node.name]
+
+    def find(self, name: str) -> Node | None:
+        """The node of that name, or None."""
+        return self._nodes.get(name)
+
+    def nodes(self) -> Iterator[Node]:
+        """Every node, parents before their children."""
+        for root in self.roots:
+            yield from root.walk()
+
+    def names(self) -> list[str]:
+        """The names of all nodes."""
+        return list(self._nodes)
+
+    def rename(self, node: Node, name: str) -> None:
+        """Give a node a name, made unique by ``.001``, ``.002``, ... if another node has it."""
+        if node.name != name:
+            del self._nodes[node.name]
+            node.name = self._unique(name)
+            self._nodes[node.name] = node
+
+    def claim(self, node: Node, name: str) -> None:
+        """Give a node a name; a node that has it gets another one."""
+        holder = self._nodes.get(name)
+        if holder is not None and holder is not node:
+            del self._nodes[node.name]
+            node.name = name
+            self._nodes[name] = node
+            holder.name = self._unique(name)
+            self._nodes[holder.name] = holder
+        else:
+            self.rename(node, name)
+
+    def _unique(self, name: str) -> str:
+        if name not in self._nodes:
+            return name
+        stem = _SUFFIX.sub("", name)
+        count = self._counters.get(stem, 0)
+        while True:
+            count += 1
+            candidate = f"{stem}.{count:03d}"
+            if candidate not in self._nodes:
+                self._counters[stem] = count
+                return candidate
+
+
+_current = Workspace()
+
+
+def current() -> Workspace:
+    """The scene that is being described."""
+    return _current
+
+
+def reset() -> Workspace:
+    """Begin an empty scene and return it."""
+    global _current
+    _current = Workspace()
+    return _current

@@ -1,0 +1,1 @@
+"""The ways in which robot controllers reach the simulation."""
