@@ -135,7 +135,9 @@ def test_wrong_arguments_are_refused_by_number(manager):
 
 
 def test_unknown_names_get_the_nearest(manager):
-    with pytest.raises(MorseMethodNotFoundError, match="The request moves has not been registered in Test manager.*'move'"):
+    with pytest.raises(
+        MorseMethodNotFoundError, match=r"The request moves has not been registered in Test manager.*'move'"
+    ):
         manager.on_incoming_request("arm", "moves", [])
     with pytest.raises(MorseMethodNotFoundError, match="did you mean 'arm'"):
         manager.on_incoming_request("armm", "move", [])

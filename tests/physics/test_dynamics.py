@@ -36,7 +36,9 @@ def test_a_box_rests_on_the_ground_and_stays():
 @pytest.mark.parametrize("mu", [0.1, 0.3, 0.5])
 def test_a_box_slides_down_a_slope_as_friction_lets_it(mu):
     tilt = math.radians(30)
-    w = world(ground(tilt=tilt), rigid("Box", box(1, 1, 0.2), at=(0.1 * math.sin(tilt), 0, 0.1 * math.cos(tilt)), friction=mu))
+    w = world(
+        ground(tilt=tilt), rigid("Box", box(1, 1, 0.2), at=(0.1 * math.sin(tilt), 0, 0.1 * math.cos(tilt)), friction=mu)
+    )
     box_object = w.game_object("Box")
     box_object.worldOrientation = [0, tilt, 0]
     start = box_object.worldPosition
@@ -47,7 +49,10 @@ def test_a_box_slides_down_a_slope_as_friction_lets_it(mu):
 
 def test_friction_holds_a_box_on_a_gentle_slope():
     tilt = math.radians(15)
-    w = world(ground(tilt=tilt), rigid("Box", box(1, 1, 0.2), at=(0.1 * math.sin(tilt), 0, 0.1 * math.cos(tilt)), friction=0.5))
+    w = world(
+        ground(tilt=tilt),
+        rigid("Box", box(1, 1, 0.2), at=(0.1 * math.sin(tilt), 0, 0.1 * math.cos(tilt)), friction=0.5),
+    )
     box_object = w.game_object("Box")
     box_object.worldOrientation = [0, tilt, 0]
     run(w, 2.0)

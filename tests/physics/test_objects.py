@@ -140,7 +140,13 @@ def test_a_held_object_goes_along_and_falls_when_released():
 
 def test_rays_hit_what_is_first_and_look_through_the_own_body():
     body = robot()
-    w = world(body, node("Near", box(0.2, 1, 1), at=(2, 0, 0)), node("Far", box(0.2, 1, 1), at=(4, 0, 0)), robots=[body], gravity=0)
+    w = world(
+        body,
+        node("Near", box(0.2, 1, 1), at=(2, 0, 0)),
+        node("Far", box(0.2, 1, 1), at=(4, 0, 0)),
+        robots=[body],
+        gravity=0,
+    )
     obj = w.game_object("robot")
     hit, point, normal = obj.rayCast([10, 0, 0.25], None, 20)
     assert hit.name == "Near"

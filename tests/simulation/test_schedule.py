@@ -1,5 +1,6 @@
 """Rates of components."""
 
+import itertools
 from types import SimpleNamespace
 
 import pytest
@@ -27,7 +28,7 @@ def test_the_first_tick_counts():
 @given(st.integers(1, 240), st.integers(1, 240))
 def test_gaps_differ_by_one_tick_at_most(frequency, base):
     ticks = acting(frequency, base, 10 * base)
-    gaps = {b - a for a, b in zip(ticks, ticks[1:], strict=False)}
+    gaps = {b - a for a, b in itertools.pairwise(ticks)}
     assert len(gaps) <= 2
     assert max(gaps) - min(gaps) <= 1
     assert len(ticks) == 10 * min(frequency, base)

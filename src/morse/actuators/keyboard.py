@@ -37,6 +37,9 @@ class Keyboard(Actuator):
     )
     add_property("_speed", 1.0, "Speed", "float", "Linear speed in m/s; half of it is the turning rate in rad/s")
 
+    _type: str
+    _speed: float
+
     def __init__(self, obj: object, parent: object = None) -> None:
         super().__init__(obj, parent)
         self._moving = False

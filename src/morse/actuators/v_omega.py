@@ -16,8 +16,14 @@ class MotionVW(Actuator):
     add_data("v", 0.0, "float", "Linear speed along the X axis of the robot", unit="m/s")
     add_data("w", 0.0, "float", "Angular speed about the Z axis of the robot", unit="rad/s")
     add_property(
-        "_type", "Velocity", "ControlType", "string", "Velocity sets the speed of the body, Position shifts it each tick"
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed of the body, Position shifts it each tick",
     )
+
+    _type: str
 
     @service
     def set_speed(self, v: float, w: float) -> None:

@@ -14,8 +14,14 @@ class MotionXYW(Actuator):
     add_data("y", 0.0, "float", "Linear speed along the Y axis of the robot", unit="m/s")
     add_data("w", 0.0, "float", "Angular speed about the Z axis of the robot", unit="rad/s")
     add_property(
-        "_type", "Velocity", "ControlType", "string", "Velocity sets the speed of the body, Position shifts it each tick"
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed of the body, Position shifts it each tick",
     )
+
+    _type: str
 
     def default_action(self) -> None:
         """Apply the speeds."""

@@ -53,7 +53,11 @@ def _shapes_of(node: Node, known: dict[_Key, list[CollisionShape]], warnings: li
 
 
 def _without_mesh(node: Node) -> list[CollisionShape]:
-    if not node.body.moves or node.body.compound or any(child.body.collides for child in node.walk() if child is not node):
+    if (
+        not node.body.moves
+        or node.body.compound
+        or any(child.body.collides for child in node.walk() if child is not node)
+    ):
         return []
     return [CollisionShape(ShapeKind.SPHERE, (node.body.radius,))]
 

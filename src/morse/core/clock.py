@@ -20,7 +20,19 @@ class Clock:
         period: simulated seconds per tick.
     """
 
-    __slots__ = ("_mean", "_origin", "_samples", "_square", "_start", "_wall", "frequency", "period", "strategy", "tick", "time")
+    __slots__ = (
+        "_mean",
+        "_origin",
+        "_samples",
+        "_square",
+        "_start",
+        "_wall",
+        "frequency",
+        "period",
+        "strategy",
+        "tick",
+        "time",
+    )
 
     def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
         self.frequency = frequency

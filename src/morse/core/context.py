@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class WorldView(Protocol):
     """What core needs of the physics world (see `morse.physics.World`)."""
 
-    def game_object(self, name: str) -> Any: ...
+    def game_object(self, name: str) -> Any:
+        """The object of that name."""
 
 
 def _no_keys() -> frozenset[str]:

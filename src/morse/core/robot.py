@@ -22,6 +22,9 @@ class Robot(Object):
     add_property("_no_gravity", False, "NoGravity", "bool", "The robot does not fall: an aircraft or a submarine")
     add_property("_is_ground_robot", False, "GroundRobot", "bool", "The robot stays on the ground: gravity moves it")
 
+    _no_gravity: bool
+    _is_ground_robot: bool
+
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self.time_shift = 0.0
@@ -62,9 +65,7 @@ class Robot(Object):
         A ground robot keeps its vertical speed, roll and pitch rates: they belong to gravity and
         the ground.
         """
-        self.bge_object.drive(
-            linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot
-        )
+        self.bge_object.drive(linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot)
 
     def force_pose(self, position: Sequence[float] | None, orientation: Any | None) -> None:
         """Put the robot somewhere, at rest.

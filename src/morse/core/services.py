@@ -56,9 +56,7 @@ def service(
     return method
 
 
-def async_service(
-    fn: Callable[..., Any] | None = None, component: str | None = None, name: str | None = None
-) -> Any:
+def async_service(fn: Callable[..., Any] | None = None, component: str | None = None, name: str | None = None) -> Any:
     """Declare a method as a service that ends when the component calls ``completed``."""
     return service(fn, component, name, asynchronous=True)
 

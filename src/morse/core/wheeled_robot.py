@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_property
@@ -28,6 +27,8 @@ class PhysicsDifferentialRobot(Robot):
     add_property("_wheel_friction", 0.8, "Friction", "double", "Kept for scripts of 1.4; see set_friction")
     add_property("_has_suspension", True, "HasSuspension", "bool", "Kept for scripts of 1.4; wheels are rigid")
 
+    _fix_turning: float
+
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self._wheels = obj.wheels()
@@ -36,13 +37,13 @@ class PhysicsDifferentialRobot(Robot):
                 f"'{obj.name}' has no wheels: a wheeled robot needs parts that collide and whose names contain 'wheel'"
             )
         sides = [wheel.offset_y for wheel in self._wheels]
-        self._track = max(sides) - min(sides)
-        self._radius = sum(wheel.radius for wheel in self._wheels) / len(self._wheels)
+        self._track: float = max(sides) - min(sides)
+        self._radius: float = sum(wheel.radius for wheel in self._wheels) / len(self._wheels)
 
     @property
     def track(self) -> float:
         """Distance of the wheels, m, that the speed law uses."""
-        return float(self._fix_turning) or self._track
+        return self._fix_turning or self._track
 
     @property
     def wheel_radius(self) -> float:

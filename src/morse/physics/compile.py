@@ -174,9 +174,7 @@ class _Builder:
                 uservert=np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel(),
                 inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
             )
-            return body.add_geom(
-                type=_TYPES[shape.kind], meshname=mesh.name, pos=position, quat=_quaternion(rotation)
-            )
+            return body.add_geom(type=_TYPES[shape.kind], meshname=mesh.name, pos=position, quat=_quaternion(rotation))
         turned = rotation @ np.reshape(shape.rotation, (3, 3))
         size = np.zeros(3)
         size[: len(shape.size)] = shape.size
@@ -200,7 +198,7 @@ class _Builder:
             geom.priority = 1
         if "caster" in node.plain_name.lower():
             geom.condim, geom.priority = 1, 2
-        if not node.body.collides and not frame.node.body.collides or node.body.type is PhysicsType.SENSOR:
+        if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0
 
     def _add_wheel(self, frame: Frame, slot: Slot, body: Any) -> None:

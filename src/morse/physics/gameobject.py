@@ -186,7 +186,9 @@ class GameObject(LegacyNames):
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Put the object somewhere in the frame of its parent."""
         parent = self.parent
-        self.set_pose(*((position, rotation) if parent is None else rigid.compose(*parent.world_pose(), position, rotation)))
+        self.set_pose(
+            *((position, rotation) if parent is None else rigid.compose(*parent.world_pose(), position, rotation))
+        )
 
     @property
     def offset(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -311,4 +313,3 @@ def _point(place: Any) -> tuple[float, float, float]:
         x, y, z = place.world_pose()[0]
         return x, y, z
     return floats3(place, "point")
-

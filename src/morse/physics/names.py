@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from morse.physics.world import World
 
-# ruff: noqa: N802
+# ruff: noqa: N802, N815
 
 
 def _matrix(r: Sequence[float]) -> Matrix:
@@ -27,21 +27,27 @@ class LegacyNames:
     slot: int
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9) in the world."""
         raise NotImplementedError
 
     def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9) in the frame of the parent."""
         raise NotImplementedError
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put it somewhere in the world."""
         raise NotImplementedError
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put it somewhere in the frame of the parent."""
         raise NotImplementedError
 
     def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Linear and angular velocity of its origin, world axes."""
         raise NotImplementedError
 
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
+        """Push it at its centre of mass during the next tick."""
         raise NotImplementedError
 
     @property

@@ -49,7 +49,9 @@ def transpose(r: Rotation) -> tuple[float, ...]:
     return (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
 
 
-def compose(p: Position, r: Rotation, offset: Position, turned: Rotation) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def compose(
+    p: Position, r: Rotation, offset: Position, turned: Rotation
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The pose ``(offset, turned)``, given in the frame ``(p, r)``, in the world."""
     x, y, z = turn(r, offset)
     return (p[0] + x, p[1] + y, p[2] + z), product(r, turned)

@@ -281,9 +281,7 @@ class World:
 
     def moving_nodes(self) -> list[tuple[Node, str]]:
         """The nodes whose poses `poses` gives, each with ``world`` or ``parent``, its frame."""
-        nodes = [
-            (slot.frame.node, "world") for slot in self.slots if slot.frame.motion is not Motion.FIXED
-        ]
+        nodes = [(slot.frame.node, "world") for slot in self.slots if slot.frame.motion is not Motion.FIXED]
         return nodes + [(obj.node, "parent") for obj in self.displaced]
 
     def poses(self) -> NDArray[np.float32]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from morse.scene.component import ComponentDeclaration
 from morse.scene.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.scene.component import ComponentDeclaration
     from morse.scene.node import Node
 
 

@@ -87,8 +87,10 @@ class ViewpointServices(AbstractObject):
 
 
 def _numbers(values: Any, count: int) -> list[float]:
-    if isinstance(values, list) and len(values) == count and all(
-        isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values
+    if (
+        isinstance(values, list)
+        and len(values) == count
+        and all(isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values)
     ):
         return [float(v) for v in values]
     raise MorseRPCTypeError(f"expected {count} number{'s' if count > 1 else ''}, not {values!r}")

@@ -22,12 +22,23 @@ class Steppable(Protocol):
 
     paused: bool
 
-    def pause(self) -> None: ...
-    def resume(self) -> None: ...
-    def step(self, ticks: int, done: Callable[[], None] | None = None) -> None: ...
-    def restart(self, seed: int | None, done: Callable[[], None]) -> None: ...
-    def seed(self) -> int: ...
-    def state_hash(self) -> str: ...
+    def pause(self) -> None:
+        """Stop time."""
+
+    def resume(self) -> None:
+        """Let time pass."""
+
+    def step(self, ticks: int, done: Callable[[], None] | None = None) -> None:
+        """Let some ticks pass, then call ``done``."""
+
+    def restart(self, seed: int | None, done: Callable[[], None]) -> None:
+        """Start anew, then call ``done``."""
+
+    def seed(self) -> int:
+        """The seed of all random numbers."""
+
+    def state_hash(self) -> str:
+        """A fingerprint of everything."""
 
 
 def _integer(value: Any, what: str, low: int, high: int) -> int:

@@ -73,9 +73,7 @@ class Supervision(AbstractObject):
         try:
             return everything[name]
         except (KeyError, TypeError):
-            raise MorseRPCInvokationError(
-                f"Component {name} unknown{nearest(str(name), list(everything))}"
-            ) from None
+            raise MorseRPCInvokationError(f"Component {name} unknown{nearest(str(name), list(everything))}") from None
 
     @service
     def suspend_dynamics(self) -> str:

@@ -52,7 +52,9 @@ def load_components(context: Context) -> Loaded:
         if declaration.kind in ("robot", "external_robot"):
             robot = _make(context, declaration, None)
             if not isinstance(robot, Robot):
-                raise LoadError(f"{_where(declaration)}: {declaration.classpath} is no subclass of morse.core.robot.Robot")
+                raise LoadError(
+                    f"{_where(declaration)}: {declaration.classpath} is no subclass of morse.core.robot.Robot"
+                )
             by_node[declaration.node] = robot
             own = declaration.kind == "robot"
             (context.robots if own else context.external_robots)[declaration.name] = robot

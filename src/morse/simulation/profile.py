@@ -11,7 +11,17 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 #: the phases of a tick, in their order
-PHASES = ("view input", "streams in", "services", "actuators", "physics", "rays", "sensors", "streams out", "view output")
+PHASES = (
+    "view input",
+    "streams in",
+    "services",
+    "actuators",
+    "physics",
+    "rays",
+    "sensors",
+    "streams out",
+    "view output",
+)
 
 #: events kept for the trace file; later ones are counted but not kept
 _MAX_EVENTS = 1_000_000

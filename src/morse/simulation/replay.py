@@ -37,7 +37,9 @@ def replay(options: RunOptions, ticks: int, restarts: int, output: Path) -> None
                     simulation.restart_now()
                 for tick in range(1, ticks + 1):
                     simulation.tick()
-                    file.write(json.dumps({"run": again, "tick": tick, "parts": fingerprints(simulation.context)}) + "\n")
+                    file.write(
+                        json.dumps({"run": again, "tick": tick, "parts": fingerprints(simulation.context)}) + "\n"
+                    )
     finally:
         simulation.shut_down()
 

@@ -27,7 +27,9 @@ class Schedule(Generic[_C]):
     def __init__(self, components: Iterable[_C], frequency: float) -> None:
         self._entries: list[tuple[_C, int, int]] = []
         for component in components:
-            ratio = Fraction(component.frequency).limit_denominator(10**6) / Fraction(frequency).limit_denominator(10**6)
+            ratio = Fraction(component.frequency).limit_denominator(10**6) / Fraction(frequency).limit_denominator(
+                10**6
+            )
             self._entries.append((component, ratio.numerator, ratio.denominator))
         self._always = all(n >= d for _, n, d in self._entries)
         self._all = [component for component, _, _ in self._entries]

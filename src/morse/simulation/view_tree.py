@@ -32,7 +32,9 @@ def component_tree(context: Context) -> list[ComponentDescription]:
             if component.robot_parent is robot:
                 tree.append(_component(component, kinds[component_name], name))
     for name, obj in context.service_objects.items():
-        tree.append(ComponentDescription(name, "service", "", name.capitalize(), _first_line(obj), services=_services(obj)))
+        tree.append(
+            ComponentDescription(name, "service", "", name.capitalize(), _first_line(obj), services=_services(obj))
+        )
     return tree
 
 

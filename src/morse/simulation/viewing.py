@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import sys
+import time
 import webbrowser
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from morse.core.log import logging
 from morse.simulation.view_requests import ViewRequests
 from morse.simulation.view_tree import component_tree, keyboard_robots
 from morse.viewer import page_messages as page
@@ -23,8 +24,10 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.viewer")
 
-#: values of components are sent that often, wall-clock Hz at most
-_VALUES_RATE = 20.0
+#: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
+_SNAPSHOT_INTERVAL = 1.0 / 125.0
+#: wall-clock seconds between two updates of the values that pages show
+_VALUES_INTERVAL = 1.0 / 20.0
 
 
 def open_view(simulation: Simulation) -> View | None:
@@ -57,7 +60,7 @@ class View:
             title=simulation.scene.environment or "MORSE",
         )
         self._layout = -1
-        self._pace = ""
+        self._shown = self._told = 0.0
         self._listening: str | None = None
         self._requests = ViewRequests(simulation.context, self._server)
         simulation.context.held_keys = self._server.held_keys
@@ -90,9 +93,7 @@ class View:
     def _describe(self) -> None:
         world = self._simulation.world
         self._layout = world.layout
-        moving = [
-            MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()
-        ]
+        moving = [MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()]
         self._server.set_scene(self._simulation.scene, moving)
 
     def before_tick(self) -> None:
@@ -115,27 +116,33 @@ class View:
             for obj in sorted(world.repainted, key=lambda o: o.name):
                 self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
             world.repainted.clear()
+        now = time.monotonic()
+        running = not simulation.paused
+        if running and now - self._shown < _SNAPSHOT_INTERVAL:
+            return
+        self._shown = now
         clock, pacer = simulation.clock, simulation.pacer
-        if self._server.due():
-            self._server.publish(
-                Snapshot(
-                    tick=clock.tick,
-                    time=clock.time,
-                    layout=world.layout,
-                    poses=world.poses(),
-                    status="paused" if simulation.paused else "running",
-                    speed=pacer.speed,
-                    real_time_factor=0.0 if simulation.paused else pacer.real_time_factor,
-                )
+        self._server.publish(
+            Snapshot(
+                tick=clock.tick,
+                time=clock.time,
+                layout=world.layout,
+                poses=world.poses(),
+                status="running" if running else "paused",
+                speed=pacer.speed,
+                real_time_factor=pacer.real_time_factor if running else 0.0,
             )
+        )
+        if now - self._told >= _VALUES_INTERVAL:
+            self._told = now
             self._send_values()
 
     def _send_values(self) -> None:
         context = self._simulation.context
-        for name in self._server.watched_values():
+        for name in sorted(self._server.wishes.values):
             component = context.components.get(name) or context.robots.get(name)
             if component is not None:
-                self._server.send(Values(name, context.clock.time, component.local_data))
+                self._server.send(Values(name, context.clock.time, dict(component.local_data)))
 
     def _set_paused(self, paused: bool) -> None:
         if paused:
