@@ -61,7 +61,7 @@ class ShapeDescription(Struct, frozen=True):
     vertices: list[Vector3] = []
 
 
-class NodeDescription(Struct, frozen=True, omit_defaults=True):
+class NodeDescription(Struct, frozen=True):
     """A node.
 
     Attributes:

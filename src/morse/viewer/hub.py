@@ -10,6 +10,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+import msgspec
 from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
@@ -18,7 +19,7 @@ from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
 from morse.viewer.seat import Seat
 from morse.viewer.site import Site, refuse
-from morse.viewer.view_messages import Refused, Welcome
+from morse.viewer.view_messages import Answer, Refused, Welcome
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -71,6 +72,8 @@ class Hub:
         self._title = title
         self._pages: dict[int, Page] = {}
         self._numbers = 0
+        self._requests: dict[int, tuple[int, int]] = {}
+        self._last_request = 0
         self._lasting: dict[Subject, str | bytes] = {}
         self._server: Server | None = None
         self._cookie = ""
@@ -200,6 +203,7 @@ class Hub:
         del self._pages[page.number]
         if self.seat.driver == page.number:
             self.events.append(pm.DragEnd())
+        self._requests = {n: asked for n, asked in self._requests.items() if asked[0] != page.number}
         self.seat.leave(page.number)
         self._seat_changed()
         self._wishes_changed()
@@ -235,12 +239,36 @@ class Hub:
             case pm.ViewEvent() if len(self.events) >= MOST_EVENTS:
                 self._refuse(page, message, "the simulation is busy with what was asked before")
             case pm.ViewEvent():
-                self.events.append(message)
+                self.events.append(self._numbered(page, message))
             case _:
                 raise NotUnderstood(f"{type(message).__name__} comes once, at the beginning")
 
+    def _numbered(self, page: Page, event: pm.ViewEvent) -> pm.ViewEvent:
+        """The event with a request number that no other page uses."""
+        given = getattr(event, "request", None)
+        if given is None:
+            return event
+        if isinstance(event, pm.CancelService):
+            number = next((n for n, asked in self._requests.items() if asked == (page.number, given)), 0)
+        else:
+            self._last_request += 1
+            number = self._last_request
+            self._requests[number] = (page.number, given)
+        return msgspec.structs.replace(event, request=number)
+
+    def answer(self, answer: Answer) -> None:
+        """Give the answer to the page that asked."""
+        number, request = self._requests.pop(answer.request, (0, 0))
+        page = self._pages.get(number)
+        if page is not None:
+            self._tell(page, msgspec.structs.replace(answer, request=request))
+
     def _refuse(self, page: Page, message: pm.PageMessage, why: str) -> None:
-        self._tell(page, Refused(str(type(message).__struct_config__.tag), why))
+        request = getattr(message, "request", None)
+        if request is None:
+            self._tell(page, Refused(str(type(message).__struct_config__.tag), why))
+        else:
+            self._tell(page, Answer(request, ok=False, error=why))
 
     def _tell(self, page: Page, message: ServerMessage) -> None:
         page.tell(message.subject(), encode_server_message(message))

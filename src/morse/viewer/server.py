@@ -16,7 +16,7 @@ from morse.viewer.page_messages import Drag, DragEnd
 from morse.viewer.protocol import encode_json, encode_server_message
 from morse.viewer.site import File
 from morse.viewer.snapshot import pack_snapshot
-from morse.viewer.view_messages import World
+from morse.viewer.view_messages import Answer, World
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -141,8 +141,13 @@ class ViewServer:
         self._post()
 
     def send(self, message: ServerMessage) -> None:
-        """Tell the pages something; a message that lasts is told to pages that come later, too."""
-        if message.lasting or self._hub.watched:
+        """Tell the pages something; a message that lasts is told to pages that come later, too.
+
+        An answer goes to the page that asked.
+        """
+        if isinstance(message, Answer):
+            self._network.post(self._hub.answer, message)
+        elif message.lasting or self._hub.watched:
             self._messages.append((message.subject(), encode_server_message(message), message.lasting))
             self._post()
 

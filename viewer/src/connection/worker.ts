@@ -1,0 +1,92 @@
+/* The connection lives in a thread of its own: drawing never delays a key or a sign of life. */
+import type { Hello, PageMessage, ServerMessage } from "../generated/protocol";
+import { VERSION } from "../generated/protocol";
+import { decodePayload, kindOf, POSES } from "./frames";
+
+export type ToWorker =
+  | { kind: "open"; url: string }
+  | { kind: "send"; message: PageMessage }
+  /** the page is alive and seen */
+  | { kind: "pulse" }
+  /** the page has drawn the last poses */
+  | { kind: "drawn" };
+
+export type FromWorker =
+  | { kind: "state"; open: boolean; code: number; reason: string }
+  | { kind: "message"; message: ServerMessage }
+  | { kind: "poses"; frame: ArrayBuffer };
+
+const BEAT = 150; // ms
+const PULSE_LASTS = 1000; // ms: a page that hangs longer counts as gone
+const TAKEN_EVERY = 4;
+const RETRY = [300, 600, 1000, 2000, 3000];
+
+const scope = self as unknown as { postMessage(message: FromWorker, transfer?: Transferable[]): void; onmessage: unknown };
+let socket: WebSocket | null = null;
+let url = "";
+let pulse = 0;
+let taken = 0;
+let failures = 0;
+let drawing = false;
+let newest: ArrayBuffer | null = null;
+
+function send(message: PageMessage): void {
+  if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+}
+
+function showNewest(): void {
+  if (drawing || newest === null) return;
+  drawing = true;
+  scope.postMessage({ kind: "poses", frame: newest }, [newest]);
+  newest = null;
+}
+
+function receive(data: string | ArrayBuffer): void {
+  if (typeof data === "string") {
+    scope.postMessage({ kind: "message", message: JSON.parse(data) as ServerMessage });
+  } else if (kindOf(data) === POSES) {
+    taken += 1;
+    if (taken % TAKEN_EVERY === 0) send({ type: "taken", count: taken });
+    newest = data;
+    showNewest();
+  } else {
+    scope.postMessage({ kind: "message", message: decodePayload(data) });
+  }
+}
+
+function open(): void {
+  socket = new WebSocket(url);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => {
+    failures = 0;
+    taken = 0;
+    drawing = false;
+    newest = null;
+    const hello: Hello = { type: "hello", version: VERSION };
+    send(hello);
+    scope.postMessage({ kind: "state", open: true, code: 0, reason: "" });
+  };
+  socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => receive(event.data);
+  socket.onclose = (event) => {
+    scope.postMessage({ kind: "state", open: false, code: event.code, reason: event.reason });
+    setTimeout(open, RETRY[Math.min(failures, RETRY.length - 1)]);
+    failures += 1;
+  };
+}
+
+scope.onmessage = (event: MessageEvent<ToWorker>) => {
+  const order = event.data;
+  if (order.kind === "open") {
+    url = order.url;
+    open();
+  } else if (order.kind === "send") send(order.message);
+  else if (order.kind === "pulse") pulse = performance.now();
+  else {
+    drawing = false;
+    showNewest();
+  }
+};
+
+setInterval(() => {
+  if (performance.now() - pulse < PULSE_LASTS) send({ type: "alive" });
+}, BEAT);

@@ -1,0 +1,54 @@
+import type { Connection } from "../connection/connection";
+import { isTyping } from "../ui/dom";
+
+const AGAIN = 250; // ms
+
+/** The keys held down, told to the simulation at every change. */
+export class Keyboard {
+  readonly held = new Set<string>();
+
+  constructor(private readonly connection: Connection) {
+    addEventListener("keydown", (event) => this.down(event));
+    addEventListener("keyup", (event) => this.up(event));
+    addEventListener("blur", () => this.release());
+    document.addEventListener("visibilitychange", () => {
+      if (document.visibilityState === "hidden") this.release();
+    });
+    // focus moving into a text field takes the keys along
+    addEventListener("focusin", (event) => isTyping(event) && this.release());
+    // told again now and then: what was dropped while the page hung holds again
+    setInterval(() => this.held.size > 0 && this.tell(), AGAIN);
+    connection.state.watch(({ open }) => open && this.held.size > 0 && this.tell());
+  }
+
+  release(): void {
+    if (this.held.size === 0) return;
+    this.held.clear();
+    this.tell();
+  }
+
+  private down(event: KeyboardEvent): void {
+    if (isTyping(event) || event.metaKey || event.altKey || event.isComposing) return;
+    if (event.ctrlKey && !event.code.startsWith("Control")) return;
+    if (event.code.startsWith("Arrow") && isSteered(event.target)) return;
+    if (event.code.startsWith("Arrow")) event.preventDefault();
+    if (event.repeat || event.code === "") return;
+    this.held.add(event.code);
+    this.tell();
+  }
+
+  private up(event: KeyboardEvent): void {
+    // while Meta is down, browsers do not say that other keys are released
+    if (event.key === "Meta") this.release();
+    if (this.held.delete(event.code)) this.tell();
+  }
+
+  private tell(): void {
+    this.connection.send({ type: "keys", held: [...this.held].slice(0, 32) });
+  }
+}
+
+/** Whether an element uses the arrow keys itself. */
+function isSteered(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.closest('[role="tree"], [role="menu"], [role="slider"], [role="tablist"], input') !== null;
+}

@@ -1,0 +1,31 @@
+import { isTyping } from "../ui/dom";
+
+export interface Shortcut {
+  /** names of keys, as typed or by their place, e.g. "h", "F7", "Space" */
+  keys: string[];
+  /** shown in the help */
+  shown: string;
+  what: string;
+  group: "Time" | "View" | "Page";
+  run: () => void;
+}
+
+/** Keys that do something at once; those held down to drive or fly are elsewhere. */
+export class Shortcuts {
+  readonly list: Shortcut[] = [];
+
+  constructor() {
+    addEventListener("keydown", (event) => {
+      if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+      if (event.target instanceof HTMLButtonElement && (event.code === "Space" || event.code === "Enter")) return;
+      const shortcut = this.list.find(({ keys }) => keys.includes(event.key) || keys.includes(event.code));
+      if (!shortcut) return;
+      event.preventDefault();
+      shortcut.run();
+    });
+  }
+
+  add(group: Shortcut["group"], keys: string[], shown: string, what: string, run: () => void): void {
+    this.list.push({ group, keys, shown, what, run });
+  }
+}

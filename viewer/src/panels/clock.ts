@@ -1,0 +1,99 @@
+import type { Connection } from "../connection/connection";
+import type { PoseFrame } from "../connection/frames";
+import type { Pace } from "../generated/protocol";
+import { h, iconButton } from "../ui/dom";
+import { icons } from "../ui/icons";
+
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
+const LATE = 0.9;
+
+/** Simulated time, how fast it goes, and what controls it. */
+export class Clock {
+  readonly element: HTMLElement;
+  private running = true;
+  private readonly time = h("output", { class: "time", title: "simulated time", "aria-label": "simulated time" }, "–");
+  private readonly factor = h("output", { class: "factor", title: "real-time factor", "aria-label": "real-time factor" }, "");
+  private readonly warning = h("span", { class: "late", hidden: true });
+  private readonly play = iconButton(icons.pause, "Pause", () => this.toggle(), "P");
+  private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
+  private readonly speed = h("select", { title: "speed", "aria-label": "speed", onchange: () => this.setSpeed() });
+  private readonly buttons: (HTMLButtonElement | HTMLSelectElement)[];
+  private asked = 1;
+  private pace: Pace | null = null;
+
+  constructor(private readonly connection: Connection) {
+    const reset = iconButton(icons.reset, "Reset", () => this.reset(), "F11");
+    this.buttons = [this.play, this.stepButton, reset, this.speed];
+    for (const speed of SPEEDS) this.speed.append(h("option", { value: String(speed) }, `×${speed}`));
+    this.speed.append(h("option", { value: "max" }, "max"));
+    this.speed.value = "1";
+    this.element = h("div", { class: "clock" }, this.play, this.stepButton, reset, this.speed, this.time, this.factor, this.warning);
+    connection.on("pace", (pace) => {
+      this.pace = pace;
+      this.showPace();
+    });
+  }
+
+  /** Watchers see the controls, but cannot use them. */
+  enable(enabled: boolean): void {
+    for (const button of this.buttons) button.disabled = !enabled;
+  }
+
+  show(frame: PoseFrame): void {
+    this.time.textContent = formatTime(frame.time);
+    const slow = frame.running && Number.isFinite(frame.speed) && frame.realTimeFactor < LATE * frame.speed;
+    this.factor.textContent = frame.running ? `${frame.realTimeFactor.toFixed(2)}× real time` : "paused";
+    this.factor.classList.toggle("slow", slow);
+    if (frame.running !== this.running) {
+      this.running = frame.running;
+      this.play.innerHTML = frame.running ? icons.pause : icons.play;
+      this.play.ariaLabel = frame.running ? "Pause" : "Play";
+      this.play.title = `${this.play.ariaLabel} (P)`;
+      this.showPace();
+    }
+    if (Math.abs(frame.speed - this.asked) > 1e-4 || !Number.isFinite(frame.speed)) this.showSpeed(frame.speed);
+  }
+
+  toggle(): void {
+    this.connection.send({ type: this.running ? "pause" : "play" });
+  }
+
+  step(): void {
+    if (this.running) this.connection.send({ type: "pause" });
+    this.connection.send({ type: "step", count: 1 });
+  }
+
+  reset(): void {
+    this.connection.send({ type: "reset" });
+  }
+
+  private setSpeed(): void {
+    this.connection.send({ type: "set_speed", factor: this.speed.value === "max" ? null : Number(this.speed.value) });
+    this.speed.blur();
+  }
+
+  private showSpeed(speed: number): void {
+    this.asked = speed;
+    const value = Number.isFinite(speed) ? String(Number(speed.toPrecision(4))) : "max";
+    if (![...this.speed.options].some((option) => option.value === value)) {
+      this.speed.append(h("option", { value }, `×${value}`));
+    }
+    this.speed.value = value;
+  }
+
+  private showPace(): void {
+    const { late = 0, costliest = "", cost = 0 } = this.pace ?? {};
+    this.warning.hidden = late <= 0 || !this.running;
+    const culprit = costliest === "" ? "" : `; ${costliest} takes ${cost.toFixed(1)} ms a tick`;
+    this.warning.textContent = `${late.toFixed(1)} s behind${culprit}`;
+    this.warning.title = this.pace ? `${this.pace.strategy}: the machine cannot keep up` : "";
+  }
+}
+
+export function formatTime(seconds: number): string {
+  const whole = Math.floor(seconds);
+  const [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  const rest = (seconds - Math.floor(whole / 60) * 60).toFixed(2).padStart(5, "0");
+  const two = (n: number): string => String(n).padStart(2, "0");
+  return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
+}

@@ -1,0 +1,38 @@
+import type { Connection } from "../connection/connection";
+import { h } from "../ui/dom";
+import { icons } from "../ui/icons";
+import { Signal } from "../ui/signal";
+
+const ALL = "";
+
+/** Which robot obeys the keys. */
+export class Listener {
+  readonly element = h("label", { class: "listener", hidden: true, title: "the robot that obeys the arrow keys" });
+  readonly robot = new Signal<string | null>(null);
+  private readonly select = h("select", { "aria-label": "the robot that obeys the keys" });
+
+  constructor(private readonly connection: Connection) {
+    this.element.innerHTML = icons.wheel;
+    this.element.append(this.select);
+    this.select.addEventListener("change", () => {
+      this.ask(this.select.value === ALL ? null : this.select.value);
+      this.select.blur();
+    });
+    connection.on("listening", ({ robots, robot }) => {
+      this.element.hidden = robots.length === 0;
+      const options = robots.map((name) => h("option", { value: name }, name));
+      if (robots.length > 1) options.unshift(h("option", { value: ALL }, "all robots"));
+      this.select.replaceChildren(...options);
+      this.select.value = robot ?? (robots.length > 1 ? ALL : (robots[0] ?? ALL));
+      this.robot.set(robot);
+    });
+  }
+
+  enable(enabled: boolean): void {
+    this.select.disabled = !enabled;
+  }
+
+  ask(robot: string | null): void {
+    this.connection.send({ type: "listen_to", robot });
+  }
+}

@@ -1,0 +1,58 @@
+import type { Connection } from "../connection/connection";
+import type { Seat } from "../generated/protocol";
+import { h } from "../ui/dom";
+import { icons } from "../ui/icons";
+import { Signal } from "../ui/signal";
+
+/** Who drives: shown, asked for and handed over. */
+export class SeatPanel {
+  readonly element = h("div", { class: "seat" });
+  readonly drives = new Signal(false);
+  private page = 0;
+  private seat: Seat = { type: "seat", driver: null, asking: [], pages: 0 };
+
+  constructor(private readonly connection: Connection) {
+    connection.on("welcome", ({ page }) => {
+      this.page = page;
+      this.render();
+    });
+    connection.on("seat", (seat) => {
+      this.seat = seat;
+      this.render();
+    });
+    connection.state.watch(({ open }) => !open && this.drives.set(false));
+  }
+
+  ask(): void {
+    this.connection.send({ type: "ask_to_drive" });
+  }
+
+  private render(): void {
+    const { driver, asking, pages } = this.seat;
+    const drives = driver === this.page;
+    this.drives.set(drives);
+    const count = h("span", { class: "count", title: `${pages} ${pages === 1 ? "page watches" : "pages watch"}` });
+    count.innerHTML = `${icons.people}<span>${pages}</span>`;
+    const parts: HTMLElement[] = pages > 1 ? [count] : [];
+    if (drives && pages > 1) parts.push(h("span", { class: "badge on" }, "you drive"));
+    if (!drives) parts.push(this.askButton(asking.includes(this.page), driver === null));
+    if (drives && asking.length > 0) parts.push(this.asked(asking));
+    this.element.replaceChildren(...parts);
+  }
+
+  private askButton(asked: boolean, free: boolean): HTMLElement {
+    const text = asked ? "asked to drive…" : free ? "take the wheel" : "ask to drive";
+    return h("button", { type: "button", disabled: asked, onclick: () => this.ask() }, text);
+  }
+
+  private asked(asking: number[]): HTMLElement {
+    const to = asking[0] as number;
+    return h(
+      "div",
+      { class: "asked", role: "alertdialog", "aria-label": "Another page would like to drive" },
+      h("span", {}, `Page ${to} would like to drive.`),
+      h("button", { type: "button", class: "primary", onclick: () => this.connection.send({ type: "hand_over", to }) }, "hand over"),
+      h("button", { type: "button", onclick: () => this.connection.send({ type: "keep_driving" }) }, "keep driving"),
+    );
+  }
+}

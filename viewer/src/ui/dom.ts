@@ -1,0 +1,40 @@
+type Child = Node | string | null | undefined | false;
+type Properties = Record<string, unknown>;
+
+/** An element: properties that begin with "on" are listeners, "class" and names with a dash are attributes. */
+export function h<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  properties: Properties = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value as EventListener);
+    else if (name === "class" || name === "for" || name === "role" || name.includes("-")) {
+      if (value !== undefined) element.setAttribute(name, String(value));
+    } else Reflect.set(element, name, value);
+  }
+  element.append(...children.filter((child): child is Node | string => child !== null && child !== undefined && child !== false));
+  return element;
+}
+
+/** Whether keys typed now belong to a text field. */
+export function isTyping(event: Event): boolean {
+  const target = event.target;
+  if (!(target instanceof HTMLElement)) return false;
+  if (target instanceof HTMLInputElement) return !["checkbox", "radio", "range", "button"].includes(target.type);
+  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement || target.isContentEditable;
+}
+
+/** A button that shows a picture; the label is read out and shown as a hint. */
+export function iconButton(icon: string, label: string, onclick: () => void, keys = ""): HTMLButtonElement {
+  const button = h("button", {
+    class: "icon",
+    type: "button",
+    title: keys === "" ? label : `${label} (${keys})`,
+    "aria-label": label,
+    onclick,
+  });
+  button.innerHTML = icon;
+  return button;
+}

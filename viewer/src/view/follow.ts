@@ -1,0 +1,146 @@
+import { Quaternion, Vector3 } from "three";
+import { Signal } from "../ui/signal";
+import type { WorldNode } from "../world/node";
+import type { CameraPose } from "./camera";
+import type { Stage } from "./stage";
+
+export type FollowMode = "free" | "third" | "first" | "top" | "camera";
+
+const PRESETS = {
+  front: new Vector3(1, 0, 0.25),
+  side: new Vector3(0, -1, 0.25),
+  top: new Vector3(0, -0.001, 1),
+  corner: new Vector3(-0.8, -0.8, 0.65),
+};
+export type Preset = keyof typeof PRESETS;
+
+/** Keeps the camera with a node, or brings it somewhere. */
+export class Follow {
+  readonly mode = new Signal<FollowMode>("free");
+  node: WorldNode | null = null;
+  private home: CameraPose | null = null;
+  private readonly place = new Vector3();
+  private readonly turn = new Quaternion();
+  private settled = false;
+  private lastRobot = -1;
+  private lastCamera = -1;
+
+  constructor(private readonly stage: Stage) {
+    stage.onStep((seconds) => this.step(seconds));
+  }
+
+  /** The user moves the camera: stop following. */
+  release(): void {
+    this.mode.set("free");
+  }
+
+  start(mode: FollowMode, node: WorldNode): void {
+    this.node = node;
+    this.settled = false;
+    this.mode.set(mode);
+    this.stage.invalidate();
+  }
+
+  /** Where the script put the camera. */
+  setHome(): void {
+    this.home = this.stage.view.pose;
+  }
+
+  /** Back to where the script put the camera. */
+  goHome(): void {
+    this.release();
+    this.lastCamera = -1;
+    if (this.home) this.stage.view.pose = this.home;
+    this.stage.invalidate();
+  }
+
+  /** Stand near the next robot, looking at it. */
+  nextRobot(): WorldNode | null {
+    const robots = this.stage.world?.nodes.filter((node) => node.description.kind.includes("robot")) ?? [];
+    if (robots.length === 0) return null;
+    this.lastRobot = (this.lastRobot + 1) % robots.length;
+    const robot = robots[this.lastRobot] as WorldNode;
+    this.release();
+    this.frameNode(robot, "corner");
+    return robot;
+  }
+
+  /** Look through the next camera of the world; after the last one, from the user's own place again. */
+  nextCamera(): string {
+    const cameras = this.stage.world?.nodes.filter((node) => node.description.camera !== null) ?? [];
+    this.lastCamera += 1;
+    const camera = cameras[this.lastCamera];
+    if (!camera) {
+      this.goHome();
+      return "viewpoint";
+    }
+    this.start("camera", camera);
+    return camera.name;
+  }
+
+  /** Bring a node into the picture, from where the camera is or from a side of the node. */
+  frameNode(node: WorldNode, preset: Preset | null = null): void {
+    const { view, world, target } = this.stage;
+    if (!world) return;
+    const bounds = world.boundsOf(node);
+    const distance = Math.max(bounds.radius, 0.3) * 2.4 / Math.sin((Math.min(view.camera.fov, 60) * Math.PI) / 360) / 1.6;
+    const way = preset ? PRESETS[preset].clone() : view.position.clone().sub(bounds.center);
+    if (preset && preset !== "top") way.applyAxisAngle(new Vector3(0, 0, 1), headingOf(node));
+    view.position.copy(bounds.center).addScaledVector(way.normalize(), distance);
+    view.lookAt(bounds.center);
+    target.copy(bounds.center);
+    this.stage.invalidate();
+  }
+
+  private step(seconds: number): boolean {
+    if (this.mode.value === "free" || !this.node || !this.stage.world) {
+      this.aim();
+      return false;
+    }
+    const { position, yaw, pitch } = this.stage.view.pose;
+    const bounds = this.stage.world.boundsOf(this.node);
+    const gain = this.settled ? 1 - Math.exp(-seconds * 8) : 1;
+    this.settled = true;
+    this.node.frame.getWorldQuaternion(this.turn);
+    this.node.frame.getWorldPosition(this.place);
+    if (this.mode.value === "camera") this.through();
+    else if (this.mode.value === "first") this.ride(bounds.radius);
+    else this.chase(bounds.center, Math.max(bounds.radius, 0.3), gain);
+    this.stage.target.copy(bounds.center);
+    const { view } = this.stage;
+    return view.position.distanceTo(new Vector3(...position)) > 1e-4 || Math.abs(view.yaw - yaw) + Math.abs(view.pitch - pitch) > 1e-5;
+  }
+
+  /** Without anything to follow, shadows are wanted around the ground ahead. */
+  private aim(): void {
+    const { view, target } = this.stage;
+    const reach = view.ahead.z < -0.05 && view.position.z > 0 ? Math.min(-view.position.z / view.ahead.z, 60) : 12;
+    target.copy(view.position).addScaledVector(view.ahead, Math.max(reach, 1));
+  }
+
+  private through(): void {
+    this.stage.view.position.copy(this.place);
+    this.stage.view.setQuaternion(this.turn);
+  }
+
+  private ride(radius: number): void {
+    const ahead = new Vector3(1, 0, 0).applyQuaternion(this.turn);
+    const { view } = this.stage;
+    view.position.copy(this.place).addScaledVector(ahead, radius * 0.6).add(new Vector3(0, 0, radius * 0.5));
+    view.lookAt(view.position.clone().add(ahead));
+  }
+
+  private chase(center: Vector3, radius: number, gain: number): void {
+    const { view } = this.stage;
+    const way = this.mode.value === "top" ? new Vector3(-0.02, 0, 9) : new Vector3(-5.5, 0, 2.8);
+    way.applyAxisAngle(new Vector3(0, 0, 1), headingOf(this.node as WorldNode)).multiplyScalar(radius).add(center);
+    view.position.lerp(way, gain);
+    view.lookAt(center);
+  }
+}
+
+/** Heading of a node about +Z, radians. */
+function headingOf(node: WorldNode): number {
+  const ahead = new Vector3(1, 0, 0).transformDirection(node.frame.matrixWorld);
+  return Math.atan2(ahead.y, ahead.x);
+}

@@ -1,0 +1,50 @@
+export interface Level {
+  /** most pixels of the card for one of the page */
+  pixels: number;
+  /** pixels along the side of the shadow map; 0 for no shadows */
+  shadows: number;
+}
+
+const LEVELS: Level[] = [
+  { pixels: 2, shadows: 4096 },
+  { pixels: 1.5, shadows: 2048 },
+  { pixels: 1, shadows: 1024 },
+  { pixels: 0.75, shadows: 1024 },
+  { pixels: 0.6, shadows: 512 },
+];
+const SLOW = 40; // ms a frame
+const FRAMES = 12;
+
+/** Draws as well as the machine can without getting slow. */
+export class Quality {
+  private level: number;
+  private readonly fixed: boolean;
+  private previous = 0;
+  private times: number[] = [];
+
+  constructor(private readonly apply: (level: Level) => void) {
+    const asked = new URLSearchParams(location.search).get("quality");
+    this.fixed = asked !== null;
+    this.level = asked === "high" ? 0 : asked === "low" ? LEVELS.length - 1 : 1;
+    this.use();
+  }
+
+  /** A frame was begun at that time; only frames that follow on each other tell how long one takes. */
+  measure(began: number): void {
+    const took = began - this.previous;
+    this.previous = began;
+    if (this.fixed || took > 1000) return;
+    this.times.push(took);
+    if (this.times.length < FRAMES) return;
+    const median = this.times.sort((a, b) => a - b)[FRAMES >> 1] as number;
+    this.times = [];
+    if (median > SLOW && this.level < LEVELS.length - 1) {
+      this.level += 1;
+      this.use();
+    }
+  }
+
+  private use(): void {
+    this.apply(LEVELS[this.level] as Level);
+  }
+}

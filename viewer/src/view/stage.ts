@@ -1,0 +1,113 @@
+import { NeutralToneMapping, PCFShadowMap, Scene, Vector3, WebGLRenderer } from "three";
+import type { ViewDescription } from "../generated/protocol";
+import type { Theme } from "../ui/theme";
+import { theme } from "../ui/theme";
+import { Ground } from "../world/ground";
+import { Lights } from "../world/lights";
+import { Sky } from "../world/sky";
+import type { World } from "../world/world";
+import { ViewCamera } from "./camera";
+import { Quality } from "./quality";
+
+/** The canvas: draws the world whenever something has changed. */
+export class Stage {
+  readonly scene = new Scene();
+  readonly view = new ViewCamera();
+  readonly renderer: WebGLRenderer;
+  readonly ground: Ground;
+  readonly lights: Lights;
+  readonly sky: Sky;
+  readonly quality: Quality;
+  /** what the camera looks at, about */
+  readonly target = new Vector3();
+  world: World | null = null;
+  frames = 0;
+  private stale = true;
+  private readonly steps: ((seconds: number) => boolean)[] = [];
+  private readonly drawn: (() => void)[] = [];
+
+  constructor(readonly element: HTMLElement) {
+    this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.toneMappingExposure = 1;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.domElement.tabIndex = -1;
+    element.append(this.renderer.domElement);
+    this.ground = new Ground(this.scene);
+    this.lights = new Lights(this.scene);
+    this.sky = new Sky(this.scene);
+    this.quality = new Quality((level) => {
+      this.renderer.setPixelRatio(Math.min(devicePixelRatio, level.pixels));
+      this.lights.setShadowSize(level.shadows);
+      this.invalidate();
+    });
+    new ResizeObserver(() => this.resize()).observe(element);
+    theme.watch((now) => this.paint(now));
+  }
+
+  /** Something changed: draw again soon. */
+  readonly invalidate = (): void => {
+    this.stale = true;
+  };
+
+  /** Have something done before each frame; it says whether it changed anything. */
+  onStep(step: (seconds: number) => boolean): void {
+    this.steps.push(step);
+  }
+
+  onDrawn(done: () => void): void {
+    this.drawn.push(done);
+  }
+
+  show(world: World): string[] {
+    this.world?.dispose();
+    this.world = world;
+    this.scene.add(world.root);
+    const dark = this.lights.install(world);
+    this.paint(theme.value);
+    return dark;
+  }
+
+  start(): void {
+    let last = performance.now();
+    const frame = (): void => {
+      requestAnimationFrame(frame);
+      const now = performance.now();
+      // a page that was asleep must not leap
+      const seconds = Math.min((now - last) / 1000, 0.25);
+      last = now;
+      for (const step of this.steps) if (step(seconds)) this.stale = true;
+      if (this.stale) this.draw();
+    };
+    requestAnimationFrame(frame);
+  }
+
+  /** Draw now. */
+  draw(): void {
+    this.stale = false;
+    const began = performance.now();
+    this.view.update();
+    this.lights.follow(this.target, this.view.position.distanceTo(this.target));
+    this.renderer.render(this.scene, this.view.camera);
+    this.frames += 1;
+    this.quality.measure(began);
+    for (const done of this.drawn) done();
+  }
+
+  private paint(now: Theme): void {
+    const view: ViewDescription | null = this.world?.description.view ?? null;
+    this.sky.paint(now, view, this.lights.towardsSun);
+    this.ground.paint(now);
+    this.lights.paint(now, view);
+    this.invalidate();
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height);
+    this.view.setAspect(width / height);
+    this.draw();
+  }
+}

@@ -1,0 +1,80 @@
+import type { Scene } from "three";
+import { Color, DoubleSide, Mesh, PlaneGeometry, ShaderMaterial } from "three";
+import type { Theme } from "../ui/theme";
+
+const vertex = /* glsl */ `
+varying vec2 place;
+#include <fog_pars_vertex>
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  place = world.xy;
+  vec4 mvPosition = viewMatrix * world;
+  gl_Position = projectionMatrix * mvPosition;
+}`;
+
+const fragment = /* glsl */ `
+uniform vec3 line, axisX, axisY;
+uniform float strength, reach;
+varying vec2 place;
+float lines(vec2 p, float step, float width) {
+  vec2 c = p / step, w = fwidth(c);
+  vec2 a = abs(fract(c - 0.5) - 0.5) / max(w, 1e-6);
+  // lines closer than two pixels blur into nothing
+  vec2 seen = 1.0 - smoothstep(0.25, 0.5, w);
+  vec2 on = (1.0 - min(a / width, 1.0)) * seen;
+  return max(on.x, on.y);
+}
+void main() {
+  float far = 1.0 - smoothstep(0.2, 1.0, distance(place, cameraPosition.xy) / reach);
+  float a = max(lines(place, 1.0, 1.0) * 0.35, lines(place, 10.0, 1.2) * 0.8) * strength * far;
+  vec2 axis = 1.0 - min(abs(place) / max(fwidth(place) * 1.3, 1e-6), 1.0);
+  vec3 color = line;
+  if (axis.y > 0.0) { color = mix(color, axisX, axis.y); a = max(a, axis.y * 0.75 * far); }
+  if (axis.x > 0.0) { color = mix(color, axisY, axis.x); a = max(a, axis.x * 0.75 * far); }
+  if (a < 0.003) discard;
+  gl_FragColor = vec4(color, a);
+  #include <colorspace_fragment>
+}`;
+
+/** Lines on the ground every metre and every ten, X red and Y green. */
+export class Ground {
+  private readonly uniforms = {
+    line: { value: new Color() },
+    axisX: { value: new Color(0xd2473c) },
+    axisY: { value: new Color(0x4b9c3f) },
+    strength: { value: 1 },
+    reach: { value: 80 },
+  };
+  readonly mesh: Mesh;
+
+  constructor(scene: Scene) {
+    const material = new ShaderMaterial({
+      uniforms: this.uniforms,
+      vertexShader: vertex,
+      fragmentShader: fragment,
+      transparent: true,
+      depthWrite: false,
+      side: DoubleSide,
+      // drawn over a floor at the same height
+      polygonOffset: true,
+      polygonOffsetFactor: -2,
+      polygonOffsetUnits: -8,
+    });
+    this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
+    this.mesh.position.z = 0.002;
+    this.mesh.renderOrder = 1;
+    this.mesh.frustumCulled = false;
+    this.mesh.raycast = () => {};
+    this.mesh.onBeforeRender = (_renderer, _scene, camera) => {
+      // the closer to the ground, the less far lines are told apart
+      this.uniforms.reach.value = Math.min(300, 30 + 8 * Math.abs(camera.matrixWorld.elements[14] as number));
+    };
+    this.mesh.scale.setScalar(2000);
+    scene.add(this.mesh);
+  }
+
+  paint(theme: Theme): void {
+    this.uniforms.line.value.set(theme === "light" ? 0x55606b : 0x9fb0c0);
+    this.uniforms.strength.value = theme === "light" ? 0.5 : 0.32;
+  }
+}

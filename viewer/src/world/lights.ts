@@ -1,0 +1,125 @@
+import type { Light, Object3D, Scene } from "three";
+import { Color, DirectionalLight, HemisphereLight, PointLight, SpotLight, Vector3 } from "three";
+import type { LightDescription, ViewDescription } from "../generated/protocol";
+import type { Theme } from "../ui/theme";
+import type { World } from "./world";
+
+/** A white surface that a lamp of energy 1 lights straight on shows its full colour. */
+const FULL = Math.PI;
+/** Graphics cards take only so many lights. */
+const MOST_LAMPS = 8;
+/** Falls off as a lamp that has faded to half at its distance does, over the distances that matter. */
+const DECAY = 0.3;
+/** Metres around the point of view within which the sun casts shadows. */
+const SHADOWS = 22;
+
+/** Sun and sky, and the lamps of the world. */
+export class Lights {
+  private readonly sky = new HemisphereLight(0xffffff, 0x808080, 1);
+  private readonly sun = new DirectionalLight(0xffffff, 1);
+  private readonly lamps: Object3D[] = [];
+  private readonly direction = new Vector3(0.45, -0.55, 0.75).normalize();
+  private lit = false;
+
+  constructor(scene: Scene) {
+    this.sky.position.set(0, 0, 1);
+    this.sun.castShadow = true;
+    this.sun.shadow.radius = 3.5;
+    this.sun.shadow.bias = -0.0004;
+    this.sun.shadow.normalBias = 0.025;
+    this.setShadowSize(2048);
+    scene.add(this.sky, this.sun, this.sun.target);
+  }
+
+  get towardsSun(): Vector3 {
+    return this.direction;
+  }
+
+  setShadowSize(pixels: number): void {
+    this.sun.castShadow = pixels > 0;
+    if (pixels === 0 || this.sun.shadow.mapSize.x === pixels) return;
+    this.sun.shadow.mapSize.set(pixels, pixels);
+    this.sun.shadow.map?.dispose();
+    this.sun.shadow.map = null;
+  }
+
+  /** Take the lamps of a world; a sun among them becomes the sun. */
+  install(world: World): string[] {
+    for (const lamp of this.lamps) lamp.removeFromParent();
+    this.lamps.length = 0;
+    const lights = world.nodes.filter((node) => node.description.light !== null);
+    const strongest = lights.sort((a, b) => (b.description.light?.energy ?? 0) - (a.description.light?.energy ?? 0));
+    let sunny = false;
+    for (const node of strongest.slice(0, MOST_LAMPS)) {
+      const description = node.description.light as LightDescription;
+      if (description.type === "SUN" && !sunny) {
+        sunny = true;
+        this.direction.set(0, 0, 1).transformDirection(node.frame.matrixWorld);
+        this.sun.color.setRGB(...description.color);
+        this.sun.userData["energy"] = description.energy;
+      } else this.add(node.frame, makeLamp(description));
+    }
+    this.lit = strongest.length > 0;
+    if (!sunny) {
+      this.direction.set(0.45, -0.55, 0.75).normalize();
+      this.sun.color.set(0xfff3e2);
+      // lamps light the world: the sun is left faint, for shape and shadows
+      this.sun.userData["energy"] = this.lit ? 0.35 : 0.95;
+    }
+    return strongest.slice(MOST_LAMPS).map((node) => node.name);
+  }
+
+  paint(theme: Theme, view: ViewDescription | null): void {
+    const dim = theme === "light" ? 1 : 0.8;
+    this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85;
+    const ambient = view?.ambient_color;
+    this.sky.color.set(theme === "light" ? 0xdfeeff : 0xb9cbe4);
+    this.sky.groundColor.set(theme === "light" ? 0xa39c92 : 0x5c5a58);
+    if (ambient) this.sky.color.lerp(new Color().setRGB(...ambient), 0.5);
+    this.sky.intensity = FULL * (this.lit ? 0.42 : 0.5) * dim;
+  }
+
+  /** Let shadows fall around the point that is looked at; in steps, so that their edges stay still. */
+  follow(target: Vector3, distance: number): void {
+    const half = Math.min(SHADOWS * 3, Math.max(SHADOWS / 3, distance * 1.4));
+    const size = 2 ** Math.ceil(Math.log2(half));
+    const shadow = this.sun.shadow.camera;
+    if (shadow.right !== size) {
+      shadow.left = shadow.bottom = -size;
+      shadow.right = shadow.top = size;
+      shadow.near = 1;
+      shadow.far = 8 * size + 60;
+      shadow.updateProjectionMatrix();
+    }
+    const step = size / 8;
+    const snapped = this.sun.target.position;
+    snapped.set(Math.round(target.x / step) * step, Math.round(target.y / step) * step, Math.round(target.z / step) * step);
+    this.sun.position.copy(snapped).addScaledVector(this.direction, 4 * size + 30);
+  }
+
+  private add(frame: Object3D, lamp: Light): void {
+    frame.add(lamp);
+    this.lamps.push(lamp);
+    if (lamp instanceof SpotLight || lamp instanceof DirectionalLight) {
+      lamp.position.set(0, 0, 0);
+      lamp.target.position.set(0, 0, -1);
+      frame.add(lamp.target);
+      this.lamps.push(lamp.target);
+    }
+  }
+}
+
+function makeLamp(description: LightDescription): Light {
+  const color = new Color().setRGB(...description.color);
+  const { energy, distance } = description;
+  if (description.type === "SUN") return new DirectionalLight(color, FULL * energy);
+  if (description.type === "HEMI") return new HemisphereLight(color, 0x404040, FULL * energy * 0.5);
+  const intensity = FULL * energy * 0.5 * distance ** DECAY;
+  if (description.type !== "SPOT") return new PointLight(color, intensity, 0, DECAY);
+  const spot = new SpotLight(color, intensity, 0, Math.min(description.spot_size / 2, 1.5), 0.3, DECAY);
+  spot.castShadow = description.casts_shadow;
+  spot.shadow.mapSize.set(1024, 1024);
+  spot.shadow.bias = -0.0005;
+  spot.shadow.radius = 3;
+  return spot;
+}

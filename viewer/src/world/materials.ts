@@ -1,0 +1,72 @@
+import type { Material, Texture } from "three";
+import { DoubleSide, FrontSide, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, TextureLoader } from "three";
+import type { MaterialDescription } from "../generated/protocol";
+
+type Rgba = [number, number, number, number];
+
+/** The materials of one world, made when first used. */
+export class MaterialStore {
+  private readonly made = new Map<string, Material>();
+  private readonly textures = new Map<string, Texture>();
+  private readonly loader = new TextureLoader();
+
+  constructor(
+    private readonly described: MaterialDescription[],
+    private readonly wireframe: boolean,
+    private readonly anisotropy: number,
+    private readonly onLoad: () => void,
+  ) {}
+
+  /** A material; the colour, where one is given, replaces its own. */
+  get(index: number, color: Rgba | null): Material {
+    const key = `${index}/${color?.join() ?? ""}`;
+    let material = this.made.get(key);
+    if (!material) {
+      const description = this.described[index];
+      if (!description) throw new Error(`the world has no material ${index}`);
+      material = this.make(description, color ?? description.color);
+      this.made.set(key, material);
+    }
+    return material;
+  }
+
+  private make(description: MaterialDescription, [r, g, b, alpha]: Rgba): Material {
+    const map = description.image === null ? null : this.texture(description.image);
+    const common = {
+      map,
+      side: description.double_sided ? DoubleSide : FrontSide,
+      transparent: alpha < 1,
+      opacity: alpha,
+      depthWrite: alpha >= 0.99,
+      wireframe: this.wireframe,
+      // shadows of thin walls: what faces the light casts them
+      shadowSide: description.double_sided ? DoubleSide : FrontSide,
+    };
+    if (description.shadeless) {
+      const material = new MeshBasicMaterial(common);
+      material.color.setRGB(r, g, b);
+      return material;
+    }
+    const material = new MeshStandardMaterial({ ...common, metalness: description.metallic, roughness: description.roughness });
+    material.color.setRGB(r, g, b);
+    material.emissive.setRGB(...description.emission);
+    return material;
+  }
+
+  private texture(url: string): Texture {
+    let texture = this.textures.get(url);
+    if (!texture) {
+      texture = this.loader.load(url, this.onLoad, undefined, () => console.error(`the picture ${url} cannot be shown`));
+      texture.colorSpace = SRGBColorSpace;
+      texture.wrapS = texture.wrapT = RepeatWrapping;
+      texture.anisotropy = this.anisotropy;
+      this.textures.set(url, texture);
+    }
+    return texture;
+  }
+
+  dispose(): void {
+    for (const material of this.made.values()) material.dispose();
+    for (const texture of this.textures.values()) texture.dispose();
+  }
+}

@@ -1,0 +1,87 @@
+import type { Scene } from "three";
+import { BackSide, Color, Fog, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from "three";
+import type { ViewDescription } from "../generated/protocol";
+import type { Theme } from "../ui/theme";
+
+const SKIES: Record<Theme, { horizon: number; zenith: number; nadir: number }> = {
+  light: { horizon: 0xe9f0f5, zenith: 0x7eaedb, nadir: 0xb9c0c6 },
+  dark: { horizon: 0x39454f, zenith: 0x0d141d, nadir: 0x1d2329 },
+};
+
+const vertex = /* glsl */ `
+varying vec3 direction;
+void main() {
+  direction = (modelMatrix * vec4(position, 0.0)).xyz;
+  gl_Position = (projectionMatrix * modelViewMatrix * vec4(position, 1.0)).xyww;
+}`;
+
+const fragment = /* glsl */ `
+uniform vec3 horizon, zenith, nadir, sun, glow;
+varying vec3 direction;
+void main() {
+  vec3 d = normalize(direction);
+  float up = max(d.z, 0.0), down = max(-d.z, 0.0);
+  vec3 color = mix(horizon, zenith, 1.0 - pow(1.0 - up, 2.6));
+  color = mix(color, nadir, 1.0 - pow(1.0 - min(down * 3.0, 1.0), 2.0));
+  float near = max(dot(d, sun), 0.0);
+  color += glow * (0.22 * pow(near, 12.0) + 0.5 * pow(near, 400.0));
+  gl_FragColor = vec4(color, 1.0);
+  #include <tonemapping_fragment>
+  #include <colorspace_fragment>
+}`;
+
+/** The sky: a soft gradient from the horizon up, with the mist that hides what is far. */
+export class Sky {
+  private readonly uniforms = {
+    horizon: { value: new Color() },
+    zenith: { value: new Color() },
+    nadir: { value: new Color() },
+    glow: { value: new Color() },
+    sun: { value: new Vector3(0, 0, 1) },
+  };
+  private readonly dome: Mesh;
+
+  constructor(private readonly scene: Scene) {
+    const material = new ShaderMaterial({
+      uniforms: this.uniforms,
+      vertexShader: vertex,
+      fragmentShader: fragment,
+      side: BackSide,
+      depthWrite: false,
+      fog: false,
+    });
+    this.dome = new Mesh(new SphereGeometry(1, 32, 24), material);
+    this.dome.frustumCulled = false;
+    this.dome.renderOrder = -1;
+    this.dome.onBeforeRender = (_renderer, _scene, camera) => {
+      this.dome.position.setFromMatrixPosition(camera.matrixWorld);
+      this.dome.updateMatrixWorld();
+      this.dome.modelViewMatrix.multiplyMatrices(camera.matrixWorldInverse, this.dome.matrixWorld);
+    };
+    scene.add(this.dome);
+  }
+
+  get horizon(): Color {
+    return this.uniforms.horizon.value;
+  }
+
+  /** Colours of the theme, or those that the script asked for. */
+  paint(theme: Theme, view: ViewDescription | null, towardsSun: Vector3): void {
+    const { horizon, zenith, nadir, glow, sun } = this.uniforms;
+    const asked = view?.horizon_color;
+    if (asked) {
+      horizon.value.setRGB(...asked);
+      zenith.value.copy(horizon.value).multiplyScalar(0.55);
+      nadir.value.copy(horizon.value).multiplyScalar(0.7);
+    } else {
+      horizon.value.set(SKIES[theme].horizon);
+      zenith.value.set(SKIES[theme].zenith);
+      nadir.value.set(SKIES[theme].nadir);
+    }
+    glow.value.set(theme === "light" ? 0xfff1d6 : 0x3a4a5c);
+    if (asked) glow.value.multiplyScalar(0.3);
+    sun.value.copy(towardsSun);
+    const mist = view?.mist;
+    this.scene.fog = mist ? new Fog(horizon.value, mist.start, mist.start + mist.depth) : null;
+  }
+}

@@ -1,0 +1,171 @@
+import type { BufferGeometry, Material } from "three";
+import { Box3, Group, Mesh, Sphere, Vector3 } from "three";
+import type { PoseFrame } from "../connection/frames";
+import type { Appearance, SceneDescription } from "../generated/protocol";
+import { Batch } from "./batches";
+import { GeometryStore } from "./geometry";
+import { MaterialStore } from "./materials";
+import { WorldNode } from "./node";
+
+/** So many nodes of one look are drawn as a batch. */
+const BATCH_FROM = 4;
+
+const geometries = new GeometryStore();
+
+/** A world as described, at the poses that came last. */
+export class World {
+  readonly root = new Group();
+  readonly nodes: WorldNode[] = [];
+  private readonly names = new Map<string, WorldNode>();
+  private readonly moving: WorldNode[];
+  private readonly batches = new Map<WorldNode, Batch>();
+
+  static async load(description: SceneDescription, anisotropy: number, onChange: () => void): Promise<World> {
+    const meshes = await geometries.load(description.meshes);
+    const materials = new MaterialStore(description.materials, description.view.wireframe, anisotropy, onChange);
+    return new World(description, meshes, materials);
+  }
+
+  private constructor(
+    readonly description: SceneDescription,
+    private readonly meshes: BufferGeometry[],
+    private readonly materials: MaterialStore,
+  ) {
+    description.nodes.forEach((described, index) => {
+      const parent = described.parent < 0 ? null : (this.nodes[described.parent] ?? null);
+      const node = new WorldNode(index, described, parent);
+      node.moves = described.frame !== "" || (parent?.moves ?? false);
+      this.nodes.push(node);
+      this.names.set(described.name, node);
+      // poses in the world frame: whatever it hangs under in the tree
+      (parent && described.frame !== "world" ? parent.frame : this.root).add(node.frame);
+    });
+    this.moving = description.moving.map((index) => this.nodes[index] as WorldNode);
+    this.placeMovers();
+    this.draw();
+  }
+
+  find(name: string): WorldNode | null {
+    return this.names.get(name) ?? null;
+  }
+
+  /** Take over poses; false if they belong to another world. */
+  apply({ revision, poses }: PoseFrame): boolean {
+    if (revision !== this.description.revision) return false;
+    this.moving.forEach(({ frame }, i) => {
+      const at = i * 7;
+      frame.position.fromArray(poses, at);
+      frame.quaternion.set(poses[at + 4] as number, poses[at + 5] as number, poses[at + 6] as number, poses[at + 3] as number);
+    });
+    this.update(false);
+    return true;
+  }
+
+  /** A node is hidden, shown or recoloured. */
+  change({ node: name, visible, color }: Appearance): void {
+    const node = this.find(name);
+    if (!node) return;
+    node.visible = visible;
+    if (node.color?.join() !== color?.join()) {
+      node.color = color;
+      this.batches.get(node)?.leave(node);
+      this.batches.delete(node);
+      node.drawn?.removeFromParent();
+      this.drawAlone(node);
+    }
+    if (node.drawn) node.drawn.visible = visible;
+    this.batches.get(node)?.update(true);
+  }
+
+  /** A sphere around all that is drawn. */
+  bounds(): Sphere {
+    const box = new Box3();
+    const part = new Box3();
+    for (const node of this.nodes) {
+      const mesh = this.meshes[node.description.mesh];
+      if (!mesh?.boundingBox || !node.visible) continue;
+      box.union(part.copy(mesh.boundingBox).applyMatrix4(node.stretch).applyMatrix4(node.frame.matrixWorld));
+    }
+    return box.isEmpty() ? new Sphere(new Vector3(), 5) : box.getBoundingSphere(new Sphere());
+  }
+
+  /** A sphere around a node and what belongs to it. */
+  boundsOf(node: WorldNode): Sphere {
+    const box = new Box3();
+    const part = new Box3();
+    for (const below of node.walk()) {
+      const mesh = this.meshes[below.description.mesh];
+      if (!mesh?.boundingBox || !below.visible) continue;
+      box.union(part.copy(mesh.boundingBox).applyMatrix4(below.stretch).applyMatrix4(below.frame.matrixWorld));
+    }
+    if (box.isEmpty()) return new Sphere(node.frame.getWorldPosition(new Vector3()), 0.5);
+    return box.getBoundingSphere(new Sphere());
+  }
+
+  dispose(): void {
+    this.root.removeFromParent();
+    for (const batch of new Set(this.batches.values())) batch.mesh.dispose();
+    this.materials.dispose();
+  }
+
+  /** Poses in the world frame before the first snapshot: from the pose in the parent's frame. */
+  private placeMovers(): void {
+    for (const node of this.nodes) {
+      if (node.description.frame !== "world" || !node.parent) continue;
+      node.parent.frame.updateWorldMatrix(true, false);
+      node.frame.applyMatrix4(node.parent.frame.matrixWorld);
+    }
+    this.root.updateMatrixWorld(true);
+  }
+
+  private draw(): void {
+    const alike = new Map<string, WorldNode[]>();
+    for (const node of this.nodes) {
+      const { mesh, materials, color } = node.description;
+      if (mesh < 0) continue;
+      // a mirrored mesh turns its triangles round: a batch cannot hold both kinds
+      const key = node.stretch.determinant() < 0 ? `${node.index}` : `${mesh}/${materials.join()}/${color?.join() ?? ""}`;
+      const group = alike.get(key);
+      if (group) group.push(node);
+      else alike.set(key, [node]);
+    }
+    for (const group of alike.values()) {
+      if (group.length < BATCH_FROM) group.forEach((node) => this.drawAlone(node));
+      else this.drawBatch(group);
+    }
+    this.update(true);
+  }
+
+  private look(node: WorldNode): { geometry: BufferGeometry; materials: Material[] } | null {
+    const geometry = this.meshes[node.description.mesh];
+    if (!geometry) return null;
+    return { geometry, materials: node.description.materials.map((index) => this.materials.get(index, node.color)) };
+  }
+
+  private drawAlone(node: WorldNode): void {
+    const look = this.look(node);
+    if (!look) return;
+    const mesh = new Mesh(look.geometry, look.materials.length === 1 ? (look.materials[0] as Material) : look.materials);
+    mesh.matrixAutoUpdate = false;
+    mesh.matrix.copy(node.stretch);
+    mesh.castShadow = mesh.receiveShadow = true;
+    mesh.visible = node.visible;
+    mesh.userData["node"] = node;
+    node.drawn = mesh;
+    node.frame.add(mesh);
+    mesh.updateMatrixWorld(true);
+  }
+
+  private drawBatch(group: WorldNode[]): void {
+    const look = this.look(group[0] as WorldNode);
+    if (!look) return;
+    const batch = new Batch(look.geometry, look.materials, group);
+    for (const node of group) this.batches.set(node, batch);
+    this.root.add(batch.mesh);
+  }
+
+  private update(all: boolean): void {
+    this.root.updateMatrixWorld();
+    for (const batch of new Set(this.batches.values())) batch.update(all);
+  }
+}
