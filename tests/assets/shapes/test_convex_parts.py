@@ -178,13 +178,25 @@ def test_terrain_beyond_the_limit_is_coarser_and_says_so():
     assert 1 < len(parts) <= 1000
     (said,) = warnings
     assert "1000" in said
-    assert "off by up to" in said
+    assert "error of up to" in said
     solid = Solid(parts)
     for corner in vertices[::371]:
         assert not solid.is_solid(above(corner, 0.3))
         assert solid.clearance(corner) < 0.3
     for corner in vertices[[0, 59, -60, -1]]:
         assert solid.clearance(corner) < 0.01
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3, 5, 8, 13, 21, 34, 55, 89])
+def test_every_limit_is_kept(limit):
+    tube = cylinder(0.01, 2.0, 24)
+    tube = tube[0], tube[1][44:]
+    for mesh in (L_SHAPE, room(), hills(12), tube, joined(tube, hills(5), L_SHAPE)):
+        warnings = []
+        parts = convex_parts(*mesh, limit=limit, warnings=warnings)
+        assert 1 <= len(parts) <= limit
+        Solid(parts)
+        assert warnings or len(parts) == len(convex_parts(*mesh))
 
 
 def test_beyond_all_limits_the_hull_is_left():
@@ -201,7 +213,7 @@ def test_many_small_pieces_are_grouped():
         warnings = []
         parts = convex_parts(*joined(*boxes), limit=limit, warnings=warnings)
         assert len(parts) <= limit
-        assert "small pieces" in warnings[0]
+        assert "wrapped in hulls" in warnings[-1]
         solid = Solid(parts)
         assert all(solid.is_solid((x, y, 0)) for x in range(20) for y in range(5))
     assert len(convex_parts(*joined(*boxes), limit=100)) == 100

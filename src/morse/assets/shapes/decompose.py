@@ -10,6 +10,7 @@ import numpy as np
 from morse.assets.shapes.coarsen import coarsened
 from morse.assets.shapes.convexity import hull_part, is_convex
 from morse.assets.shapes.detect import primitive_of
+from morse.assets.shapes.losses import Losses
 from morse.assets.shapes.patches import Flatness, flat_patches
 from morse.assets.shapes.plates import plates
 from morse.assets.shapes.surface import Surface, clean_surface, components
@@ -53,9 +54,8 @@ def convex_parts(
     """
     if limit < 1:
         raise ValueError(f"convex_parts needs a limit of at least 1, given {limit}")
-    said = [] if warnings is None else warnings
     surface = clean_surface(vertices, triangles)
-    pieces = [surface.part(piece) for piece in components(surface)] if len(surface.triangles) else []
+    pieces = [surface.part(piece) for piece in components(surface)]
     pieces = [piece for piece in pieces if piece.areas.any()]
     if not pieces:
         return []
@@ -64,15 +64,19 @@ def convex_parts(
     groups = min(len(rest), limit - len(alone))
     hollow = _hollow(pieces)
     parts: list[Part] = []
+    losses = Losses()
     for index, piece in enumerate(alone):
         budget = limit - len(parts) - groups - (len(alone) - index - 1)
-        parts += _parts_of(piece, budget, hollow[index], said)
+        parts += _parts_of(piece, budget, hollow[index], losses)
     if rest:
-        parts += _hulls_of_groups(rest, groups, said)
+        losses.grouped = [piece.diagonal for piece in rest]
+        parts += _hulls_of_groups(rest, groups)
+    if warnings is not None:
+        warnings += losses.told(limit)
     return parts
 
 
-def _parts_of(piece: Surface, budget: int, hollow: bool, warnings: list[str]) -> list[Part]:
+def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list[Part]:
     if not hollow:
         primitive = primitive_of(piece)
         if primitive is not None:
@@ -89,16 +93,10 @@ def _parts_of(piece: Surface, budget: int, hollow: bool, warnings: list[str]) ->
     while cell < _COARSEST * size:
         made = _plates_of(coarsened(piece, cell), flatness, budget)
         if made:
-            warnings.append(
-                f"a piece {size:.3g} m across has too many faces for {budget} convex parts: "
-                f"its collision shape is off by up to {cell * math.sqrt(3.0):.2g} m"
-            )
+            losses.coarse.append((cell * math.sqrt(3.0), size))
             return made
         cell *= _COARSER
-    warnings.append(
-        f"a piece {size:.3g} m across needs more than {budget} convex parts: it collides as its convex hull, "
-        f"which fills its hollows. Give it fewer faces, or collision shapes of its own"
-    )
+    losses.hulls.append(size)
     return [hull_part(piece.vertices)]
 
 
@@ -118,12 +116,8 @@ def _hollow(pieces: list[Surface]) -> list[bool]:
     return hollow.tolist()
 
 
-def _hulls_of_groups(pieces: list[Surface], groups: int, warnings: list[str]) -> list[Part]:
+def _hulls_of_groups(pieces: list[Surface], groups: int) -> list[Part]:
     """The convex hulls of so many groups of neighbouring pieces."""
-    warnings.append(
-        f"the mesh has {len(pieces)} small pieces (up to {pieces[0].diagonal:.3g} m) beyond the limit: "
-        f"they collide as the convex hulls of {groups} groups of neighbours"
-    )
     centres = np.array([piece.vertices.mean(axis=0) for piece in pieces])
     clusters = [np.arange(len(pieces))]
     while len(clusters) < groups:

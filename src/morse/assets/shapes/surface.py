@@ -169,6 +169,8 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
 
 def edge_neighbours(surface: Surface) -> Ints:
     """(T, 3) triangle across each edge, -1 at open edges; around an edge of more than two, the next one."""
+    if len(surface.triangles) == 0:
+        return np.empty((0, 3), dtype=np.int64)
     starts, ends = half_edges(surface.triangles)
     key = np.minimum(starts, ends) * len(surface.vertices) + np.maximum(starts, ends)
     order = np.argsort(key, kind="stable")

@@ -1,0 +1,41 @@
+"""What is said of meshes that collide less exactly than they look."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass(slots=True)
+class Losses:
+    """What became less exact than the mesh.
+
+    Attributes:
+        coarse: error and size of each piece that was made coarser, metres.
+        hulls: size of each piece that became its convex hull.
+        grouped: size of each piece that shares a hull with others, the largest first.
+    """
+
+    coarse: list[tuple[float, float]] = field(default_factory=list)
+    hulls: list[float] = field(default_factory=list)
+    grouped: list[float] = field(default_factory=list)
+
+    def told(self, limit: int) -> list[str]:
+        """A sentence for the user, if anything was lost to the limit of parts."""
+        said = []
+        if self.coarse:
+            error, size = max(self.coarse)
+            said.append(f"{_pieces(self.coarse, size)} made coarser, with an error of up to {error:.2g} m")
+        if self.hulls:
+            said.append(f"{_pieces(self.hulls, max(self.hulls))} replaced by the convex hull, which fills hollows")
+        if self.grouped:
+            said.append(f"{_pieces(self.grouped, self.grouped[0])} wrapped in hulls together with neighbours")
+        if not said:
+            return []
+        return [
+            f"the mesh has too many faces for {limit} convex parts: {'; '.join(said)}. "
+            f"Give it collision shapes of its own, or fewer faces"
+        ]
+
+
+def _pieces(sizes: list[float] | list[tuple[float, float]], size: float) -> str:
+    return f"a piece {size:.3g} m across was" if len(sizes) == 1 else f"{len(sizes)} pieces of up to {size:.3g} m were"
