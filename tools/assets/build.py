@@ -29,7 +29,17 @@ def blender(script: str, *arguments: str) -> None:
     program = os.environ.get("MORSE_BLENDER") or shutil.which("blender")
     if program is None:
         sys.exit("No Blender found: install Blender 3.4 or set MORSE_BLENDER to its path.")
-    command = [program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "--python", str(HERE / script), "--"]
+    command = [
+        program,
+        "-b",
+        "--factory-startup",
+        "-noaudio",
+        "--python-exit-code",
+        "3",
+        "--python",
+        str(HERE / script),
+        "--",
+    ]
     done = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(f"{done.stdout}{done.stderr}\n{script} {' '.join(arguments)} failed ({done.returncode})")

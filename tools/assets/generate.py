@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import bpy
+
 from mathutils import Euler
 
 HERE = Path(__file__).resolve().parent
@@ -56,7 +57,9 @@ def frame_views() -> None:
 
 def forget_home() -> None:
     """The file browsers of a new file stand in the home folder of whoever made it."""
-    spaces = (s for screen in bpy.data.screens for area in screen.areas for s in area.spaces if s.type == "FILE_BROWSER")
+    spaces = (
+        s for screen in bpy.data.screens for area in screen.areas for s in area.spaces if s.type == "FILE_BROWSER"
+    )
     for params in (space.params for space in spaces if space.params):
         params.directory = b"/" * 200  # a short path alone would leave the rest of the old one behind its end
         params.directory = b"//"

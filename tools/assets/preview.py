@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 
 import bpy
+
 from mathutils import Euler, Vector
 
 
@@ -34,7 +35,7 @@ def main() -> None:
     target = Vector(centre) if centre else (low + high) / 2
     camera.rotation_euler = Euler(((90.0 - elevation) * 0.0174533, 0.0, (90.0 + azimuth) * 0.0174533))
     away = camera.rotation_euler.to_matrix() @ Vector((0.0, 0.0, 1.0))
-    camera.location = target + away * (distance or 1.55 * (high - low).length)
+    camera.location = target + away * (distance or 1.9 * (high - low).length)
     camera.data.lens = 50.0
     camera.data.clip_end = 1000.0
     scene.camera = camera

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from common.colors import CORAL, CREAM, DEEP_TEAL, NAVY, RUBBER, STEEL, SUN, TEAL
+from common.colors import CORAL, CREAM, NAVY, RUBBER, STEEL, SUN, TEAL
 from common.materials import material
 from common.morse_code import length, signs
 from common.parts import Part, mirrored
@@ -18,7 +18,12 @@ def morsy_parts() -> list[Part]:
     coral = material("Coral", CORAL, 0.4)
     rubber = material("Rubber", RUBBER, 0.85)
     steel = material("Steel", STEEL, 0.3, 0.9)
-    return [*_torso(body, cream, coral), *_wheels(rubber, coral, cream), *_arms(body, cream), *_head(cream, coral, steel, rubber)]
+    return [
+        *_torso(body, cream, coral),
+        *_wheels(rubber, coral, cream),
+        *_arms(body, cream),
+        *_head(cream, coral, steel, rubber),
+    ]
 
 
 def _torso(body, cream, coral) -> list[Part]:
@@ -68,10 +73,38 @@ def _belt(radii, middle, z, cream, coral) -> list[Part]:
 def _wheels(rubber, coral, cream) -> list[Part]:
     radius, half = 0.27, 0.085
     tyre = lathe(
-        [(0.15, -half), (0.20, -half), (0.245, -0.07), (radius, -0.03), (radius, 0.03), (0.245, 0.07), (0.20, half), (0.15, half)], 40
+        [
+            (0.15, -half),
+            (0.20, -half),
+            (0.245, -0.07),
+            (radius, -0.03),
+            (radius, 0.03),
+            (0.245, 0.07),
+            (0.20, half),
+            (0.15, half),
+        ],
+        40,
     ).painted(rubber)
-    rim = lathe([(0.0, 0.07), (0.0, 0.07), (0.16, 0.07), (0.175, 0.078), (0.18, 0.088), (0.165, 0.096), (0.14, 0.09), (0.06, 0.085), (0.055, 0.11), (0.03, 0.118), (0, 0.12)][1:], 32).painted(cream)
-    hub = [cylinder(0.022, 0.02, 0.005, 12).moved(0.105 * np.cos(a), 0.105 * np.sin(a), 0.094).painted(coral) for a in np.arange(5) * 2 * np.pi / 5]
+    rim = lathe(
+        [
+            (0.0, 0.07),
+            (0.0, 0.07),
+            (0.16, 0.07),
+            (0.175, 0.078),
+            (0.18, 0.088),
+            (0.165, 0.096),
+            (0.14, 0.09),
+            (0.06, 0.085),
+            (0.055, 0.11),
+            (0.03, 0.118),
+            (0, 0.12),
+        ][1:],
+        32,
+    ).painted(cream)
+    hub = [
+        cylinder(0.022, 0.02, 0.005, 12).moved(0.105 * np.cos(a), 0.105 * np.sin(a), 0.094).painted(coral)
+        for a in np.arange(5) * 2 * np.pi / 5
+    ]
     left = [part.turned(x=-90).moved(y=0.44, z=radius) for part in (tyre, rim, *hub)]
     caster = sphere(0.09, 20, 10).moved(-0.24, 0, 0.09).painted(rubber)
     return [*mirrored(left), caster]
@@ -79,7 +112,11 @@ def _wheels(rubber, coral, cream) -> list[Part]:
 
 def _arms(body, cream) -> list[Part]:
     shoulder = sphere(0.085, 16, 8).moved(0.0, 0.37, 0.86).painted(cream)
-    arm = tube([(0.0, 0.40, 0.86), (0.03, 0.455, 0.80), (0.08, 0.475, 0.73), (0.14, 0.47, 0.68)], [0.06, 0.056, 0.052, 0.05], 12).painted(body)
+    arm = tube(
+        [(0.0, 0.40, 0.86), (0.03, 0.455, 0.80), (0.08, 0.475, 0.73), (0.14, 0.47, 0.68)],
+        [0.06, 0.056, 0.052, 0.05],
+        12,
+    ).painted(body)
     hand = ellipsoid(0.085, 0.07, 0.075, columns=16, rows=10).moved(0.19, 0.46, 0.66).painted(cream)
     thumb = tube([(0.2, 0.42, 0.69), (0.235, 0.39, 0.72)], [0.032, 0.026], 10).painted(cream)
     return mirrored([shoulder, arm, hand, thumb])
@@ -100,13 +137,25 @@ def _head(cream, coral, steel, rubber) -> list[Part]:
     for side in (1, -1):
         parts += [
             ellipsoid(0.014, 0.075, 0.105, columns=20, rows=8).moved(face, side * 0.15, z + 0.035).painted(eye),
-            ellipsoid(0.010, 0.022, 0.028, columns=12, rows=6).moved(face + 0.008, side * 0.15 + 0.028, z + 0.085).painted(gleam),
-            ellipsoid(0.010, 0.042, 0.024, columns=12, rows=6).moved(face - 0.002, side * 0.25, z - 0.105).painted(cheek),
+            ellipsoid(0.010, 0.022, 0.028, columns=12, rows=6)
+            .moved(face + 0.008, side * 0.15 + 0.028, z + 0.085)
+            .painted(gleam),
+            ellipsoid(0.010, 0.042, 0.024, columns=12, rows=6)
+            .moved(face - 0.002, side * 0.25, z - 0.105)
+            .painted(cheek),
         ]
     smile = [(face + 0.001, 0.085 * np.sin(a), z - 0.085 - 0.055 * np.cos(a)) for a in np.linspace(-1.15, 1.15, 13)]
     parts.append(tube(smile, 0.0125, 8).painted(eye))
     # headphones of a telegraphist
-    cup = lathe([(0, 0), (0.165, 0.0), (0.18, 0.02), (0.18, 0.05), (0.16, 0.075), (0.09, 0.085), (0.085, 0.095), (0, 0.1)], 32).turned(x=-90).moved(0.0, 0.42, z).painted(coral)
+    cup = (
+        lathe(
+            [(0, 0), (0.165, 0.0), (0.18, 0.02), (0.18, 0.05), (0.16, 0.075), (0.09, 0.085), (0.085, 0.095), (0, 0.1)],
+            32,
+        )
+        .turned(x=-90)
+        .moved(0.0, 0.42, z)
+        .painted(coral)
+    )
     pad = torus(0.145, 0.04, 28, 8).turned(x=90).moved(0.0, 0.405, z).painted(rubber)
     parts += mirrored([cup, pad])
     band = [(0.0, 0.47 * np.sin(a), z + 0.335 * np.cos(a)) for a in np.linspace(-1.45, 1.45, 19)]

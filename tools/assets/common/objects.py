@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+
 from common.colors import linear
 from common.parts import fitted
 from common.shapes import box, cylinder
-from mathutils import Matrix
+from mathutils import Euler, Vector
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +34,9 @@ def empty(name: str, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: ob
     return _place(result, at, turned, **options)
 
 
-def solid(name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object) -> bpy.types.Object:
+def solid(
+    name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
     """A visible object; the parts are given in its own frame."""
     mesh = bpy.data.meshes.new(name)
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
@@ -54,7 +57,9 @@ def solid(name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple 
     return _place(bpy.data.objects.new(name, mesh), at, turned, **options)
 
 
-def hidden_shape(name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object) -> bpy.types.Object:
+def hidden_shape(
+    name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
     """A collision shape that nobody sees: Blender shows its edges, renderers and viewers leave it out."""
     result = solid(name, parts, at, turned, **options)
     result.hide_render = True
@@ -63,20 +68,40 @@ def hidden_shape(name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: 
     return result
 
 
-def hidden_box(name: str, size: Triple, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object) -> bpy.types.Object:
+def hidden_box(
+    name: str, size: Triple, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
     return hidden_shape(name, [box(*size)], at, turned, **{"collision": "box", **options})
 
 
-def hidden_cylinder(name: str, radius: float, height: float, at: Triple = ORIGIN, **options: object) -> bpy.types.Object:
+def hidden_cylinder(
+    name: str, radius: float, height: float, at: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
     return hidden_shape(name, [cylinder(radius, height)], at, **{"collision": "cylinder", **options})
 
 
-def exact(name: str, parts: Sequence[Part], size: Triple, centre: Triple, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object) -> bpy.types.Object:
+def exact(
+    name: str,
+    parts: Sequence[Part],
+    size: Triple,
+    centre: Triple,
+    at: Triple = ORIGIN,
+    turned: Triple = ORIGIN,
+    **options: object,
+) -> bpy.types.Object:
     """A visible object stretched to the given bounding box in its own frame."""
     return solid(name, fitted(parts, size, centre), at, turned, **options)
 
 
-def lamp(name: str, kind: str, energy: float, at: Triple, turned: Triple = ORIGIN, color: str = "#ffffff", shadow: bool = True) -> bpy.types.Object:
+def lamp(
+    name: str,
+    kind: str,
+    energy: float,
+    at: Triple,
+    turned: Triple = ORIGIN,
+    color: str = "#ffffff",
+    shadow: bool = True,
+) -> bpy.types.Object:
     """A light that shines along its -Z axis; energy in W (SUN: W/m^2)."""
     data = bpy.data.lights.new(name, kind)
     data.energy = energy
@@ -107,10 +132,13 @@ def _place(
     home.objects.link(result)
     result.location, result.rotation_euler = at, turned
     if parent is not None:
-        world = Matrix.LocRotScale(result.location, result.rotation_euler, None)
         result.parent = parent
         bpy.context.view_layer.update()
-        result.matrix_local = parent.matrix_world.inverted() @ world
+        inside = parent.matrix_world.inverted()
+        result.location = inside @ Vector(at)
+        turn = inside.to_3x3()
+        if not turn.is_identity:  # else the angles stay as they are, also where others mean the same rotation
+            result.rotation_euler = (turn @ Euler(turned).to_matrix()).to_euler()
     for key, value in properties.items():
         result[key] = value
     return result

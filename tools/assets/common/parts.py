@@ -107,3 +107,9 @@ def fitted(parts: Sequence[Part], size: Sequence[float], centre: Sequence[float]
 def mirrored(parts: Sequence[Part]) -> list[Part]:
     """The parts and their mirror images on the other side (left and right)."""
     return [*parts, *(part.scaled(1, -1, 1) for part in parts)]
+
+
+def in_frame_of(parts: Sequence[Part], turned: Sequence[float]) -> list[Part]:
+    """Parts that were built along the world's axes, in the frame of an object with this Euler XYZ rotation (rad)."""
+    frame = rotation(*np.degrees(turned))
+    return [replace(part, vertices=part.vertices @ frame) for part in parts]

@@ -1,9 +1,9 @@
-"""The floor of the sandbox and what stands around it; the floor is 18 m square, the rim ends 10.45 m from the middle."""
+"""The floor of the sandbox, 18 m square, and what stands around it; its rim ends 10.45 m from the middle."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from common.shapes import box, ellipsoid, lathe, pill, prism, rectangle, rounded
 
 if TYPE_CHECKING:
     import bpy
+
     from common.wood import Carpenter
 
 FLOOR, INNER, OUTER, TOP, BOTTOM = -0.002, 9.0, 10.45, 0.4995, -0.505
@@ -46,7 +47,8 @@ def floor(paints: Paints) -> list[Part]:
     tile = rectangle(size, size).stretched_over((0, 1))
     places = list(product(range(TILES), repeat=2))
     return [
-        tile.moved((i + 0.5) * size - INNER, (j + 0.5) * size - INNER, FLOOR).painted(paints.tiles[(i + j) % 2]) for i, j in places
+        tile.moved((i + 0.5) * size - INNER, (j + 0.5) * size - INNER, FLOOR).painted(paints.tiles[(i + j) % 2])
+        for i, j in places
     ]
 
 
@@ -88,16 +90,27 @@ def rim(paints: Paints, saw: Carpenter) -> list[Part]:
         for k, number in product(range(3), range(6)):
             width = 2 * INNER / 6
             at = (number + 0.5) * width - INNER
-            side.append(saw.board(width - 0.01, 0.03, wall - 0.008, paints.deck).moved(at, INNER + 0.015, FLOOR + (k + 0.5) * wall))
+            side.append(
+                saw.board(width - 0.01, 0.03, wall - 0.008, paints.deck).moved(
+                    at, INNER + 0.015, FLOOR + (k + 0.5) * wall
+                )
+            )
         bench = np.linspace(-INNER, INNER, 7)
-        for a, b in zip(bench[:-1], bench[1:], strict=True):
+        for a, b in pairwise(bench):
             for row in range(2):
                 y = INNER + 0.09 + 0.19 * row
-                side.append(saw.board(b - a - 0.012, 0.178, 0.035, paints.deck).moved((a + b) / 2, y - 0.02, TOP - 0.017))
+                side.append(
+                    saw.board(b - a - 0.012, 0.178, 0.035, paints.deck).moved((a + b) / 2, y - 0.02, TOP - 0.017)
+                )
         edge = INNER + 0.36
         grass = sheet([(-edge, edge), (edge, edge), (OUTER, OUTER), (-OUTER, OUTER)]).moved(z=TOP - 0.02)
         side.append(Part(grass.vertices, [grass.faces[0]], smooth=False).mapped(2.5).painted(paints.grass))
-        skirt = rectangle(2 * OUTER, TOP - 0.02 - BOTTOM).turned(x=90).turned(z=180).moved(0, OUTER, (TOP - 0.02 + BOTTOM) / 2)
+        skirt = (
+            rectangle(2 * OUTER, TOP - 0.02 - BOTTOM)
+            .turned(x=90)
+            .turned(z=180)
+            .moved(0, OUTER, (TOP - 0.02 + BOTTOM) / 2)
+        )
         side.append(skirt.mapped(2.0).painted(paints.soil))
         parts += [p.turned(z=turn) for p in side]
     underside = rectangle(2 * OUTER, 2 * OUTER).turned(x=180).moved(z=BOTTOM)
@@ -111,9 +124,17 @@ def garden(paints: Paints) -> list[Part]:
     for sx, sy in product((1, -1), repeat=2):
         for k in range(6):
             along, size = random.uniform(0.35, 1.15), random.uniform(0.14, 0.26)
-            x, y = (9.75 + random.uniform(0, 0.5), 8.95 + along) if k % 2 else (8.95 + along, 9.75 + random.uniform(0, 0.5))
+            x, y = (
+                (9.75 + random.uniform(0, 0.5), 8.95 + along)
+                if k % 2
+                else (8.95 + along, 9.75 + random.uniform(0, 0.5))
+            )
             bush = ellipsoid(size, size, size * 0.85, columns=10, rows=6).flat()
-            parts.append(bush.turned(z=random.uniform(0, 90)).moved(sx * x, sy * y, TOP + size * 0.45).painted(paints.bush[k % 2]))
+            parts.append(
+                bush.turned(z=random.uniform(0, 90))
+                .moved(sx * x, sy * y, TOP + size * 0.45)
+                .painted(paints.bush[k % 2])
+            )
     colors = [paints.marks[name] for name in ("coral", "sun", "cream", "sky")]
     for turn, number in product((0, 90, 180, 270), range(14)):
         x, y = random.uniform(-8.8, 8.8), random.uniform(9.5, 9.95)
@@ -130,9 +151,21 @@ def lanterns(paints: Paints) -> list[Part]:
     pennants = [paints.marks[name] for name in ("coral", "sun", "teal", "cream")]
     for turn in (0, 90, 180, 270):
         post = [
-            lathe([(0, TOP - 0.03), (0.13, TOP - 0.03), (0.13, TOP + 0.22), (0.07, TOP + 0.3), (0.055, height), (0, height)], 16).painted(paints.post),
+            lathe(
+                [
+                    (0, TOP - 0.03),
+                    (0.13, TOP - 0.03),
+                    (0.13, TOP + 0.22),
+                    (0.07, TOP + 0.3),
+                    (0.055, height),
+                    (0, height),
+                ],
+                16,
+            ).painted(paints.post),
             sphere(0.16, 16, 10).moved(z=height + 0.1).painted(paints.bulb),
-            lathe([(0, 0), (0.1, 0.0), (0.1, 0.05), (0.07, 0.07), (0, 0.07)], 16).moved(z=height - 0.07).painted(paints.post),
+            lathe([(0, 0), (0.1, 0.0), (0.1, 0.05), (0.07, 0.07), (0, 0.07)], 16)
+            .moved(z=height - 0.07)
+            .painted(paints.post),
             lathe([(0, 0), (0.15, 0.0), (0.09, 0.05), (0, 0.07)], 16).moved(z=height + 0.225).painted(paints.post),
         ]
         parts += [p.moved(corner, corner).turned(z=turn) for p in post]
@@ -140,7 +173,9 @@ def lanterns(paints: Paints) -> list[Part]:
         cord = [tube(string, 0.012, 4, round_ends=False).painted(paints.wire)]
         for number, (x, _, z) in enumerate(string[1:-1]):
             if number % 4 == 1:
-                cord.append(ellipsoid(0.06, 0.06, 0.075, columns=10, rows=6).moved(x, 0, z - 0.085).painted(paints.bulb))
+                cord.append(
+                    ellipsoid(0.06, 0.06, 0.075, columns=10, rows=6).moved(x, 0, z - 0.085).painted(paints.bulb)
+                )
             elif number % 4 == 3:
                 flag = prism([(-0.2, 0.0), (0.0, -0.42), (0.2, 0.0)], 0.008).turned(x=90)
                 cord.append(flag.moved(x, 0, z - 0.01).painted(pennants[number // 4 % 4]))
@@ -160,5 +195,8 @@ def fence(paint: bpy.types.Material) -> list[Part]:
     for y in np.linspace(-length / 2 + 0.06, length / 2 - 0.06, count):
         tip = [(-0.05, 0.0), (0.05, 0.0), (0.05, height - 0.06), (0.0, height), (-0.05, height - 0.06)]
         parts.append(prism(tip, 0.025).turned(x=90, z=90).moved(-0.01, y))
-    parts += [box(0.08, 0.11, height * 0.93, 0.012).moved(0, y, height * 0.465) for y in np.linspace(-length / 2 + 0.06, length / 2 - 0.06, 9)]
+    parts += [
+        box(0.08, 0.11, height * 0.93, 0.012).moved(0, y, height * 0.465)
+        for y in np.linspace(-length / 2 + 0.06, length / 2 - 0.06, 9)
+    ]
     return [p.painted(paint) for p in parts]

@@ -80,3 +80,19 @@ def hello() -> np.ndarray:
     write_centred(picture, "HELLO", 352, srgb(DEEP_TEAL), 8)
     write_centred(picture, "ROBOT!", 430, srgb(DEEP_TEAL), 6)
     return picture
+
+
+def plate(text: str) -> np.ndarray:
+    """A name plate, twice as wide as high, with the name in letters and in Morse code."""
+    picture = np.broadcast_to(srgb(CREAM), (128, 160, 3)).copy()
+    picture[:8] = picture[-8:] = srgb(CORAL)
+    write_centred(picture, text, 36, srgb(NAVY), 4)
+    signs = "  ".join(CODE[letter] for letter in text)
+    width = sum({"-": 6, ".": 2, " ": 2}[sign] + 1 for sign in signs)
+    start = (160 - width) // 2
+    for sign in signs:
+        length = {"-": 6, ".": 2, " ": 2}[sign]
+        if sign != " ":
+            picture[84:90, start : start + length] = srgb(CORAL)
+        start += length + 1
+    return picture

@@ -26,7 +26,11 @@ def box(x: float, y: float, z: float, chamfer: float = 0.0) -> Part:
     # three vertices at each corner, one on every face that meets there
     corners = list(product((0, 1), repeat=3))
     vertices = np.array(
-        [[(2 * c[i] - 1) * (half[i] - (0 if i == axis else chamfer)) for i in range(3)] for c in corners for axis in range(3)]
+        [
+            [(2 * c[i] - 1) * (half[i] - (0 if i == axis else chamfer)) for i in range(3)]
+            for c in corners
+            for axis in range(3)
+        ]
     )
 
     def at(axis: int, corner: Sequence[int]) -> int:
@@ -40,7 +44,9 @@ def box(x: float, y: float, z: float, chamfer: float = 0.0) -> Part:
             faces.append(tuple(at(axis, [k[0], k[1], k[2]]) for k in ring))
         for i, j in product((0, 1), repeat=2):  # the edge along this axis
             ends = [{axis: e, b: i, c: j} for e in (0, 1)]
-            faces.append(tuple(at(a, [k[0], k[1], k[2]]) for a, k in ((b, ends[0]), (b, ends[1]), (c, ends[1]), (c, ends[0]))))
+            faces.append(
+                tuple(at(a, [k[0], k[1], k[2]]) for a, k in ((b, ends[0]), (b, ends[1]), (c, ends[1]), (c, ends[0])))
+            )
     return Part(vertices, _outward(vertices, faces), smooth=False)
 
 
@@ -50,7 +56,10 @@ def rounded_box(x: float, y: float, z: float, radius: float, segments: int = 3) 
     inner = np.maximum(half - radius, 0.0)
     bevel = np.tan(np.linspace(np.pi / 4, 0.0, segments + 1))
     support = min(radius / 2, inner[inner > 0].min() / 2) if (inner > 0).any() else 0.0
-    ticks = [[(-i, -t) for t in bevel] + [(-i + support, 0.0), (i - support, 0.0)] + [(i, t) for t in bevel[::-1]] for i in inner]
+    ticks = [
+        [(-i, -t) for t in bevel] + [(-i + support, 0.0), (i - support, 0.0)] + [(i, t) for t in bevel[::-1]]
+        for i in inner
+    ]
     vertices: list[np.ndarray] = []
     faces: list[tuple[int, ...]] = []
     for axis, side in product(range(3), (-1, 1)):
@@ -147,7 +156,9 @@ def torus(radius: float, thickness: float, columns: int = 32, rows: int = 12) ->
     return Part(part.vertices, [face[::-1] for face in part.faces])
 
 
-def tube(points: Sequence[Sequence[float]], radius: float | Sequence[float], columns: int = 12, round_ends: bool = True) -> Part:
+def tube(
+    points: Sequence[Sequence[float]], radius: float | Sequence[float], columns: int = 12, round_ends: bool = True
+) -> Part:
     """A pipe along a polyline, with a radius at each point."""
     path = np.array(points, dtype=float)
     radii = np.broadcast_to(np.asarray(radius, dtype=float), len(path)).copy()

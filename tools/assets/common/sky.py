@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+
 from common.colors import linear
 from common.objects import lamp
 

@@ -43,7 +43,12 @@ def planks(size: int, dark: str, light: str, boards: int, seed: int) -> np.ndarr
     board = rows * boards // size
     random = np.random.default_rng(seed)
     grain = wood(size, dark, light, seed + 1)
-    shifted = np.stack([np.roll(grain[row], shift, axis=0) for row, shift in zip(rows, random.integers(0, size, boards)[board], strict=True)])
+    shifted = np.stack(
+        [
+            np.roll(grain[row], shift, axis=0)
+            for row, shift in zip(rows, random.integers(0, size, boards)[board], strict=True)
+        ]
+    )
     tone = random.uniform(0.9, 1.06, boards)[board]
     into = (rows * boards % size) / boards
     joint = np.clip(np.minimum(into, size / boards - into) / (size * 0.008), 0.25, 1.0)

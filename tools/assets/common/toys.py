@@ -12,6 +12,7 @@ from common.shapes import box, lathe, rectangle, rounded_box, sphere, torus, tub
 
 if TYPE_CHECKING:
     import bpy
+
     from common.wood import Carpenter
 
 
@@ -41,7 +42,9 @@ def ball_picture(first: str, second: str, size: int = 128) -> np.ndarray:
 
 def stool(saw: Carpenter, seat: bpy.types.Material, legs: bpy.types.Material) -> list[Part]:
     """A round stool, 0.4 m wide and 0.73 m high, standing on z=0."""
-    top = lathe([(0, -0.025), (0.175, -0.025), (0.19, -0.015), (0.195, 0.0), (0.19, 0.015), (0.17, 0.022), (0, 0.02)], 32)
+    top = lathe(
+        [(0, -0.025), (0.175, -0.025), (0.19, -0.015), (0.195, 0.0), (0.19, 0.015), (0.17, 0.022), (0, 0.02)], 32
+    )
     parts = [saw.cut(top, seat).moved(z=0.709)]
     for angle in (45, 135, 225, 315):
         leg = tube([(0.165, 0, 0.0), (0.11, 0, 0.69)], [0.018, 0.024], 10, round_ends=False)
@@ -74,7 +77,9 @@ def ramp(saw: Carpenter, deck: bpy.types.Material, stripe: bpy.types.Material, s
     pitch = length / count
     for number in range(count):
         paint = stripe if number in (0, 1, 8, 9, 18, 19) else deck
-        parts.append(saw.board(2.72, pitch - 0.012, 0.05, paint, 0.008).moved(0, (number + 0.5) * pitch - length / 2, 0.155))
+        parts.append(
+            saw.board(2.72, pitch - 0.012, 0.05, paint, 0.008).moved(0, (number + 0.5) * pitch - length / 2, 0.155)
+        )
     parts += [rounded_box(0.09, length, 0.24, 0.03, 2).moved(s * 1.41, 0, 0.06).painted(side) for s in (1, -1)]
     parts += [saw.board(0.08, length - 0.3, 0.16, deck).moved(x, 0, 0.05) for x in (-0.7, 0.0, 0.7)]
     parts = [p.turned(x=-tilt).moved(0, 1.21, 0.433) for p in parts]

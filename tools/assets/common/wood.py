@@ -23,7 +23,9 @@ def wooden(name: str, dark: str, light: str, seed: int, roughness: float = 0.75,
     return material(name, light, roughness, image=picture)
 
 
-def planked(name: str, dark: str, light: str, seed: int, boards: int = 4, roughness: float = 0.75) -> bpy.types.Material:
+def planked(
+    name: str, dark: str, light: str, seed: int, boards: int = 4, roughness: float = 0.75
+) -> bpy.types.Material:
     """A material that shows boards side by side, the grain along u."""
     picture = packed(f"{name.lower().replace(' ', '_')}.jpg", planks(512, dark, light, boards, seed))
     return material(name, light, roughness, image=picture)

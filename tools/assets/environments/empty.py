@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-
 from common.images import packed
 from common.materials import material
 from common.objects import exact

@@ -34,11 +34,23 @@ STOOLS = (
 # empty, middle of the board, left foot, right foot, visible mesh; angle about Z
 SCREENS = (
     ((6.04, 1.35, 0.008), (6.04, 1.35, 0.893), (5.83, 0.922, 0.087), (6.25, 1.79, 0.087), (6.04, 1.35, 0.882), -0.457),
-    ((4.96, -1.55, 0.012), (4.96, -1.55, 0.897), (4.84, -2.02, 0.091), (5.09, -1.08, 0.091), (4.97, -1.55, 0.886), -0.26),
+    (
+        (4.96, -1.55, 0.012),
+        (4.96, -1.55, 0.897),
+        (4.84, -2.02, 0.091),
+        (5.09, -1.08, 0.091),
+        (4.97, -1.55, 0.886),
+        -0.26,
+    ),
     ((3.6, -3.46, 0.01), (3.6, -3.46, 0.895), (3.21, -3.75, 0.09), (3.99, -3.18, 0.09), (3.6, -3.47, 0.885), -0.942),
     ((3.71, -8.28, 0.005), (3.72, -8.29, 0.89), (3.23, -8.28, 0.084), (4.2, -8.29, 0.084), (3.71, -8.29, 0.879), -1.58),
 )
-FENCES = (((10.2, -8.07, 0.537), 0.0), ((-8.08, -10.2, 0.537), -1.57), ((-8.08, 10.1, 0.537), -1.57), ((-10.2, -8.07, 0.537), 0.0))
+FENCES = (
+    ((10.2, -8.07, 0.537), 0.0),
+    ((-8.08, -10.2, 0.537), -1.57),
+    ((-8.08, 10.1, 0.537), -1.57),
+    ((-10.2, -8.07, 0.537), 0.0),
+)
 
 
 def build() -> None:
@@ -61,12 +73,23 @@ def arena(planks) -> None:
     hidden_box("arena_bb3", (1.4, 18, 0.647), (9.7, 0.001, 0.176), **fixed)
     hidden_box("arena_bb4", (18, 1.4, 0.647), (0, -9.71, 0.173), **fixed)
     hidden_box("arena_bb5", (18, 1.4, 0.647), (0, 9.7, 0.173), **fixed)
-    for number, (at, turn) in enumerate((((-10.2, 0, 0.644), 0), ((10.2, 0, 0.644), 0), ((0, -10.2, 0.644), 1.57), ((0, 10.1, 0.644), 1.57)), 1):
+    for number, (at, turn) in enumerate(
+        (((-10.2, 0, 0.644), 0), ((10.2, 0, 0.644), 0), ((0, -10.2, 0.644), 1.57), ((0, 10.1, 0.644), 1.57)), 1
+    ):
         hidden_box(f"fence_bb{number}", (0.072, 16.3, 0.647), at, (0, 0, turn), **fixed)
     white = material("Fence", WHITE, 0.6)
     for number, (at, turn) in enumerate(FENCES, 1):
         # one box a fence: the pickets are too close for anything to pass
-        exact(f"fence.{number:03}", fence(white), (0.08, 16.3, 0.683), (0, 8.1, 0.094), at, (0, 0, turn), collision="box", **fixed)
+        exact(
+            f"fence.{number:03}",
+            fence(white),
+            (0.08, 16.3, 0.683),
+            (0, 8.1, 0.094),
+            at,
+            (0, 0, turn),
+            collision="box",
+            **fixed,
+        )
     parts = playground(arena_paints(planks), Carpenter(21, metres=0.9))
     exact("ArenaMesh", parts, (20.9, 20.9, 5.15), (0, 0, 2.07), parent=root, physics_type="NO_COLLISION")
 
@@ -94,30 +117,61 @@ def arena_paints(planks) -> Paints:
 
 
 def jump(planks) -> None:
-    root = empty("Jump", (2.56, 5.49, 0.661), (-0.238, 0, 1.89), physics_type="NO_COLLISION", Object=True, Graspable=False)
+    root = empty(
+        "Jump", (2.56, 5.49, 0.661), (-0.238, 0, 1.89), physics_type="NO_COLLISION", Object=True, Graspable=False
+    )
     solid = {"parent": root, "physics_type": "RIGID_BODY", "mass": 1.0}
     hidden_box("jump_bb1", (2.87, 5.25, 0.367), (2.42, 5.44, 0.433), (-0.235, 0, 1.89), **solid)
     hidden_box("jump_bb2", (2.87, 0.401, 0.834), (4.62, 6.16, 0.421), (0, 0, 1.89), **solid)
     parts = ramp(Carpenter(5), planks, material("Ramp Stripe", SUN, 0.6), material("Ramp Side", CORAL, 0.5))
-    exact("JumpMesh", parts, (2.91, 5.13, 1.22), (0, 1.25, 0.137), (3.57, 5.81, 0.476), (0, 0, 1.89), parent=root, physics_type="NO_COLLISION")
+    exact(
+        "JumpMesh",
+        parts,
+        (2.91, 5.13, 1.22),
+        (0, 1.25, 0.137),
+        (3.57, 5.81, 0.476),
+        (0, 0, 1.89),
+        parent=root,
+        physics_type="NO_COLLISION",
+    )
 
 
 def balls() -> None:
     for number, (at, turned, colors) in enumerate(BALLS, 1):
         paint = material(f"Ball {number}", colors[0], 0.45, image=packed(f"ball_{number}.png", ball_picture(*colors)))
         exact(
-            f"Ball{number}", [ball(0.247, paint)], (0.494, 0.494, 0.494), (0, 0, 0), at, turned,
-            physics_type="RIGID_BODY", collision="sphere", mass=0.2, Object=True, Graspable=True,
+            f"Ball{number}",
+            [ball(0.247, paint)],
+            (0.494, 0.494, 0.494),
+            (0, 0, 0),
+            at,
+            turned,
+            physics_type="RIGID_BODY",
+            collision="sphere",
+            mass=0.2,
+            Object=True,
+            Graspable=True,
         )
 
 
 def stools(planks) -> None:
-    legs = [material(f"Stool {name}", color, 0.5) for name, color in (("Teal", TEAL), ("Coral", CORAL), ("Cream", CREAM))]
+    legs = [
+        material(f"Stool {name}", color, 0.5) for name, color in (("Teal", TEAL), ("Coral", CORAL), ("Cream", CREAM))
+    ]
     for number, ((x, y), turn) in enumerate(STOOLS, 1):
         parts = stool(Carpenter(number), planks, legs[number % 3])
         exact(
-            f"Stool{number}", parts, (0.396, 0.385, 0.731), (-0.004, -0.002, 0), (x, y, 0.371), (0, 0, turn),
-            physics_type="RIGID_BODY", collision="box", mass=5.0, Object=True, Graspable=True,
+            f"Stool{number}",
+            parts,
+            (0.396, 0.385, 0.731),
+            (-0.004, -0.002, 0),
+            (x, y, 0.371),
+            (0, 0, turn),
+            physics_type="RIGID_BODY",
+            collision="box",
+            mass=5.0,
+            Object=True,
+            Graspable=True,
         )
 
 
@@ -128,11 +182,28 @@ def screens() -> None:
         suffix = f".{number - 1:03}" if number > 1 else ""
         pose = (0, 0, turn)
         root = empty(
-            f"Screen{number}", at, pose, physics_type="RIGID_BODY", collision="convex", compound=1, mass=1.0, Object=True, Graspable=False
+            f"Screen{number}",
+            at,
+            pose,
+            physics_type="RIGID_BODY",
+            collision="convex",
+            compound=1,
+            mass=1.0,
+            Object=True,
+            Graspable=False,
         )
         solid = {"parent": root, "physics_type": "RIGID_BODY", "mass": 1.0}
         hidden_box(f"screen_bb1{suffix}", (0.019, 0.969, 1.69), board, pose, **solid)
         hidden_box(f"screen_bb2{suffix}", (0.338, 0.106, 0.157), left, pose, **solid)
         hidden_box(f"screen_bb3{suffix}", (0.338, 0.106, 0.157), right, pose, **solid)
         paint = material(f"Poster {number}", WHITE, 0.7, image=packed(f"poster_{number}.png", picture))
-        exact(f"ScreenMesh{suffix}", screen(paint, frame), (0.329, 1.08, 1.71), (0, 0.001, -0.025), mesh, pose, parent=root, physics_type="NO_COLLISION")
+        exact(
+            f"ScreenMesh{suffix}",
+            screen(paint, frame),
+            (0.329, 1.08, 1.71),
+            (0, 0.001, -0.025),
+            mesh,
+            pose,
+            parent=root,
+            physics_type="NO_COLLISION",
+        )

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TYPE_CHECKING
 
+import numpy as np
 from common.materials import material
 from common.objects import collection, empty, exact, hidden_box
-from common.parts import Part
 from common.shapes import box
 from common.wood import Carpenter, planked, wooden
+
+if TYPE_CHECKING:
+    from common.parts import Part
 
 
 def build() -> None:
@@ -21,7 +24,7 @@ def build() -> None:
 
 
 def small_crate(planks, frame) -> None:
-    """A closed cube of 1 m. Its core is one box with a clean quad on each side, its diagonal boards are loose pieces."""
+    """A closed cube of 1 m: the core is one box with a clean quad on each side, the diagonal boards are loose."""
     group = collection("small_crate")
     root = empty("small_crate", within=group, physics_type="RIGID_BODY", compound=1, mass=20.0)
     hidden_box("small_crate_bb", (1, 1, 1), (0.01, -0.009, 0.512), parent=root, physics_type="RIGID_BODY", mass=1.0)
@@ -49,13 +52,18 @@ def framed_side(saw: Carpenter, frame, core: float, thick: float, width: float, 
     return [*boards, diagonal.turned(x=45).moved(core / 2 + thick * 0.4, 0, 0)]
 
 
-def wall(saw: Carpenter, planks, frame, length: float, height: float, thick: float, count: int, posts: int) -> list[Part]:
+def wall(
+    saw: Carpenter, planks, frame, length: float, height: float, thick: float, count: int, posts: int
+) -> list[Part]:
     """Horizontal planks with upright posts outside (+Y), standing on z=0, middle of the inner face at the origin."""
     inner, gap = thick * 0.45, 0.012
     pitch = height / count
     parts = [saw.board(length, inner, pitch - gap, planks).moved(0, inner / 2, pitch * (i + 0.5)) for i in range(count)]
     reach = (length - 0.14) / 2
-    parts += [saw.board(0.14, thick - inner, height, frame).moved(p, (thick + inner) / 2, height / 2) for p in np.linspace(-reach, reach, posts)]
+    parts += [
+        saw.board(0.14, thick - inner, height, frame).moved(p, (thick + inner) / 2, height / 2)
+        for p in np.linspace(-reach, reach, posts)
+    ]
     return parts
 
 
@@ -73,7 +81,9 @@ def large_crate(planks, frame, iron) -> None:
         hidden_box(f"large_crate_bb_{number}", size, at, parent=root, physics_type="RIGID_BODY", mass=1.0)
     saw = Carpenter(2, metres=1.1)
     parts = [p.moved(0, 0.886, 0.12) for p in wall(saw, planks, frame, 3.99, 1.88, 0.114, 8, 5)]
-    parts += [p.turned(z=180) for p in [q.moved(0, 0.886, 0.12) for q in wall(saw, planks, frame, 3.99, 1.88, 0.114, 8, 5)]]
+    parts += [
+        p.turned(z=180) for p in [q.moved(0, 0.886, 0.12) for q in wall(saw, planks, frame, 3.99, 1.88, 0.114, 8, 5)]
+    ]
     for turn in (90, -90):
         parts += [p.moved(0, 1.886, 0.12).turned(z=turn) for p in wall(saw, planks, frame, 1.77, 1.88, 0.114, 8, 3)]
     parts += [saw.board(3.78, 0.285, 0.04, planks).moved(0, y, 0.26) for y in np.linspace(-0.74, 0.74, 6)]
@@ -83,8 +93,14 @@ def large_crate(planks, frame, iron) -> None:
     lid = [saw.board(3.88, 0.235, 0.05, planks).moved(0, y, -0.0165) for y in np.linspace(-0.85, 0.85, 8)]
     lid += [saw.board(0.16, 1.94, 0.033, frame).moved(x, 0, 0.025) for x in (-1.5, 0.0, 1.5)]
     exact(
-        "cap_large_crate", lid, (3.88, 1.94, 0.083), (-0.001, 0, 0.009), (0, 0.004, 2.29),
-        physics_type="RIGID_BODY", collision="box", mass=1.0,
+        "cap_large_crate",
+        lid,
+        (3.88, 1.94, 0.083),
+        (-0.001, 0, 0.009),
+        (0, 0.004, 2.29),
+        physics_type="RIGID_BODY",
+        collision="box",
+        mass=1.0,
     )
 
 
@@ -107,6 +123,11 @@ def transport_box(planks, frame, iron) -> None:
     parts += [saw.board(2.03, 0.235, 0.046, planks).moved(0, y, 0.024) for y in np.linspace(-0.5, 0.5, 5)]
     parts += [box(0.05, 0.05, 0.06, 0.006).moved(x, y, 0.83).painted(iron) for x in (-1.0, 1.0) for y in (-0.6,)]
     exact(
-        "transport_box_mesh", parts, (2.09, 1.28, 0.877), (0.001, 0.001, 0.438), (-0.006, -0.005, 0.008),
-        parent=root, physics_type="NO_COLLISION",
+        "transport_box_mesh",
+        parts,
+        (2.09, 1.28, 0.877),
+        (0.001, 0.001, 0.438),
+        (-0.006, -0.005, 0.008),
+        parent=root,
+        physics_type="NO_COLLISION",
     )

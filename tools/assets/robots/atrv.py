@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from common.colors import CREAM, NAVY, RUBBER, STEEL, SUN
 from common.materials import material
 from common.objects import exact, hidden_box
@@ -9,7 +11,7 @@ from common.parts import mirrored
 from common.shapes import box, cylinder, lathe, prism, rounded_box, sphere, torus, tube
 from common.wheels import dish, tread_tyre
 
-PI = 3.1416
+PI = math.pi
 WHEELS = (
     ("Wheel.1", (0.338, 0.547, 0.204), (PI / 2, 0, PI)),
     ("Wheel.2", (0.337, -0.543, 0.204), (PI / 2, 0, 0)),
@@ -22,15 +24,33 @@ def build() -> None:
     rubber, rim = material("Rubber", RUBBER, 0.9), material("Rim", CREAM, 0.4)
     black = material("Black", NAVY, 0.45)
     root = exact(
-        "ATRV", body(rim, black), (1.14, 0.671, 0.731), (0, 0, 0.372), (0, 0, 0.1),
-        physics_type="RIGID_BODY", collision="convex", compound=1, mass=20.0, linear_damping=0.025, angular_damping=0.18,
+        "ATRV",
+        body(rim, black),
+        (1.14, 0.671, 0.731),
+        (0, 0, 0.372),
+        (0, 0, 0.1),
+        physics_type="RIGID_BODY",
+        collision="convex",
+        compound=1,
+        mass=20.0,
+        linear_damping=0.025,
+        angular_damping=0.18,
     )
     # the wheels are for the eye only: this box carries the robot, with its origin 0.1 m above the ground
     hidden_box("ATRV_bb", (0.92, 0.99, 0.36), (0.025, 0, 0.18), parent=root, physics_type="RIGID_BODY", mass=1.0)
     for name, at, turned in WHEELS:
         wheel = [*tread_tyre(0.2, 0.16, 0.11, rubber), *dish(0.11, 0.13, rim, black)]
         # the outer side of a wheel looks along its local +Z, the hull is on the other side
-        exact(name, [p.moved(z=-0.128) for p in wheel], (0.403, 0.403, 0.16), (0, 0, -0.128), at, turned, parent=root, physics_type="NO_COLLISION")
+        exact(
+            name,
+            [p.moved(z=-0.128) for p in wheel],
+            (0.403, 0.403, 0.16),
+            (0, 0, -0.128),
+            at,
+            turned,
+            parent=root,
+            physics_type="NO_COLLISION",
+        )
 
 
 def body(cream, black) -> list:
@@ -40,7 +60,16 @@ def body(cream, black) -> list:
     glass = material("Glass", "#0d161d", 0.1)
     light = material("Headlight", "#fff3cf", 0.2, glow=1.2)
     beacon = material("Beacon", SUN, 0.3, glow=1.0)
-    hull = [(-0.5, 0.05), (0.46, 0.05), (0.55, 0.17), (0.55, 0.32), (0.43, 0.44), (-0.49, 0.44), (-0.55, 0.36), (-0.55, 0.12)]
+    hull = [
+        (-0.5, 0.05),
+        (0.46, 0.05),
+        (0.55, 0.17),
+        (0.55, 0.32),
+        (0.43, 0.44),
+        (-0.49, 0.44),
+        (-0.55, 0.36),
+        (-0.55, 0.12),
+    ]
     parts = [
         prism(hull, 0.56).moved(z=-0.28).turned(x=90).painted(shell),
         rounded_box(1.06, 0.64, 0.14, 0.05, 2).moved(0, 0, 0.30).painted(shell),
@@ -52,14 +81,30 @@ def body(cream, black) -> list:
     ]
     parts += mirrored(
         [
-            lathe([(0, 0), (0.045, 0), (0.05, 0.012), (0.04, 0.022), (0, 0.024)], 20).turned(y=90).moved(0.545, 0.17, 0.265).painted(light),
+            lathe([(0, 0), (0.045, 0), (0.05, 0.012), (0.04, 0.022), (0, 0.024)], 20)
+            .turned(y=90)
+            .moved(0.545, 0.17, 0.265)
+            .painted(light),
             torus(0.05, 0.012, 24, 8).turned(y=90).moved(0.553, 0.17, 0.265).painted(steel),
-            tube([(0.33, 0.22, 0.45), (0.33, 0.22, 0.56), (0.28, 0.22, 0.6), (-0.36, 0.22, 0.6), (-0.42, 0.22, 0.55), (-0.42, 0.22, 0.45)], 0.014, 10).painted(steel),
+            tube(
+                [
+                    (0.33, 0.22, 0.45),
+                    (0.33, 0.22, 0.56),
+                    (0.28, 0.22, 0.6),
+                    (-0.36, 0.22, 0.6),
+                    (-0.42, 0.22, 0.55),
+                    (-0.42, 0.22, 0.45),
+                ],
+                0.014,
+                10,
+            ).painted(steel),
             box(0.5, 0.012, 0.05, 0.004).moved(0.02, 0.324, 0.30).painted(cream),
         ]
     )
     # a row of range finders in the nose, two eyes in a head
-    parts += [cylinder(0.022, 0.012, 0.003, 16).turned(y=90).moved(0.551, y, 0.205).painted(glass) for y in (-0.08, 0.0, 0.08)]
+    parts += [
+        cylinder(0.022, 0.012, 0.003, 16).turned(y=90).moved(0.551, y, 0.205).painted(glass) for y in (-0.08, 0.0, 0.08)
+    ]
     parts += [
         cylinder(0.03, 0.12, 0.005, 16).moved(0.2, 0, 0.53).painted(steel),
         rounded_box(0.11, 0.26, 0.10, 0.045, 3).moved(0.21, 0, 0.625).painted(cream),
@@ -71,7 +116,9 @@ def body(cream, black) -> list:
             sphere(0.008, 8, 6).moved(0.287, side * 0.065 + 0.009, 0.639).painted(light),
         ]
     parts += [
-        lathe([(0, 0), (0.035, 0.0), (0.035, 0.03), (0.02, 0.05), (0, 0.055)], 16).moved(-0.22, 0.1, 0.56).painted(beacon),
+        lathe([(0, 0), (0.035, 0.0), (0.035, 0.03), (0.02, 0.05), (0, 0.055)], 16)
+        .moved(-0.22, 0.1, 0.56)
+        .painted(beacon),
         tube([(-0.3, -0.13, 0.55), (-0.3, -0.13, 0.72)], 0.006, 8).painted(steel),
         sphere(0.013, 10, 6).moved(-0.3, -0.13, 0.725).painted(black),
     ]

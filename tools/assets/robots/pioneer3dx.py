@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
+import numpy as np
 from common.colors import NAVY, RUBBER, STEEL
 from common.materials import material
 from common.objects import exact
@@ -11,35 +12,68 @@ from common.parts import mirrored
 from common.shapes import box, cylinder, lathe, prism, rounded_box, torus
 from common.wheels import caster, dish, tyre
 
-PI = 3.1416
+PI = math.pi
 
 
 def build() -> None:
     rubber, steel = material("Rubber", RUBBER, 0.85), material("Steel", STEEL, 0.3, 0.9)
     black = material("Black", NAVY, 0.4)
     root = exact(
-        "Pioneer", body(black, steel), (0.456, 0.367, 0.181), (0, 0, 0.059), (0, 0, 0.1),
-        physics_type="RIGID_BODY", collision="box", mass=9.0,
-        FixTurningSpeed=0.52, Influence=0.1, Friction=0.8, HasSuspension=True,
+        "Pioneer",
+        body(black, steel),
+        (0.456, 0.367, 0.181),
+        (0, 0, 0.059),
+        (0, 0, 0.1),
+        physics_type="RIGID_BODY",
+        collision="box",
+        mass=9.0,
+        FixTurningSpeed=0.52,
+        Influence=0.1,
+        Friction=0.8,
+        HasSuspension=True,
     )
     for name, side in (("Wheel_L", 1), ("Wheel_R", -1)):
         # both wheels turn about the same axis; the outer side is on the left one's -Z, on the right one's +Z
         wheel = [*tyre(0.0975, 0.05, 0.06, rubber), *dish(0.06, 0.052, steel, black)]
         parts = [p.turned(x=90 + 90 * side).moved(z=-0.001 * side) for p in wheel]
         exact(
-            name, parts, (0.195, 0.195, 0.053), (0, 0, -0.001 * side), (0.045, side * 0.171, 0.1), (PI / 2, 0, 0), parent=root,
-            physics_type="RIGID_BODY", collision="cylinder", mass=1.0,
+            name,
+            parts,
+            (0.195, 0.195, 0.053),
+            (0, 0, -0.001 * side),
+            (0.045, side * 0.171, 0.1),
+            (PI / 2, 0, 0),
+            parent=root,
+            physics_type="RIGID_BODY",
+            collision="cylinder",
+            mass=1.0,
         )
     exact(
-        "CasterWheel", caster(0.038, 0.031, rubber, steel), (0.077, 0.077, 0.031), (0, 0, 0), (-0.17, 0, 0.043), (PI / 2, 0, 0), parent=root,
-        physics_type="RIGID_BODY", collision="cylinder", mass=1.0,
+        "CasterWheel",
+        caster(0.038, 0.031, rubber, steel),
+        (0.077, 0.077, 0.031),
+        (0, 0, 0),
+        (-0.17, 0, 0.043),
+        (PI / 2, 0, 0),
+        parent=root,
+        physics_type="RIGID_BODY",
+        collision="cylinder",
+        mass=1.0,
     )
     fork = [
         *mirrored([box(0.03, 0.004, 0.062, 0.001).turned(y=20).moved(0.012, 0.0195, 0.02)]),
         cylinder(0.02, 0.012, 0.002, 20).moved(0.018, 0, 0.054),
         cylinder(0.012, 0.014, 0.002, 16).moved(0.018, 0, 0.064),
     ]
-    exact("Swivel", [p.painted(steel) for p in fork], (0.05, 0.043, 0.081), (0.014, 0, 0.03), (-0.17, 0, 0.043), parent=root, physics_type="NO_COLLISION")
+    exact(
+        "Swivel",
+        [p.painted(steel) for p in fork],
+        (0.05, 0.043, 0.081),
+        (0.014, 0, 0.03),
+        (-0.17, 0, 0.043),
+        parent=root,
+        physics_type="NO_COLLISION",
+    )
 
 
 def outline(length: float, width: float, cut: float) -> list[tuple[float, float]]:
@@ -67,7 +101,10 @@ def body(black, steel) -> list:
         for end in (0, 180):
             bulge = 0.345 / 2 / np.sin(np.radians(62))
             x, y = 0.22 - bulge + bulge * np.cos(angle), bulge * np.sin(angle)
-            disc = [cylinder(0.017, 0.008, 0.001, 20).painted(gold), torus(0.0175, 0.003, 20, 6).moved(z=0.003).painted(steel)]
+            disc = [
+                cylinder(0.017, 0.008, 0.001, 20).painted(gold),
+                torus(0.0175, 0.003, 20, 6).moved(z=0.003).painted(steel),
+            ]
             parts += [p.turned(y=90).turned(z=np.degrees(angle)).moved(x, y, 0.103).turned(z=end) for p in disc]
     # a face: two dark eyes above a vent, and the power light
     for side in (1, -1):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-
+from common.colors import srgb
 from common.images import packed
 from common.materials import material
 from common.objects import exact, lamp
@@ -11,7 +11,6 @@ from common.parts import Part
 from common.shapes import box, rectangle
 from common.sky import sky
 from common.textures import planks, speckle
-from common.colors import srgb
 
 BOXES = {
     "RedBox": ("#d3191c", "#9c0f12", (-7.5, 0.0, 0.99)),
@@ -25,7 +24,17 @@ def build() -> None:
     hall()
     for name, (color, dark, at) in BOXES.items():
         panel, edge = material(name, color, 0.45), material(f"{name} Edge", dark, 0.5)
-        exact(name, coloured_box(panel, edge), (1, 1, 1.8), (0, 0, 0), at, physics_type="RIGID_BODY", collision="box", mass=1.0, Object=name)
+        exact(
+            name,
+            coloured_box(panel, edge),
+            (1, 1, 1.8),
+            (0, 0, 0),
+            at,
+            physics_type="RIGID_BODY",
+            collision="box",
+            mass=1.0,
+            Object=name,
+        )
 
 
 def hall() -> None:
@@ -57,8 +66,12 @@ def coloured_box(panel, edge) -> list[Part]:
     for sy in (1, -1):
         for sz in (1, -1):
             parts.append(box(x, rim, rim, 0.008).moved(0, sy * (y - rim) / 2, sz * (z - rim) / 2).painted(edge))
-            parts.append(box(rim, y - 2 * rim, rim, 0.008).moved(sy * (x - rim) / 2, 0, sz * (z - rim) / 2).painted(edge))
-            parts.append(box(rim, rim, z - 2 * rim, 0.008).moved(sy * (x - rim) / 2, sz * (y - rim) / 2, 0).painted(edge))
+            parts.append(
+                box(rim, y - 2 * rim, rim, 0.008).moved(sy * (x - rim) / 2, 0, sz * (z - rim) / 2).painted(edge)
+            )
+            parts.append(
+                box(rim, rim, z - 2 * rim, 0.008).moved(sy * (x - rim) / 2, sz * (y - rim) / 2, 0).painted(edge)
+            )
     return parts
 
 
