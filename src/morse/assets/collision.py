@@ -70,13 +70,15 @@ def _parts(
         return [], []
     if bounds in _FITTED:
         return [fit_bounds(vertices, bounds)], []
-    primitive = detect_primitive(vertices, mesh.triangles)
+    # mirroring turns the triangles inside out
+    triangles = mesh.triangles if np.linalg.det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
+    primitive = detect_primitive(vertices, triangles)
     if primitive is not None:
         return [primitive], []
     if bounds is Bounds.CONVEX_HULL:
         return [_hull(vertices)], []
     warnings: list[str] = []
-    return convex_parts(vertices, mesh.triangles, warnings=warnings), warnings
+    return convex_parts(vertices, triangles, warnings=warnings), warnings
 
 
 def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:
