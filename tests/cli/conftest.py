@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -42,7 +43,18 @@ class Terminal:
 
 
 @pytest.fixture
-def morse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Terminal:
+def untouched_logging():
+    """Undo what `morse.core.log.setup` does: other tests capture the log in their own way."""
+    root = logging.getLogger("morse")
+    before = root.level, root.propagate, list(root.handlers)
+    yield
+    root.level, root.propagate, root.handlers[:] = before
+
+
+@pytest.fixture
+def morse(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], untouched_logging
+) -> Terminal:
     home, directory = tmp_path / "home", tmp_path / "work"
     home.mkdir()
     directory.mkdir()

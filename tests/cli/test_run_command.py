@@ -242,6 +242,17 @@ def test_bad_options_get_one_line(morse, project, started, words):
     assert started == []
 
 
+def test_a_crash_of_the_simulator_leaves_its_mark_in_the_log(morse, project, started, monkeypatch):
+    def crash(options):
+        raise RuntimeError("the world has ended")
+
+    monkeypatch.setattr(sys.modules["morse.simulation.run"], "run", crash)
+    answer = morse("run", "ranger_sim")
+    assert answer.status == 1
+    assert "[ERROR][MORSE] Uncaught exception" in answer.out
+    assert "RuntimeError: the world has ended" in answer.out
+
+
 @pytest.mark.parametrize(
     ("color", "reverse", "day", "scheme"),
     [

@@ -31,7 +31,7 @@ def untouched_logging():
     root = logging.getLogger("morse")
     before = root.level, root.propagate, list(root.handlers)
     yield
-    root.level, root.propagate, root.handlers[:] = before[0], before[1], before[2]
+    root.level, root.propagate, root.handlers[:] = before
 
 
 @pytest.mark.parametrize(

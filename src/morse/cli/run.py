@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import re
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 # what follows the scene belongs to the script, even if it looks like an option
 CONTEXT_SETTINGS = {"allow_interspersed_args": False}
+
+_logger = logging.getLogger("morse.main")
 
 VIEWS = ("none", "web", "studio")
 _GEOMETRY = re.compile(r"\d+x\d+(\+-?\d+,-?\d+)?")
@@ -96,10 +99,19 @@ def command(
         if word.split("=")[0] in own_options:
             warn(f"'{word}' stands after the scene, so the script gets it. Options of `morse run` go before the scene.")
     log.setup(colors=color_scheme(context.obj))
-    # only now: the other commands, and mistakes in this one, should not wait for the simulator to load
+    return _simulate(options)
+
+
+def _simulate(options: RunOptions) -> int:
+    # imported only now: the other commands, and mistakes in this one, should not wait for the simulator to load
     from morse.simulation.run import run
 
-    return run(options)
+    try:
+        return run(options)
+    except Exception:
+        # programs that read the log wait for this marker, whatever went wrong
+        _logger.critical("[ERROR][MORSE] Uncaught exception, quit.", exc_info=True)
+        return 1
 
 
 def check_geometry(geometry: str | None) -> None:
