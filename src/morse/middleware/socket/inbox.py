@@ -1,0 +1,43 @@
+"""Messages on their way from the network thread to the simulation."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+_MAX_LINES = 64
+_MAX_BYTES = 1 << 20
+
+
+class Inbox:
+    """Holds the latest messages of a stream until the next tick.
+
+    A client that sends far more than ticks can take loses the oldest messages, which the newer
+    ones supersede.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._lines: deque[bytes] = deque()
+        self._bytes = 0
+        self._dropped = 0
+
+    def __bool__(self) -> bool:
+        return bool(self._lines)
+
+    def put(self, line: bytes) -> None:
+        """Add a message."""
+        with self._lock:
+            self._lines.append(line)
+            self._bytes += len(line)
+            while len(self._lines) > 1 and (len(self._lines) > _MAX_LINES or self._bytes > _MAX_BYTES):
+                self._bytes -= len(self._lines.popleft())
+                self._dropped += 1
+
+    def take(self) -> tuple[list[bytes], int]:
+        """The messages since the last time, oldest first, and how many were lost before them."""
+        with self._lock:
+            lines, dropped = list(self._lines), self._dropped
+            self._lines.clear()
+            self._bytes = self._dropped = 0
+        return lines, dropped

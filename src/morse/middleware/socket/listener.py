@@ -1,0 +1,79 @@
+"""TCP ports to listen on."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import socket
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseMiddlewareError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+_TAKEN = (errno.EADDRINUSE, errno.EACCES, getattr(errno, "WSAEACCES", errno.EACCES))
+_BACKLOG = 128
+
+
+def listen(host: str, ports: Iterable[int]) -> socket.socket:
+    """Listen on the first free one of several ports.
+
+    Args:
+        host: address of this machine, ``0.0.0.0`` for all its networks.
+        ports: in the order of preference; 0 stands for any free one.
+
+    Returns:
+        A socket that listens.
+
+    Raises:
+        MorseMiddlewareError: all are in use, or ``host`` is no address of this machine.
+    """
+    tried = []
+    for port in ports:
+        try:
+            return _bound(host, port)
+        except OSError as error:
+            if error.errno not in _TAKEN:
+                raise MorseMiddlewareError(f"cannot listen on {host}:{port}: {error.strerror or error}") from None
+            tried.append(port)
+    if not tried:
+        raise MorseMiddlewareError("no port to listen on")
+    which = f"port {tried[0]} is" if len(tried) == 1 else f"ports {tried[0]} to {tried[-1]} are"
+    raise MorseMiddlewareError(f"{which} in use on {host}: end the programs that use them, or take other ports")
+
+
+def _bound(host: str, port: int) -> socket.socket:
+    family, kind, protocol, _, address = socket.getaddrinfo(
+        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    listener = socket.socket(family, kind, protocol)
+    try:
+        # a simulation that has just ended leaves its ports in a state that only this option overlooks;
+        # on Windows the same option would let two programs share a port
+        if os.name == "posix":
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(_BACKLOG)
+        listener.setblocking(False)
+    except BaseException:
+        listener.close()
+        raise
+    return listener
+
+
+def port_of(listener: socket.socket) -> int:
+    """The port on which a socket listens."""
+    return int(listener.getsockname()[1])
+
+
+def allow_many_sockets() -> None:
+    """Take as many file descriptors as the system grants: every stream is a port of its own."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource  # not on Windows, which has no such limit
+
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        wanted = 1 << 16 if hard == resource.RLIM_INFINITY else min(hard, 1 << 16)
+        if soft != resource.RLIM_INFINITY and soft < wanted:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))

@@ -1,0 +1,78 @@
+"""Service calls on the wire.
+
+A request is ``id component service [arguments]`` or ``id cancel``, a reply ``id STATUS [value]``, one
+a line. Arguments are a JSON list. A value that counts as false is left out of a reply.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from morse.core import status
+from morse.middleware.socket.encoding import from_json, to_json
+
+_FALSE = frozenset((b"null", b"false", b"0", b"0.0", b"-0.0", b"[]", b"{}", b'""'))
+
+
+class MalformedRequest(ValueError):
+    """A line that is no request.
+
+    Attributes:
+        request: the id to answer under.
+    """
+
+    def __init__(self, request: str, message: str) -> None:
+        super().__init__(f"Malformed request! {message}")
+        self.request = request
+
+
+class Request(NamedTuple):
+    """A service call; ``service`` is None for a cancellation."""
+
+    id: str
+    component: str
+    service: str | None
+    arguments: list[Any]
+
+
+def parse_request(line: bytes) -> Request | None:
+    """Read a line; None if it is blank.
+
+    Raises:
+        MalformedRequest: it is no request.
+    """
+    words = line.decode("utf-8", "replace").split(maxsplit=3)
+    if not words:
+        return None
+    request = words[0]
+    if len(words) == 2 and words[1] == "cancel":
+        return Request(request, "", None, [])
+    if len(words) < 3:
+        raise MalformedRequest(request, "expected: id component service [arguments as a JSON list]")
+    arguments: Any = []
+    if len(words) == 4:
+        try:
+            arguments = from_json(words[3].encode())
+        except ValueError as error:
+            raise MalformedRequest(request, f"the arguments are no JSON ({error}): {words[3]:.80}") from None
+        if not isinstance(arguments, list):
+            raise MalformedRequest(request, f"the arguments have to be a JSON list: {words[3]:.80}")
+    return Request(request, words[1], words[2], arguments)
+
+
+def format_reply(request: str, outcome: str, value: Any) -> bytes:
+    """The line of a reply, with its end.
+
+    A value that cannot be written makes it a failure that says so.
+    """
+    try:
+        text = to_json(value)
+    except (TypeError, ValueError) as error:
+        outcome, text = status.FAILED, to_json(f"the result cannot be sent: {error}")
+    head = f"{request} {outcome}".encode()
+    return head + b"\n" if text in _FALSE else b"%b %b\n" % (head, text)
+
+
+def format_failure(request: str, message: str) -> bytes:
+    """The line of a reply that says what went wrong."""
+    return format_reply(request, status.FAILED, message)

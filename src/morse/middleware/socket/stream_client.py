@@ -1,0 +1,95 @@
+"""The connections of clients to data streams; everything here runs in the network thread."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from morse.middleware.socket.inbox import Inbox
+from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
+
+if TYPE_CHECKING:
+    import socket
+
+_HIGH_WATER = 1 << 18
+
+
+class StreamClient(LineClient):
+    """A client of a stream.
+
+    One that reads too slowly gets the latest message whenever it has room for one, not all of them.
+    """
+
+    server: StreamServer
+
+    def __init__(self, server: StreamServer) -> None:
+        super().__init__(server)
+        self._waiting: bytes | None = None
+        self._behind = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """A client has connected."""
+        assert isinstance(transport, asyncio.Transport)
+        transport.set_write_buffer_limits(high=_HIGH_WATER)
+        super().connection_made(transport)
+        if self.server.reads and self.server.connected > 1:
+            self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
+
+    def offer(self, message: bytes) -> None:
+        """Send a message now, or as soon as the client has room for it unless a newer one comes first."""
+        if not self.congested:
+            self.transport.write(message)
+            return
+        if self._waiting is not None and not self._behind:
+            self._behind = True
+            self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
+        self._waiting = message
+
+    def resume_writing(self) -> None:
+        """The client has room again."""
+        super().resume_writing()
+        message, self._waiting = self._waiting, None
+        if message is not None and not self.transport.is_closing():
+            self.transport.write(message)
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes have arrived; a stream that only sends takes no notice."""
+        if self.server.reads:
+            super().data_received(data)
+
+    def line(self, line: bytes) -> None:
+        """A message has arrived."""
+        if line.strip():
+            self.server.inbox.put(line)
+
+    def unfinished(self, rest: bytes) -> None:
+        """The client left in the middle of a message."""
+        text = f"the client {self.peer} left in the middle of a message, which is ignored: {rest[:80]!r}"
+        self._complain("unfinished", text)
+
+    def overlong(self) -> None:
+        """A message without an end."""
+        text = f"the client {self.peer} sent more than {MAX_LINE} bytes without a line end: disconnected"
+        self._complain("overlong", text)
+
+    def _complain(self, kind: str, text: str) -> None:
+        self.server.complaints.warn(kind, f"{self.server.name}: {text}")
+
+
+class StreamServer(LineServer):
+    """The port of one component.
+
+    Attributes:
+        inbox: what clients have sent.
+        reads: whether the component takes data.
+    """
+
+    def __init__(self, name: str, listener: socket.socket) -> None:
+        super().__init__(name, listener, lambda _: StreamClient(self))
+        self.inbox = Inbox()
+        self.reads = False
+
+    def publish(self, message: bytes) -> None:
+        """Send a message to every client."""
+        for client in self.clients:
+            client.offer(message)

@@ -1,0 +1,79 @@
+"""Lets a client pace the simulation: each tick waits for its bytes."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from typing import TYPE_CHECKING
+
+from morse.middleware.socket.lines import LineClient, LineServer
+
+if TYPE_CHECKING:
+    import asyncio
+    import socket
+
+    from morse.core.context import Context
+
+logger = logging.getLogger("morse." + __name__)
+
+SYNC_PORT = 6000
+#: how long the simulation thread waits before it looks whether a service has been called
+_SLICE = 0.02
+
+
+class TimeSync:
+    """A port whose clients pace the simulation.
+
+    While at least one client is connected, a tick begins only when bytes have arrived since the
+    last one began; how many does not matter. Services are answered in the meantime.
+    """
+
+    def __init__(self, context: Context, listener: socket.socket) -> None:
+        self._context = context
+        self._state = threading.Condition()
+        self._released = False
+        self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
+
+    async def start(self) -> None:
+        """Begin to accept clients."""
+        await self._server.start()
+
+    async def close(self) -> None:
+        """Free the simulation."""
+        await self._server.close()
+
+    def release(self) -> None:
+        """Let one tick begin, or see that nobody paces any more; runs in the network thread."""
+        with self._state:
+            self._released = True
+            self._state.notify_all()
+
+    def wait(self) -> None:
+        """Wait until the tick may begin; runs in the simulation thread."""
+        while self._server.connected and not self._context.stopping():
+            with self._state:
+                if not self._released:
+                    self._state.wait(_SLICE)
+                if self._released:
+                    break
+            self._context.services.process()
+        with self._state:
+            self._released = False
+
+
+class _SyncClient(LineClient):
+    def __init__(self, server: LineServer, sync: TimeSync) -> None:
+        super().__init__(server)
+        self._sync = sync
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        super().connection_made(transport)
+        logger.info("the client %s paces the simulation", self.peer)
+
+    def data_received(self, data: bytes) -> None:
+        self._sync.release()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        super().connection_lost(exc)
+        logger.info("the client %s no longer paces the simulation", self.peer)
+        self._sync.release()
