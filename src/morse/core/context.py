@@ -35,6 +35,10 @@ def _nothing() -> None:
     return None
 
 
+def _no() -> bool:
+    return False
+
+
 def _any_robot() -> str | None:
     return None
 
@@ -51,6 +55,7 @@ class Context:
         held_keys: names of the keys that are held down in the live view (``ArrowUp``).
         listening_robot: name of the robot that the keys drive, or None for all.
         wake: tells a paused simulation that something arrived; may be called from any thread.
+        stopping: whether the simulation has been told to end; what waits within a tick has to ask.
         seed: of all random numbers.
     """
 
@@ -70,6 +75,7 @@ class Context:
     held_keys: Callable[[], frozenset[str]] = _no_keys
     listening_robot: Callable[[], str | None] = _any_robot
     wake: Callable[[], None] = _nothing
+    stopping: Callable[[], bool] = _no
 
     def random(self, name: str) -> np.random.Generator:
         """A generator of random numbers that depends on nothing but the seed and ``name``.

@@ -70,6 +70,7 @@ class Simulation:
         self.clock = self.context.clock
         self.pacer = Pacer(self.clock.period, speed)
         self.context.wake = self.pacer.wake
+        self.context.stopping = lambda: self._stop
         self.paused = False
         self.view: View | None = None
         self.profile: Profile | None = Profile(trace=True) if options.profile else None
