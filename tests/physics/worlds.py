@@ -44,7 +44,9 @@ def rigid(name, shape, *, at, mass=1.0, **settings) -> Node:
 
 
 def robot(name="robot", shape=None, *, at=(0, 0, 0.25), mass=10.0, **settings) -> Node:
-    return rigid(name, shape or box(0.5, 0.4, 0.5), at=at, mass=mass, **settings)
+    made = rigid(name, shape or box(0.5, 0.4, 0.5), at=at, mass=mass, **settings)
+    made.properties["GroundRobot"] = True
+    return made
 
 
 def scene(*roots: Node, robots=(), gravity=9.81) -> Scene:

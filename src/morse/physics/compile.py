@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
 from morse.physics.wheels import wheel_axis, wheel_size
@@ -48,7 +49,8 @@ class Slot:
         dof: address of its velocity (6 or 1).
         mocap: mocap id.
         actuator: id of the wheel motor.
-        geoms: geom ids by node.
+        geoms: geom ids by node, one for each of its shapes.
+        feet: geom ids of the balls that a driven robot stands on.
     """
 
     frame: Frame
@@ -59,6 +61,7 @@ class Slot:
     mocap: int = -1
     actuator: int = -1
     geoms: dict[Node, list[int]] = field(default_factory=dict)
+    feet: list[int] = field(default_factory=list)
 
 
 @dataclass(eq=False, slots=True)
@@ -115,6 +118,7 @@ class _Builder:
         self._spec = spec
         self._bodies: dict[Frame, Any] = {}
         self._geoms: list[tuple[Any, Node, Slot]] = []
+        self._feet: list[tuple[Any, Node, Slot]] = []
         self._step = spec.option.timestep
 
     def add(self, frame: Frame) -> Slot:
@@ -150,10 +154,12 @@ class _Builder:
         total = sum(volume(shape) for node in frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
+        stand = self._stance(frame, slot)
         for node in frame.solid:
             position, rotation = relative_pose(node, slot.pose)
             for shape in node.shapes or ():
-                geom = self._add_geom(body, shape, position, rotation)
+                fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
+                geom = self._add_geom(body, fitted, position, rotation)
                 geom.mass = mass * volume(shape) / total
                 self._set_surface(geom, node, frame)
                 self._geoms.append((geom, node, slot))
@@ -163,6 +169,25 @@ class _Builder:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
+            self._add_feet(frame, slot, body, stand)
+
+    def _stance(self, frame: Frame, slot: Slot) -> Stance | None:
+        """Feet are for robots that are driven as one body over a floor, not for wheels, rotors or props."""
+        if frame.robot is None or frame.motion is not Motion.FREE or frame.robot.options.get("wheels"):
+            return None
+        if slot.pose.rotation[2][2] < 0.99 or not frame.node.properties.get("GroundRobot"):
+            return None
+        solid = [node for node in frame.solid if node.body.collides]
+        points = [corners(shape, *relative_pose(node, slot.pose)) for node in solid for shape in node.shapes or ()]
+        return stance(np.vstack(points)) if points else None
+
+    def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
+        if stand is None:
+            return
+        for centre in stand.feet:
+            foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
+            self._set_surface(foot, frame.node, frame)
+            self._feet.append((foot, frame.node, slot))
 
     def _add_geom(
         self, body: Any, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
@@ -229,6 +254,9 @@ class _Builder:
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)
+        for foot, node, slot in self._feet:
+            geom_node[foot.id] = node
+            slot.feet.append(foot.id)
         for slot in slots:
             body = self._bodies.get(slot.frame)
             if body is None:

@@ -134,10 +134,14 @@ class Drives:
         else:
             self._sliding.discard(index)
             set_damping(model, slot)
+        fixed = slot.frame.node.body.friction is not None
         for node, geoms in slot.geoms.items():
-            fixed = node.body.friction is not None or slot.frame.node.body.friction is not None
-            for geom in geoms:
-                if "caster" in node.plain_name.lower():
-                    continue
-                model.geom_condim[geom] = 1 if sliding else 3
-                model.geom_priority[geom] = 2 if sliding else int(fixed)
+            if "caster" not in node.plain_name.lower():
+                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
+        self._set_contact(slot.feet, sliding, fixed)
+
+    def _set_contact(self, geoms: Sequence[int], sliding: bool, fixed: bool) -> None:
+        model = self._world.model
+        for geom in geoms:
+            model.geom_condim[geom] = 1 if sliding else 3
+            model.geom_priority[geom] = 2 if sliding else int(fixed)

@@ -218,7 +218,8 @@ class World:
     def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
         """Let the shapes of nodes collide, or pass through everything."""
         for node in nodes:
-            for geom in self.slots[self._slot_of[node]].geoms.get(node, ()):
+            slot = self.slots[self._slot_of[node]]
+            for geom in [*slot.geoms.get(node, ()), *slot.feet]:
                 self.model.geom_contype[geom] = self.model.geom_conaffinity[geom] = int(active)
 
     def move_shapes(self, obj: GameObject) -> None:

@@ -1,0 +1,108 @@
+"""The work that every simulator does, and the analytic answers that it is held to.
+
+Units: metres, radians, seconds. Standard library only, so that a rival's program can import it.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+
+SIZE = 20.0  # inner side of the walls, centred on the origin
+WALL_THICKNESS, WALL_HEIGHT = 0.2, 1.0
+BOX = (0.6, 0.6, 0.8)
+BOXES = 30
+RADIUS, HEIGHT, MASS = 0.20, 0.30, 10.0  # the robot: a cylinder
+WHEEL_RADIUS, TRACK = 0.06, 0.30
+SPEED, RATE = 0.5, 0.3  # the constant command: a circle of radius 1.667 m
+SPACING = 1.0
+TICK = 60.0  # Hz of command and pose
+SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 10.0, 0.20
+
+Block = tuple[float, float, float, float, float, float]
+Pose = tuple[float, float, float]
+
+
+def walls() -> list[Block]:
+    """Centre and full edge lengths of the four walls."""
+    height, thick, size = WALL_HEIGHT, WALL_THICKNESS, SIZE
+    away = size / 2 + thick / 2
+    return [
+        (away, 0, height / 2, thick, size + 2 * thick, height),
+        (-away, 0, height / 2, thick, size + 2 * thick, height),
+        (0, away, height / 2, size, thick, height),
+        (0, -away, height / 2, size, thick, height),
+    ]
+
+
+def boxes() -> list[Block]:
+    """Centre and full edge lengths of boxes along the walls, at least 1 m apart, always the same."""
+    numbers, found = random.Random(7), []
+    while len(found) < BOXES:
+        x, y = (numbers.random() * 2 - 1) * 9.3, (numbers.random() * 2 - 1) * 9.3
+        if max(abs(x), abs(y)) >= 7.0 and all((x - a) ** 2 + (y - b) ** 2 >= 1.0 for a, b, *_ in found):
+            found.append((x, y, BOX[2] / 2, *BOX))
+    return found
+
+
+def starts(count: int) -> list[Pose]:
+    """x, y, yaw of the robots: a grid that keeps its distances under one common command."""
+    side = math.ceil(math.sqrt(count))
+    return [
+        ((i % side - (side - 1) / 2) * SPACING, (i // side - (side - 1) / 2) * SPACING - SPEED / RATE, 0.0)
+        for i in range(count)
+    ]
+
+
+def on_circle(start: Pose, seconds: float) -> Pose:
+    """Where a robot is after that time."""
+    x, y, yaw = start
+    radius, turned = SPEED / RATE, yaw + RATE * seconds
+    return x + radius * (math.sin(turned) - math.sin(yaw)), y - radius * (math.cos(turned) - math.cos(yaw)), turned
+
+
+def worst_position(poses: list[Pose], seconds: float) -> float:
+    """Largest distance of a robot to its circle, m."""
+    return max(
+        math.dist(pose[:2], on_circle(start, seconds)[:2])
+        for pose, start in zip(poses, starts(len(poses)), strict=True)
+    )
+
+
+def scan(pose: Pose, others: list[Pose]) -> list[float]:
+    """Ranges that a laser scanner in the middle of a robot measures, analytically."""
+    x, y, yaw = pose
+    rectangles = [(cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in walls() + boxes()]
+    ranges = []
+    for i in range(SCAN_RAYS):
+        angle = yaw - SCAN_VIEW / 2 + SCAN_VIEW * i / (SCAN_RAYS - 1)
+        dx, dy = math.cos(angle), math.sin(angle)
+        nearest = SCAN_RANGE
+        for x0, x1, y0, y1 in rectangles:
+            (a0, a1), (b0, b1) = _slab(x, dx, x0, x1), _slab(y, dy, y0, y1)
+            enter, leave = max(a0, b0), min(a1, b1)
+            if enter <= leave and 0 < enter < nearest:
+                nearest = enter
+        for ox, oy, _ in others:
+            ahead = (ox - x) * dx + (oy - y) * dy
+            inside = RADIUS**2 - ((ox - x) ** 2 + (oy - y) ** 2 - ahead**2)
+            if ahead > 0 and inside >= 0 and 0 < ahead - math.sqrt(inside) < nearest:
+                nearest = ahead - math.sqrt(inside)
+        ranges.append(nearest)
+    return ranges
+
+
+def _slab(start: float, step: float, low: float, high: float) -> tuple[float, float]:
+    if abs(step) < 1e-12:
+        return (-1e9, 1e9) if low <= start <= high else (1e9, -1e9)
+    a, b = (low - start) / step, (high - start) / step
+    return (a, b) if a < b else (b, a)
+
+
+def scan_errors(ranges: list[float], poses: list[Pose], robot: int = 0) -> tuple[float, float]:
+    """Median error (m) of a scan, and the share of its beams that are off by more than 5 cm."""
+    truth = scan(poses[robot], [p for i, p in enumerate(poses) if i != robot])
+    if len(ranges) != len(truth):
+        return math.inf, 1.0
+    errors = sorted(abs(a - b) for a, b in zip(ranges, truth, strict=True))
+    return errors[len(errors) // 2], sum(e > 0.05 for e in errors) / len(errors)

@@ -1,0 +1,126 @@
+"""Feet under driven robots.
+
+A hull that rests on a floor with its whole underside is slow to simulate and catches on the
+seams of floors. Four balls at the rim of the underside carry the robot instead: they glide over
+seams, and the engine knows a closed formula for a ball on a box. The hull itself is trimmed by a
+few millimetres so that it does not touch the floor it used to stand on.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.scene import CollisionShape, ShapeKind
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: share of the height that is trimmed off the hull, and at most that many metres
+_TRIM, _TRIM_LIMIT = 0.02, 0.01
+#: radius of a foot: a share of the smaller half width, within limits in metres
+_RADIUS, _RADIUS_LIMITS = 0.15, (0.005, 0.05)
+
+
+@dataclass(frozen=True, slots=True)
+class Stance:
+    """Where a robot stands.
+
+    Attributes:
+        feet: (4, 3) centres of the balls in the frame of the robot.
+        radius: of the balls, m.
+        floor: height of the underside in the frame of the robot.
+        clearance: the hull ends that much higher, m.
+        height: of the hull, m.
+    """
+
+    feet: NDArray[np.float64]
+    radius: float
+    floor: float
+    clearance: float
+    height: float
+
+
+def stance(points: NDArray[np.float64]) -> Stance | None:
+    """The stance of a hull, given its corners (P, 3) in the frame of the robot.
+
+    Returns:
+        None for a hull without an underside to stand on, e.g. a ball or a blade.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    height = float(high[2] - low[2])
+    clearance = min(_TRIM * height, _TRIM_LIMIT)
+    under = points[points[:, 2] <= low[2] + 2.0 * clearance]
+    half = np.ptp(under[:, :2], axis=0) / 2 if len(under) else np.zeros(2)
+    if clearance < 1e-4 or half.min() < 0.25 * np.ptp(points[:, :2], axis=0).min() or half.min() < 0.02:
+        return None
+    radius = float(np.clip(_RADIUS * half.min(), *_RADIUS_LIMITS))
+    centre = (under[:, :2].min(axis=0) + under[:, :2].max(axis=0)) / 2
+    reach = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]) * (half - radius)
+    if _corner_share(under[:, :2] - centre, half) < 0.9:
+        # a round underside has no corners: the feet stand on the circle
+        reach *= math.sqrt(0.5)
+    feet = np.column_stack([centre + reach, np.full(4, low[2] + radius)])
+    return Stance(feet, radius, float(low[2]), clearance, height)
+
+
+def _corner_share(points: NDArray[np.float64], half: NDArray[np.float64]) -> float:
+    """How far the underside reaches towards the corners of its bounding rectangle: 1 for a rectangle."""
+    return float((np.abs(points) / half).sum(axis=1).max() / 2.0)
+
+
+def trimmed(
+    shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64], stand: Stance
+) -> CollisionShape | None:
+    """The shape without what reaches below the clearance; None if it cannot be trimmed.
+
+    Args:
+        position: (3,) of the shape's node in the frame of the robot.
+        rotation: (3, 3) of the same.
+    """
+    bottom = stand.floor + stand.clearance
+    if shape.kind is ShapeKind.CONVEX:
+        assert shape.vertices is not None
+        points = shape.vertices @ rotation.T + position
+        if points[:, 2].min() >= bottom:
+            return shape
+        top = points[:, 2].max()
+        share = (top - bottom) / max(top - points[:, 2].min(), 1e-9)
+        points[:, 2] = top - (top - points[:, 2]) * share
+        return CollisionShape(shape.kind, (), vertices=(points - position) @ rotation)
+    turned = rotation @ np.reshape(shape.rotation, (3, 3))
+    if shape.kind not in (ShapeKind.BOX, ShapeKind.CYLINDER) or abs(abs(turned[2, 2]) - 1.0) > 1e-6:
+        return None
+    half = shape.size[-1]
+    centre = position + rotation @ np.asarray(shape.position)
+    cut = bottom - (centre[2] - half)
+    if cut <= 0.0:
+        return shape
+    if cut >= half:
+        return None
+    moved = rotation.T @ (centre + [0.0, 0.0, cut / 2] - position)
+    x, y, z = moved.tolist()
+    return CollisionShape(shape.kind, (*shape.size[:-1], half - cut / 2), (x, y, z), shape.rotation)
+
+
+def corners(shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (P, 3) on a shape, in the frame of the robot, whose hull is the shape (nearly, if it is round)."""
+    if shape.kind is ShapeKind.CONVEX:
+        assert shape.vertices is not None
+        return np.asarray(shape.vertices @ rotation.T + position)
+    if shape.kind is ShapeKind.BOX:
+        signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+        own = signs * np.asarray(shape.size)
+    elif shape.kind is ShapeKind.CYLINDER:
+        turn = np.arange(24) * (math.pi / 12)
+        ring = np.column_stack([np.cos(turn), np.sin(turn)]) * shape.size[0]
+        own = np.vstack([np.column_stack([ring, np.full(24, h)]) for h in (-shape.size[1], shape.size[1])])
+    else:
+        radius = shape.size[0]
+        up = radius + (shape.size[1] if shape.kind is ShapeKind.CAPSULE else 0.0)
+        own = np.array([[radius, 0, 0], [-radius, 0, 0], [0, radius, 0], [0, -radius, 0], [0, 0, up], [0, 0, -up]])
+    turned = rotation @ np.reshape(shape.rotation, (3, 3))
+    return np.asarray(own @ turned.T + position + rotation @ np.asarray(shape.position))

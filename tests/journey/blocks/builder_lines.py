@@ -1,0 +1,2 @@
+self.eyes = Eyes()
+self.append(self.eyes)

@@ -1,0 +1,209 @@
+"""The tutorial "A Journey to a New Simulation", chapter by chapter, as a person types it."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import pexpect
+import pymorse
+import pytest
+from eyes_in_pixels import eyes
+from steps import block, wait_for
+
+import morse
+
+pytestmark = [pytest.mark.browser, pytest.mark.blender]
+
+CRATES = Path(morse.__file__).parent / "data" / "props" / "crates.blend"
+#: true in the page once the world is there and moves
+SHOWN = "window.morse?.world.value && window.morse?.poses.value"
+FACING_THE_CAMERA = """
+env.set_camera_location([4.0, 0.0, 0.9])
+env.set_camera_rotation([1.5708, 0, 1.5708])
+"""
+
+
+def position_of(simu, name="robot"):
+    """Position of an object that is not part of another, as the service tells it."""
+    return simu.rpc("simulation", "get_scene_objects")[name][1]
+
+
+def client(person, name):
+    """Start a client program of the tutorial in a terminal."""
+    script = person.project / "scripts" / "keyboard_ctrl.py"
+    script.write_text(block(name))
+    return pexpect.spawn(sys.executable, [str(script)], cwd=str(person.folder), encoding="utf-8", timeout=20)
+
+
+def press(terminal, keys, prompt):
+    for key in keys:
+        terminal.expect_exact(prompt)
+        terminal.sendline(key)
+
+
+def test_chapter_two_create_and_drive_morsy(person, page):
+    said = person.types("create", "ranger_sim")
+    assert "morse run ranger_sim" in said
+    for name in ("default.py", "scripts/ranger_sim_client.py", "src/ranger_sim/__init__.py"):
+        assert (person.project / name).is_file()
+    simulation = person.runs("--view-port", "0", "--speed", "4", "ranger_sim")
+    page.goto(simulation.url)
+    with pymorse.Morse() as simu:
+        start = simu.robot.pose.get()
+        assert (start["x"], start["y"]) == pytest.approx((1.0, 0.0), abs=1e-3)
+        page.wait_for_function(SHOWN, timeout=30_000)
+        page.keyboard.down("ArrowUp")
+        # Morsy looks along 3.5 rad: the board around the floor begins at x = -9, its body ends 0.39 m ahead
+        before = wait_for(lambda: (p := simu.robot.pose.get())["x"] < -7.0 and p, "Morsy to reach the board")
+        assert math.atan2(before["y"], before["x"] - 1.0) == pytest.approx(3.5 - 2 * math.pi, abs=0.1)
+        wait_for(lambda: abs(simu.robot.pose.get()["x"] - simu.robot.pose.get()["x"]) < 1e-4, "the board to stop it")
+        stopped = simu.robot.pose.get()
+        assert -9.3 < stopped["x"] < -7.9
+        page.keyboard.up("ArrowUp")
+        page.keyboard.down("ArrowDown")
+        wait_for(lambda: simu.robot.pose.get()["x"] > stopped["x"] + 0.5, "Morsy to drive back")
+        page.keyboard.up("ArrowDown")
+        wait_for(lambda: abs(simu.robot.pose.get()["x"] - simu.robot.pose.get()["x"]) < 1e-4, "Morsy to stand")
+    simulation.stop()
+
+
+def test_chapter_two_a_robot_of_our_own(person):
+    person.types("add", "robot", "ranger", "ranger_sim")
+    for name in (
+        "data/ranger_sim/robots/ranger.blend",
+        "src/ranger_sim/robots/ranger.py",
+        "src/ranger_sim/builder/robots/ranger.py",
+    ):
+        assert (person.project / name).is_file()
+    (person.project / "default.py").write_text(block("default.py"))
+    simulation = person.runs("--headless", "ranger_sim")
+    with pymorse.Morse() as simu:
+        assert simu.robots == ["robot"]
+        assert {"motion", "pose"} <= set(simu.robot)
+        # the same look as before
+        objects = simu.rpc("simulation", "get_scene_objects")["robot"][0]
+        assert any(name.startswith("morsy") for name in objects)
+    simulation.stop()
+
+
+def test_chapter_two_a_crate_with_eyes(person):
+    person.edits("edit_ranger.py", person.project / "data/ranger_sim/robots/ranger.blend", str(CRATES))
+    simulation = person.runs("--headless", "ranger_sim")
+    with pymorse.Morse() as simu:
+        parts = simu.rpc("simulation", "get_scene_objects")["robot"][0]
+        assert {"left_eye", "right_eye"} <= set(parts)
+        assert any("small_crate" in name for name in parts)
+        assert not any(name.startswith("morsy") for name in parts)
+        # the crate stands on the floor and does not move by itself
+        start = simu.robot.pose.get()
+        simu.sleep(1.0)
+        assert math.dist(*[(p["x"], p["y"], p["z"]) for p in (start, simu.robot.pose.get())]) < 0.02
+    simulation.stop()
+
+
+def test_chapter_three_drive_from_a_program(person):
+    simulation = person.runs("--headless", "ranger_sim")
+    terminal = client(person, "keyboard_first.py")
+    press(terminal, "wwww", "WASD?")
+    with pymorse.Morse() as simu:
+        start = simu.robot.pose.get()
+        simu.sleep(1.0)
+        # four times 0.1 m/s forward, along X
+        assert simu.robot.pose.get()["x"] - start["x"] == pytest.approx(0.4, abs=0.05)
+        press(terminal, "ssss" + "aaaaa", "WASD?")
+        terminal.expect_exact("WASD?")
+        start = simu.robot.pose.get()
+        simu.sleep(1.0)
+        end = simu.robot.pose.get()
+        assert end["yaw"] - start["yaw"] == pytest.approx(0.5, abs=0.05)
+        assert math.hypot(end["x"] - start["x"], end["y"] - start["y"]) < 0.02
+    terminal.sendintr()
+    terminal.expect(pexpect.EOF)
+    terminal.close()
+    assert simulation.process.poll() is None
+    simulation.stop()
+
+
+def test_chapter_three_read_the_pose(person):
+    simulation = person.runs("--headless", "ranger_sim")
+    terminal = client(person, "keyboard_second.py")
+    terminal.expect(r"The Ranger is currently at \{[^}]*'x': (-?[\d.]+)")
+    first = float(terminal.match.group(1))
+    terminal.sendline("w")
+    terminal.sendline("w")
+
+    def moved():
+        terminal.expect(r"The Ranger is currently at \{[^}]*'x': (-?[\d.]+)")
+        return float(terminal.match.group(1)) > first + 0.05
+
+    wait_for(moved, "the printed position to change")
+    terminal.sendintr()
+    terminal.expect(pexpect.EOF)
+    terminal.close()
+    simulation.stop()
+
+
+def test_chapter_four_a_new_actuator(person):
+    said = person.types("add", "actuator", "eyes", "ranger_sim", answer="Controls the eyes of the EPFL Ranger robot\n")
+    assert "from ranger_sim.builder.actuators import Eyes" in said
+    builder = person.project / "src/ranger_sim/builder/robots/ranger.py"
+    source = builder.read_text()
+    lines = source.splitlines()
+    last = max(i for i, line in enumerate(lines) if "self.append(self.motion)" in line)
+    indent = " " * (len(lines[last]) - len(lines[last].lstrip()))
+    lines[last + 1 : last + 1] = [indent + line for line in block("builder_lines.py").splitlines()]
+    builder.write_text(block("builder_import.py") + "\n".join(lines) + "\n")
+    simulation = person.runs("--headless", "ranger_sim")
+    summary = "\n".join(simulation.lines)
+    assert "ROBOT: 'robot'" in summary
+    for component in ("robot.pose", "robot.keyboard", "robot.eyes", "robot.motion"):
+        assert f"\t\t- Component: '{component}'" in summary
+    simulation.stop()
+
+
+def angle_of(simu, eye):
+    """Rotation of an eye about the X axis of the robot, from its quaternion x, y, z, w."""
+    x, _, _, w = simu.rpc("simulation", "get_scene_objects")["robot"][0][eye][2]
+    return 2 * math.atan2(x, w)
+
+
+def test_chapter_four_the_eyes_move(person, page, tmp_path):
+    (person.project / "src/ranger_sim/actuators/eyes.py").write_text(block("eyes.py"))
+    (person.project / "default.py").write_text(block("default.py") + FACING_THE_CAMERA)
+    simulation = person.runs("--view-port", "0", "ranger_sim")
+    page.goto(simulation.url)
+    page.wait_for_function(SHOWN, timeout=30_000)
+    with pymorse.Morse() as simu:
+        # the defaults of the actuator
+        wait_for(lambda: abs(angle_of(simu, "left_eye") - 0.1) < 1e-3, "the left eye")
+        assert angle_of(simu, "right_eye") == pytest.approx(-0.1, abs=1e-3)
+        before = wait_for(lambda: look(page, tmp_path / "before.png"), "two eyes in the picture")
+        terminal = client(person, "keyboard_third.py")
+        press(terminal, "r" * 15 + "t" * 8, "WASD (eyes:RFTG)?")
+        wait_for(lambda: abs(angle_of(simu, "left_eye") - 1.5) < 1e-3, "the left eye to turn")
+        assert angle_of(simu, "right_eye") == pytest.approx(0.8, abs=1e-3)
+        # from the front +Y is to the right: a turn about +X takes a pupil from above to the left
+        after = wait_for(
+            lambda: (e := look(page, tmp_path / "after.png")) and e[1][1] < before[1][1] - 8 and e, "pixels to move"
+        )
+        for eye, angle, start in ((1, 1.5, 0.1), (0, 0.8, -0.1)):
+            turned = turn_of(after[eye]) - turn_of(before[eye])
+            assert turned == pytest.approx(angle - start, abs=0.25)
+    terminal.sendintr()
+    terminal.expect(pexpect.EOF)
+    terminal.close()
+    simulation.stop()
+
+
+def look(page, picture):
+    page.screenshot(path=str(picture))
+    found = eyes(picture)
+    return found if len(found) == 2 else None
+
+
+def turn_of(eye):
+    """Angle of the pupil about the viewing direction, from straight up, turning to the left."""
+    _, right, up = eye
+    return math.atan2(-right, up)
