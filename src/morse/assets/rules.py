@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from morse.assets.errors import AssetError
+from morse.assets.poses import attach_in_place, set_free
 from morse.scene import BodySettings, Bounds, Node, NodeKind, PhysicsType
-from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -225,7 +225,7 @@ def gather_under_root(library: Library) -> Node:
     root = _choose(loose, Path(library.path).stem)
     for part in loose:
         if part is not root:
-            _attach_in_place(root, part)
+            attach_in_place(root, part)
     library.roots = [root]
     return root
 
@@ -241,13 +241,13 @@ def _without_lights(root: Node) -> list[Node]:
             node.detach()
         elif _is_light(node):
             for child in list(node.children):
-                _attach_in_place(node.parent, child)
+                attach_in_place(node.parent, child)
             node.detach()
     if not _is_light(root):
         return [root]
     freed = list(root.children)
     for child in freed:
-        _set_free(child)
+        set_free(child)
     return [tree for child in freed for tree in _without_lights(child)]
 
 
@@ -268,22 +268,3 @@ def _choose(loose: list[Node], stem: str) -> Node:
         if node.children or settled or node.kind is NodeKind.EMPTY:
             return node
     return next((node for node in loose if node.mesh is not None), loose[0])
-
-
-def _attach_in_place(parent: Node, child: Node) -> None:
-    """Attach without moving; a parent that is flat in one direction gets it in its own frame."""
-    try:
-        parent.attach(child, keep_world_pose=True)
-    except ValueError:
-        parent.attach(child)
-
-
-def _set_free(node: Node) -> None:
-    """Take a node from its parent without moving it."""
-    frame, world = rigid_frame(node), node.world_matrix()
-    node.detach()
-    node.location = list(frame.position)
-    node.rotation_euler = list(frame.rotation.to_euler())
-    node.scale = [1.0, 1.0, 1.0]
-    if not frame.is_unstretched:
-        node.scale = list(world.to_scale())

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # rigid bodies
 _PASSIVE = 1
-_KINEMATIC, _DISABLED = 1 << 0, 1 << 6
+_KINEMATIC, _DISABLED = 1 << 0, 1 << 5
 _COMPOUND = 7
 _SHAPES = {
     0: Bounds.BOX, 1: Bounds.SPHERE, 2: Bounds.CAPSULE, 3: Bounds.CYLINDER, 4: Bounds.CONE,
@@ -105,5 +105,5 @@ def game_properties(record: Record) -> dict[str, object]:
             value: float = struct.unpack("=f", struct.pack("=i", data))[0]
             found[name] = value if abs(value) < float("inf") else 0.0
         elif kind == _STRING:
-            found[name] = entry.content("poin").split(b"\0", 1)[0].decode("utf-8", "replace")
+            found[name] = entry.string("poin")
     return found

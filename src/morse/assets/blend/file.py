@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: steps along linked lists in one file; guards against files made to cost time
 _MAX_STEPS = 5_000_000
+#: bytes of a text that something points to
+_MAX_TEXT = 1 << 20
 
 
 class BlendFile:
@@ -77,6 +79,25 @@ class BlendFile:
         if (item + 1) * layout.size > block.size:
             raise Damage(f"a block with the struct {layout.name} is too small")
         return Record(self, layout, block.offset + item * layout.size, block)
+
+    def column(self, block: Block, struct: Struct, name: str, count: int) -> NDArray[np.generic]:
+        """One field of the first `count` structs in a block, as a (count, ...) array.
+
+        Raises:
+            Damage: the block has fewer, or the struct has no such field of numbers.
+        """
+        field = struct.fields.get(name)
+        if field is None or not field.numpy or count * struct.size > block.size:
+            raise Damage(f"an array of {struct.name} is shorter than it says, or has no {name}")
+        kind = np.dtype(
+            {
+                "names": ["value"],
+                "formats": [(field.numpy, (field.items,)) if field.items > 1 else field.numpy],
+                "offsets": [field.offset],
+                "itemsize": struct.size,
+            }
+        )
+        return np.frombuffer(self.data, kind, count, block.offset)["value"]
 
     def step(self) -> None:
         """Count one step along a linked list.
@@ -193,6 +214,10 @@ class Record:
         block = self.target(name)
         return b"" if block is None else self.file.data[block.offset : block.offset + block.size]
 
+    def string(self, name: str) -> str:
+        """The text that a pointer means, up to the first NUL; empty if there is none."""
+        return self.content(name)[:_MAX_TEXT].split(b"\0", 1)[0].decode("utf-8", "replace") if self.has(name) else ""
+
     def addresses(self, name: str, count: int) -> list[int]:
         """Up to `count` addresses of the array that a pointer means."""
         block = self.target(name)
@@ -230,25 +255,6 @@ class Record:
             self.file.step()
             holder, field = self.file.record(block, index), "next"
             yield holder
-
-    def column(self, block: Block, name: str, count: int) -> NDArray[np.generic]:
-        """One field of the first `count` structs like this in a block, as a (count, ...) array.
-
-        Raises:
-            Damage: the block has fewer.
-        """
-        field = self._field(name)
-        if not field.numpy or count * self.struct.size > block.size:
-            raise Damage(f"an array of {self.struct.name} is shorter than it says")
-        kind = np.dtype(
-            {
-                "names": ["value"],
-                "formats": [(field.numpy, (field.items,)) if field.items > 1 else field.numpy],
-                "offsets": [field.offset],
-                "itemsize": self.struct.size,
-            }
-        )
-        return np.frombuffer(self.file.data, kind, count, block.offset)["value"]
 
 
 def _whole(value: float) -> int:

@@ -14,7 +14,6 @@ _STRING, _INT, _FLOAT, _ARRAY, _GROUP, _ID, _DOUBLE, _GROUP_ARRAY, _BOOLEAN = 0,
 _ITEMS = {_INT: "i4", _FLOAT: "f4", _DOUBLE: "f8", _BOOLEAN: "i1"}
 _DEPTH = 8
 _MAX_ITEMS = 1 << 20
-_MAX_TEXT = 1 << 20
 #: settings of Blender and its renderers that are kept as if they were custom properties
 _PRIVATE = ("_RNA_UI", "cycles", "cycles_visibility", "cycles_curves", "rigify_", "bl_")
 
@@ -25,10 +24,11 @@ def id_properties(record: Record) -> dict[str, object]:
     if not holder.integer("properties", 0):
         return {}
     group = holder.follow("properties", "IDProperty")
-    return {} if group is None else _group(group, 0)
+    return {} if group is None else group_properties(group)
 
 
-def _group(group: Record, depth: int) -> dict[str, object]:
+def group_properties(group: Record, depth: int = 0) -> dict[str, object]:
+    """The properties in a group."""
     found: dict[str, object] = {}
     if depth > _DEPTH:
         return found
@@ -45,7 +45,7 @@ def _group(group: Record, depth: int) -> dict[str, object]:
 def _value(entry: Record, depth: int) -> object:
     kind, data = entry.integer("type"), entry.part("data")
     if kind == _STRING:
-        return data.content("pointer")[:_MAX_TEXT].split(b"\0", 1)[0].decode("utf-8", "replace")
+        return data.string("pointer")
     if kind == _INT:
         return data.integer("val")
     if kind == _BOOLEAN:
@@ -58,13 +58,13 @@ def _value(entry: Record, depth: int) -> object:
             low, high = high, low
         return _finite(struct.unpack("<d", struct.pack("<ii", low, high))[0])
     if kind == _GROUP:
-        return _group(entry, depth + 1)
+        return group_properties(entry, depth + 1)
     if kind == _ARRAY:
         return _array(entry, data, depth)
     if kind == _ID:
         return _pointed_name(data)
     if kind == _GROUP_ARRAY:
-        return [_group(item, depth + 1) for item in data.items("pointer", "IDProperty", _length(entry))]
+        return [group_properties(item, depth + 1) for item in data.items("pointer", "IDProperty", _length(entry))]
     return None
 
 
@@ -75,7 +75,7 @@ def _array(entry: Record, data: Record, depth: int) -> object:
     if kind == _GROUP:
         addresses = data.addresses("pointer", _length(entry))
         groups = (data.at(address, "IDProperty") for address in addresses)
-        return [_group(group, depth + 1) for group in groups if group is not None]
+        return [group_properties(group, depth + 1) for group in groups if group is not None]
     numpy = _ITEMS.get(kind)
     if numpy is None:
         return None

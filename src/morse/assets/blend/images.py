@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: bytes of one encoded picture
 _MAX_BYTES = 256 << 20
+#: names in one warning
+_MAX_NAMED = 5
 _GENERATED, _VIEWER = 4, 5
 _SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
@@ -25,6 +27,7 @@ class Images:
     def __init__(self, path: Path) -> None:
         self._folder = path.parent
         self._read: dict[int, Image | None] = {}
+        self._foreign: list[str] = []
         #: the images read so far, by name
         self.by_name: dict[str, Image] = {}
 
@@ -35,6 +38,14 @@ class Images:
             if image is not None:
                 self.by_name.setdefault(image.name, image)
         return self._read[record.offset]
+
+    def warnings(self) -> list[str]:
+        """One sentence about all images in formats that nothing here can show."""
+        if not self._foreign:
+            return []
+        names = ", ".join(f"'{name}'" for name in self._foreign[:_MAX_NAMED])
+        more = f" and {len(self._foreign) - _MAX_NAMED} more" if len(self._foreign) > _MAX_NAMED else ""
+        return [f"images that are neither PNG nor JPEG are left out (save them as such): {names}{more}"]
 
     def _image(self, record: Record) -> Image | None:
         name = datablock_name(record)
@@ -48,7 +59,7 @@ class Images:
             return None
         mime = next((mime for signature, mime in _SIGNATURES.items() if data.startswith(signature)), None)
         if mime is None:
-            record.file.warn(f"the image '{name}' is left out: it is neither PNG nor JPEG; save it as one of these")
+            self._foreign.append(name)
             return None
         return Image(name, data, mime)
 

@@ -28,7 +28,7 @@ def light(record: Record) -> Light:
     return Light(
         type=kind,
         color=(red, green, blue),
-        energy=max(record.real(record.either("energy", "energy_new"), 1.0), 0.0) / (1.0 if old else _UNIT[kind]),
+        energy=_energy(record) / (1.0 if old else _UNIT[kind]),
         distance=max(record.real("dist", 25.0), 1e-3) if old else 25.0,
         # degrees until the angle became a plain one in 2.6x: no spot opens wider than pi
         spot_size=radians(size) if size > pi + 1e-3 else max(size, 0.0),
@@ -45,3 +45,10 @@ def camera(record: Record) -> Camera:
         clip_start=start,
         clip_end=max(record.real(record.either("clipend", "clip_end"), 100.0), start * 2),
     )
+
+
+def _energy(record: Record) -> float:
+    """The energy that Blender shows; 5.0 adds an exposure in stops."""
+    energy = max(record.real(record.either("energy_new", "energy"), 1.0), 0.0)
+    exposure: float = 2.0 ** min(max(record.real("exposure", 0.0), -32.0), 32.0)
+    return energy * exposure

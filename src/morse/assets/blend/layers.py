@@ -1,4 +1,4 @@
-"""Where a mesh keeps its arrays: in fields of its own, in custom data layers, or in attributes."""
+"""The named arrays of a mesh: custom data layers until 4.5, attributes since 5.0."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ if TYPE_CHECKING:
     from morse.assets.blend.file import Record
 
 #: types of layers
-MTFACE, MTEXPOLY, MLOOPUV, FLOAT2 = 5, 15, 16, 49
+MVERT, MEDGE, MTFACE, INT32, MTEXPOLY, MLOOPUV, MPOLY, MLOOP, FLOAT3, FLOAT2, BOOL, INT32_2D = (
+    0, 3, 5, 11, 15, 16, 25, 26, 48, 49, 50, 52,
+)  # fmt: skip
+#: of attributes, the types of layers that they continue
+_ATTRIBUTE_TYPES = {0: BOOL, 3: INT32, 4: INT32_2D, 6: FLOAT2, 7: FLOAT3}
+_NUMPY = {BOOL: ("u1", 1), INT32: ("i4", 1), FLOAT3: ("f4", 3), FLOAT2: ("f4", 2), INT32_2D: ("i4", 2)}
 _MAX_LAYERS = 10_000
 
 
@@ -26,12 +31,14 @@ class Layer(NamedTuple):
         type: one of Blender's numbers for the type of its items.
         data: the block that holds the items.
         render: it is the one to show among those of its type.
+        single: one item stands for all.
     """
 
     type: int
     name: str
     data: Block
-    render: bool
+    render: bool = False
+    single: bool = False
 
 
 def layers(mesh: Record, *fields: str) -> list[Layer]:
@@ -51,22 +58,35 @@ def layers(mesh: Record, *fields: str) -> list[Layer]:
     return found
 
 
-def attributes(mesh: Record) -> dict[str, Layer]:
-    """The attributes of files since 5.0, by name."""
+def attributes(mesh: Record) -> dict[int, list[Layer]]:
+    """The attributes of files since 5.0, by domain: 0 vertices, 1 edges, 2 polygons, 3 corners."""
+    found: dict[int, list[Layer]] = {0: [], 1: [], 2: [], 3: []}
     if not mesh.has("attribute_storage"):
-        return {}
+        return found
     storage = mesh.part("attribute_storage")
-    found: dict[str, Layer] = {}
+    shown = mesh.string("default_uv_map_attribute")
     count = min(storage.integer("dna_attributes_num", 0), _MAX_LAYERS)
     for record in storage.items("dna_attributes", "Attribute", count):
-        array = record.follow("data")
-        if array is None or array.struct.name != "AttributeArray":
+        kind = _ATTRIBUTE_TYPES.get(record.integer("data_type"))
+        holder = record.follow("data")
+        data = None if holder is None or not holder.has("data") else holder.target("data")
+        if kind is None or holder is None or data is None:
             continue
-        data = array.target("data")
-        if data is not None:
-            name = record.content("name").split(b"\0", 1)[0].decode("utf-8", "replace")
-            found[name] = Layer(record.integer("data_type"), name, data, True)
+        name = record.string("name")
+        single = holder.struct.name == "AttributeSingle" or bool(holder.integer("is_single", 0))
+        found.get(record.integer("domain"), []).append(Layer(kind, name, data, name == shown, single))
     return found
+
+
+def named(among: list[Layer], name: str, kind: int) -> Layer | None:
+    """The layer of that name and type."""
+    return next((layer for layer in among if layer.name == name and layer.type == kind), None)
+
+
+def shown(among: list[Layer], kind: int) -> Layer | None:
+    """The layer of that type that is to be shown, or else the first."""
+    chosen = [layer for layer in among if layer.type == kind]
+    return next((layer for layer in chosen if layer.render), chosen[0] if chosen else None)
 
 
 def column(mesh: Record, block: Block, struct: str, field: str, count: int) -> NDArray[np.generic]:
@@ -78,9 +98,18 @@ def column(mesh: Record, block: Block, struct: str, field: str, count: int) -> N
     index = mesh.file.dna.index(struct)
     if index is None:
         raise Damage(f"it uses the struct {struct}, which is not described")
-    if not count:
-        return np.zeros(0)
-    return mesh.file.record(block, index).column(block, field, count)
+    return mesh.file.column(block, mesh.file.dna.struct(index), field, count)
+
+
+def values(mesh: Record, layer: Layer, count: int) -> NDArray[np.generic]:
+    """The items of a layer of plain numbers: (count,), or (count, width).
+
+    Raises:
+        Damage: the block is shorter.
+    """
+    kind, width = _NUMPY[layer.type]
+    stored = plain(mesh, layer.data, kind, 1 if layer.single else count, width)
+    return np.repeat(stored, count, axis=0) if layer.single else stored
 
 
 def plain(mesh: Record, block: Block, kind: str, count: int, width: int = 1) -> NDArray[np.generic]:
@@ -92,5 +121,5 @@ def plain(mesh: Record, block: Block, kind: str, count: int, width: int = 1) -> 
     numpy = np.dtype(mesh.file.endian + kind)
     if count * width * numpy.itemsize > block.size:
         raise Damage("an array of it is shorter than it says")
-    values = np.frombuffer(mesh.file.data, numpy, count * width, block.offset)
-    return values if width == 1 else values.reshape(count, width)
+    stored = np.frombuffer(mesh.file.data, numpy, count * width, block.offset)
+    return stored if width == 1 else stored.reshape(count, width)

@@ -8,13 +8,15 @@ from morse.assets.blend.errors import Damage
 from morse.assets.blend.file import datablock_name
 from morse.assets.blend.old_materials import old_material
 from morse.assets.blend.shaders import node_material
-from morse.scene import Material
+from morse.scene import Image, Material
 
 if TYPE_CHECKING:
     from morse.assets.blend.file import BlendFile, Record
     from morse.assets.blend.images import Images
 
 _BACKFACE_CULLING = 1 << 2
+_FACE_TEXTURES = 1 << 11
+_MAX_SLOTS = 32_767
 
 
 class Materials:
@@ -24,10 +26,17 @@ class Materials:
         self._file = file
         self._images = images
         self._read: dict[int, Material | None] = {}
+        #: materials that show the images that polygons have of their own (until 2.79)
+        self.face_textured: set[Material] = set()
 
     def slots(self, holder: Record, field: str, count: int) -> list[Material | None]:
         """The materials that an array of pointers means, e.g. the slots of a mesh."""
-        return [self.at(address, holder) for address in holder.addresses(field, count)]
+        return [self.at(address, holder) for address in holder.addresses(field, min(count, _MAX_SLOTS))]
+
+    def image_at(self, address: int, holder: Record) -> Image | None:
+        """The image at an address, or None."""
+        record = holder.at(address, "Image")
+        return None if record is None or record.block.code != "IM" else self._images.image(record)
 
     def at(self, address: int, holder: Record) -> Material | None:
         """The material at an address, or None for an empty slot."""
@@ -50,7 +59,10 @@ class Materials:
                 material.double_sided = not record.integer("blend_flag", 0) & _BACKFACE_CULLING
                 return material
             if record.has("mtex"):
-                return old_material(name, record, self._images)
+                material = old_material(name, record, self._images)
+                if record.integer("mode", 0) & _FACE_TEXTURES:
+                    self.face_textured.add(material)
+                return material
             return plain_material(name, record)
         except Damage as damage:
             self._file.warn(f"the material '{name}' is damaged and shown grey: {damage}")

@@ -1,17 +1,19 @@
 """The arrays of a mesh, from every generation of the file format.
 
-Until 2.62 a mesh has faces of three or four corners (MFace); then polygons and loops in structs (MPoly, MLoop);
-since 3.6 named attributes in custom data layers; since 5.0 attributes in a store of their own.
+Until 2.62 a mesh has faces of three or four corners (MFace); then polygons and corners in structs (MPoly, MLoop);
+since 3.6 named arrays of plain numbers, in custom data layers and since 5.0 in attributes.
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets.blend import layers as kinds
 from morse.assets.blend.errors import Damage
-from morse.assets.blend.layers import FLOAT2, MLOOPUV, MTFACE, Layer, attributes, column, layers, plain
+from morse.assets.blend.layers import Layer, attributes, column, layers, named, plain, shown, values
 from morse.assets.blend.polygons import Bools, Floats, Ints, Polygons, gather
 
 if TYPE_CHECKING:
@@ -28,9 +30,23 @@ def read_polygons(mesh: Record) -> Polygons | None:
     Raises:
         Damage: its arrays contradict each other.
     """
-    if _count(mesh, "totpoly", "faces_num"):
-        return _Arrays(mesh).polygons()
-    return _old_faces(mesh) if _count(mesh, "totface") else None
+    arrays = _Arrays(mesh)
+    if arrays.polygon_count:
+        return arrays.polygons()
+    return _old_faces(mesh, arrays) if _count(mesh, "totface") else None
+
+
+def vertex(mesh: Record, index: int) -> tuple[float, float, float] | None:
+    """The position of a vertex, or None if the mesh has no vertex of that number.
+
+    Raises:
+        Damage: the vertices are missing.
+    """
+    vertices = _Arrays(mesh).vertices()
+    if not 0 <= index < len(vertices) or not (np.abs(vertices[index]) < 1e9).all():
+        return None
+    x, y, z = vertices[index].tolist()
+    return x, y, z
 
 
 def _count(mesh: Record, *fields: str) -> int:
@@ -40,30 +56,27 @@ def _count(mesh: Record, *fields: str) -> int:
     return count
 
 
-def _old_faces(mesh: Record) -> Polygons | None:
-    count, total = _count(mesh, "totface"), _count(mesh, "totvert")
-    points, faces = mesh.target("mvert"), mesh.target("mface")
-    if points is None or faces is None:
+def _old_faces(mesh: Record, arrays: _Arrays) -> Polygons | None:
+    count, faces = _count(mesh, "totface"), mesh.target("mface")
+    if faces is None:
         return None
-    vertices = column(mesh, points, "MVert", "co", total).reshape(-1, 3).astype(np.float64)
     indices = np.stack([column(mesh, faces, "MFace", name, count) for name in ("v1", "v2", "v3", "v4")], axis=1)
     indices = indices.astype(np.int64)
-    # a triangle has no fourth vertex, and no quad ends with vertex 0
-    sizes = np.where(indices[:, 3] == 0, 3, 4)
-    uvs = None
-    for layer in sorted(layers(mesh, "fdata"), key=lambda layer: not layer.render):
-        if layer.type == MTFACE:
-            uvs = column(mesh, layer.data, "MTFace", "uv", count).reshape(-1, 2).astype(np.float64)
-            break
+    texture = shown(layers(mesh, "fdata"), kinds.MTFACE)
+    uvs = pictures = None
+    if texture is not None:
+        uvs = column(mesh, texture.data, "MTFace", "uv", count).reshape(-1, 2).astype(np.float64)
+        pictures = column(mesh, texture.data, "MTFace", "tpage", count).astype(np.uint64)
     return gather(
-        vertices,
+        arrays.vertices(),
         indices.ravel(),
         np.arange(count) * 4,
-        sizes,
-        column(mesh, faces, "MFace", "mat_nr", count).astype(np.int64),
-        (column(mesh, faces, "MFace", "flag", count).astype(np.int64) & _SMOOTH) != 0,
-        uvs,
-        None,
+        # a triangle has no fourth vertex, and no quad ends with vertex 0
+        np.where(indices[:, 3] == 0, 3, 4),
+        materials=column(mesh, faces, "MFace", "mat_nr", count).astype(np.int64),
+        smooth=(column(mesh, faces, "MFace", "flag", count).astype(np.int64) & _SMOOTH).astype(np.bool_),
+        uvs=uvs,
+        pictures=pictures,
     )
 
 
@@ -76,121 +89,122 @@ class _Arrays:
         self.corner_count = _count(mesh, "totloop", "corners_num")
         self.polygon_count = _count(mesh, "totpoly", "faces_num")
         self.edge_count = _count(mesh, "totedge", "edges_num")
-        self.vertex_layers = layers(mesh, "vdata", "vert_data")
-        self.edge_layers = layers(mesh, "edata", "edge_data")
-        self.polygon_layers = layers(mesh, "pdata", "face_data")
-        self.corner_layers = layers(mesh, "ldata", "corner_data")
-        self.attributes = attributes(mesh)
+        stored = attributes(mesh)
+        self.vertex_layers = layers(mesh, "vdata", "vert_data") + stored[0]
+        self.edge_layers = layers(mesh, "edata", "edge_data") + stored[1]
+        self.polygon_layers = layers(mesh, "pdata", "face_data") + stored[2]
+        self.corner_layers = layers(mesh, "ldata", "corner_data") + stored[3]
 
     def polygons(self) -> Polygons:
         starts, sizes = self._extents()
+        texture = shown(self.polygon_layers, kinds.MTEXPOLY)
+        pictures = None
+        if texture is not None:
+            pictures = column(self.mesh, texture.data, "MTexPoly", "tpage", self.polygon_count).astype(np.uint64)
         return gather(
-            self._vertices(),
+            self.vertices(),
             self._corners(),
             starts,
             sizes,
-            self._materials(),
-            self._smooth(),
-            self._uvs(),
-            self._sharp(),
+            materials=self._materials(),
+            smooth=self._smooth(),
+            uvs=self._uvs(),
+            sharp=self._sharp(),
+            pictures=pictures,
         )
-
-    def _named(self, among: list[Layer], name: str) -> Block | None:
-        for layer in among:
-            if layer.name == name:
-                return layer.data
-        known = self.attributes.get(name)
-        return None if known is None else known.data
 
     def _structs(self, field: str, among: list[Layer], kind: int) -> Block | None:
         """An array of structs: by the field of the mesh, or by the type of its layer."""
         block = self.mesh.target(field) if self.mesh.has(field) else None
-        return block or next((layer.data for layer in among if layer.type == kind), None)
+        if block is None:
+            layer = shown(among, kind)
+            block = None if layer is None else layer.data
+        return block
 
-    def _vertices(self) -> Floats:
-        block = self._structs("mvert", self.vertex_layers, 0)
+    def vertices(self) -> Floats:
+        block = self._structs("mvert", self.vertex_layers, kinds.MVERT)
         if block is not None:
             return column(self.mesh, block, "MVert", "co", self.vertex_count).reshape(-1, 3).astype(np.float64)
-        block = self._named(self.vertex_layers, "position")
-        if block is None:
+        layer = named(self.vertex_layers, "position", kinds.FLOAT3)
+        if layer is None:
             raise Damage("its vertices are missing")
-        return plain(self.mesh, block, "f4", self.vertex_count, 3).astype(np.float64)
+        return values(self.mesh, layer, self.vertex_count).astype(np.float64)
 
     def _corners(self) -> Ints:
-        block = self._structs("mloop", self.corner_layers, 26)
+        block = self._structs("mloop", self.corner_layers, kinds.MLOOP)
         if block is not None:
             return column(self.mesh, block, "MLoop", "v", self.corner_count).astype(np.int64)
-        block = self._named(self.corner_layers, ".corner_vert")
-        if block is None:
+        layer = named(self.corner_layers, ".corner_vert", kinds.INT32)
+        if layer is None:
             raise Damage("the corners of its polygons are missing")
-        return plain(self.mesh, block, "i4", self.corner_count).astype(np.int64)
+        return values(self.mesh, layer, self.corner_count).astype(np.int64)
 
+    @cached_property
     def _polygon_structs(self) -> Block | None:
-        return self._structs("mpoly", self.polygon_layers, 25)
+        return self._structs("mpoly", self.polygon_layers, kinds.MPOLY)
+
+    def _polygon_field(self, *names: str) -> Ints | None:
+        """A field of the polygons, while these are structs and have it."""
+        block, index = self._polygon_structs, self.mesh.file.dna.index("MPoly")
+        if block is None or index is None:
+            return None
+        fields = self.mesh.file.dna.struct(index).fields
+        name = next((name for name in names if name in fields), None)
+        return None if name is None else column(self.mesh, block, "MPoly", name, self.polygon_count).astype(np.int64)
 
     def _extents(self) -> tuple[Ints, Ints]:
+        """(P,) first corner and number of corners of each polygon."""
         field = self.mesh.either("poly_offset_indices", "face_offset_indices")
         block = self.mesh.target(field) if self.mesh.has(field) else None
         if block is not None:
             offsets = plain(self.mesh, block, "i4", self.polygon_count + 1).astype(np.int64)
             return offsets[:-1], np.diff(offsets)
-        block = self._polygon_structs()
-        if block is None:
+        starts, sizes = self._polygon_field("loopstart"), self._polygon_field("totloop")
+        if starts is None or sizes is None:
             raise Damage("its polygons are missing")
-        starts, sizes = (
-            column(self.mesh, block, "MPoly", name, self.polygon_count) for name in ("loopstart", "totloop")
-        )
-        return starts.astype(np.int64), sizes.astype(np.int64)
+        return starts, sizes
 
     def _materials(self) -> Ints | None:
-        block = self._named(self.polygon_layers, "material_index")
-        if block is not None:
-            return plain(self.mesh, block, "i4", self.polygon_count).astype(np.int64)
-        block = self._polygon_structs()
-        if block is None:
-            return None
-        index = self.mesh.file.dna.index("MPoly")
-        name = self.mesh.file.record(block, index).either("mat_nr", "mat_nr_legacy")
-        return column(self.mesh, block, "MPoly", name, self.polygon_count).astype(np.int64)
+        layer = named(self.polygon_layers, "material_index", kinds.INT32)
+        if layer is not None:
+            return values(self.mesh, layer, self.polygon_count).astype(np.int64)
+        return self._polygon_field("mat_nr", "mat_nr_legacy")
 
-    def _smooth(self) -> Bools | None:
-        block = self._named(self.polygon_layers, "sharp_face")
-        if block is not None:
-            return plain(self.mesh, block, "u1", self.polygon_count).astype(np.bool_) ^ True
-        block = self._polygon_structs()
-        if block is None:
+    def _smooth(self) -> Bools:
+        layer = named(self.polygon_layers, "sharp_face", kinds.BOOL)
+        if layer is not None:
+            return np.logical_not(values(self.mesh, layer, self.polygon_count).astype(np.bool_))
+        flags = self._polygon_field("flag", "flag_legacy")
+        if flags is None:
+            # nothing is sharp that no attribute calls so
             return np.ones(self.polygon_count, np.bool_)
-        index = self.mesh.file.dna.index("MPoly")
-        name = self.mesh.file.record(block, index).either("flag", "flag_legacy")
-        flags = column(self.mesh, block, "MPoly", name, self.polygon_count).astype(np.int64)
         return (flags & _SMOOTH).astype(np.bool_)
 
-    def _sharp(self) -> Ints | None:
-        block = self._structs("medge", self.edge_layers, 3)
-        flagged = self._named(self.edge_layers, "sharp_edge")
+    def _sharp(self) -> Ints:
+        """(E, 2) vertices of the edges that are marked sharp."""
+        block = self._structs("medge", self.edge_layers, kinds.MEDGE)
         if block is not None:
             ends = np.stack(
-                [column(self.mesh, block, "MEdge", name, self.edge_count) for name in ("v1", "v2")], axis=-1
+                [column(self.mesh, block, "MEdge", name, self.edge_count).astype(np.int64) for name in ("v1", "v2")],
+                axis=-1,
             )
-            sharp = (column(self.mesh, block, "MEdge", "flag", self.edge_count).astype(np.int64) & _SHARP) != 0
+            flags = column(self.mesh, block, "MEdge", "flag", self.edge_count).astype(np.int64) & _SHARP
         else:
-            block = self._named(self.edge_layers, ".edge_verts")
-            if block is None or flagged is None:
-                return None
-            ends = plain(self.mesh, block, "i4", self.edge_count, 2)
-            sharp = np.zeros(self.edge_count, np.bool_)
-        if flagged is not None:
-            sharp = sharp | (plain(self.mesh, flagged, "u1", self.edge_count) != 0)
-        chosen: Ints = ends[sharp].astype(np.int64)
+            layer = named(self.edge_layers, ".edge_verts", kinds.INT32_2D)
+            if layer is None:
+                return np.zeros((0, 2), np.int64)
+            ends = values(self.mesh, layer, self.edge_count).astype(np.int64)
+            flags = np.zeros(self.edge_count, np.int64)
+        marked = named(self.edge_layers, "sharp_edge", kinds.BOOL)
+        if marked is not None:
+            flags = flags | values(self.mesh, marked, self.edge_count).astype(np.int64)
+        chosen: Ints = ends[flags != 0]
         return chosen
 
     def _uvs(self) -> Floats | None:
-        for kind in (MLOOPUV, FLOAT2):
-            among = [layer for layer in self.corner_layers if layer.type == kind]
-            for layer in sorted(among, key=lambda layer: not layer.render):
-                if kind == MLOOPUV:
-                    values = column(self.mesh, layer.data, "MLoopUV", "uv", self.corner_count).reshape(-1, 2)
-                else:
-                    values = plain(self.mesh, layer.data, "f4", self.corner_count, 2)
-                return values.astype(np.float64)
-        return None
+        layer = shown(self.corner_layers, kinds.MLOOPUV)
+        if layer is not None:
+            stored = column(self.mesh, layer.data, "MLoopUV", "uv", self.corner_count)
+            return stored.reshape(-1, 2).astype(np.float64)
+        layer = shown(self.corner_layers, kinds.FLOAT2)
+        return None if layer is None else values(self.mesh, layer, self.corner_count).astype(np.float64)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,13 +13,12 @@ from morse.assets.blend.file import datablock_name
 from morse.assets.blend.mesh_arrays import read_polygons
 from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.triangulate import triangulate
-from morse.scene import Mesh
+from morse.scene import Material, Mesh
 
 if TYPE_CHECKING:
     from morse.assets.blend.file import Record
     from morse.assets.blend.materials import Materials
-    from morse.assets.blend.polygons import Polygons
-    from morse.scene import Material
+    from morse.assets.blend.polygons import Floats, Polygons
 
 _AUTO_SMOOTH = 1 << 5
 _MAX_SLOTS = 32_767
@@ -50,27 +51,51 @@ class Meshes:
         polygons = read_polygons(record)
         if polygons is None or not len(polygons.sizes):
             return None
-        slots = self._materials.slots(record, "mat", min(record.integer("totcol", 0), _MAX_SLOTS))
-        auto_smooth = record.integer("flag", 0) & _AUTO_SMOOTH
-        if record.file.version < 401 and not auto_smooth and crease is None:
-            # so long, sharp edges mattered only where the mesh or a modifier asked for them
-            polygons.sharp = polygons.sharp[:0]
-        elif auto_smooth and crease is None and record.file.version < 401:
-            crease = _threshold(record)
-        return build(datablock_name(record), polygons, crease, tuple(slots))
+        slots = self._materials.slots(record, "mat", record.integer("totcol", 0))
+        if polygons.pictures is not None:
+            slots = self._picture_slots(record, polygons, slots)
+        if record.file.version < 401 and crease is None:
+            if record.integer("flag", 0) & _AUTO_SMOOTH:
+                crease = _threshold(record)
+            else:
+                # so long, sharp edges mattered only where the mesh or a modifier asked for them
+                polygons.sharp = polygons.sharp[:0]
+        return build(datablock_name(record), polygons, corner_normals(polygons, crease), tuple(slots))
+
+    def _picture_slots(self, record: Record, polygons: Polygons, slots: list[Material | None]) -> list[Material | None]:
+        """Give polygons with an image of their own a material that shows it.
+
+        The game engine did so where a polygon had no material, or one that asked for the images of its polygons.
+        """
+        assert polygons.pictures is not None
+        last = max(len(slots) - 1, 0)
+        shown = np.stack([np.clip(polygons.materials, 0, last).astype(np.uint64), polygons.pictures], axis=1)
+        pairs, which = np.unique(shown, axis=0, return_inverse=True)
+        result = list(slots) or [None]
+        for number, (slot, address) in enumerate(pairs[:_MAX_SLOTS].tolist()):
+            material = result[slot]
+            wanted = material is None or (material.image is None and material in self._materials.face_textured)
+            image = self._materials.image_at(address, record) if wanted else None
+            if image is not None:
+                _, _, _, alpha = material.color if material else (1.0, 1.0, 1.0, 1.0)
+                polygons.materials[which.ravel() == number] = len(result)
+                textured = replace(material) if material else Material(image.name)
+                textured.image, textured.color = image, (1.0, 1.0, 1.0, alpha)
+                result.append(textured)
+        return result
 
 
 def _threshold(record: Record) -> float:
+    """The angle (rad) from which edges are sharp."""
     field = record.struct.fields.get("smoothresh")
-    value = record.real("smoothresh", np.pi)
-    # degrees in a short integer until 2.63
-    return float(np.radians(value)) if field is not None and field.numpy.endswith("i2") else value
+    value = record.real("smoothresh", pi)
+    # degrees in a short integer until 2.6x
+    return radians(value) if field is not None and field.numpy.endswith("i2") else value
 
 
-def build(name: str, polygons: Polygons, crease: float | None, materials: tuple[Material | None, ...]) -> Mesh:
-    """Triangles, with normals if a polygon is smooth."""
+def build(name: str, polygons: Polygons, normals: Floats | None, materials: tuple[Material | None, ...]) -> Mesh:
+    """Triangles from polygons; `normals` (C, 3) are those of the corners, or None for flat shading."""
     corners, owner = triangulate(polygons)
-    normals = corner_normals(polygons, crease)
     used, vertices = np.unique(polygons.corners[corners], return_inverse=True)
     return Mesh(
         name=name,

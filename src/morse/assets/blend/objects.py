@@ -10,13 +10,16 @@ from morse.assets.blend.errors import Damage
 from morse.assets.blend.file import datablock_name
 from morse.assets.blend.id_properties import id_properties
 from morse.assets.blend.lamps import camera, light
+from morse.assets.blend.parents import parent_frame
 from morse.assets.blend.transforms import is_identity, matrix, pose
+from morse.assets.blend.unevaluated import crease_angle
 from morse.scene import Node, NodeKind
 
 if TYPE_CHECKING:
     from morse.assets.blend.file import BlendFile, Record
     from morse.assets.blend.materials import Materials
     from morse.assets.blend.meshes import Meshes
+    from morse.scene import Material
 
 MESH, LIGHT, CAMERA, ARMATURE = 1, 10, 11, 25
 _KINDS = {MESH: NodeKind.MESH, LIGHT: NodeKind.LIGHT, CAMERA: NodeKind.CAMERA, ARMATURE: NodeKind.ARMATURE}
@@ -72,9 +75,11 @@ class Objects:
         """Add the mesh, the light or the camera."""
         if kind == MESH:
             data = record.follow("data", "Mesh")
-            node.mesh = None if data is None else self._meshes.mesh(data)
+            node.mesh = None if data is None else self._meshes.mesh(data, crease_angle(record))
             if node.mesh is not None:
-                self._set_materials(node, record)
+                slots = self.slots(record)
+                if slots != list(node.mesh.materials[: len(slots)]):
+                    node.materials = [*slots, *node.mesh.materials[len(slots) :]]
         elif kind == LIGHT:
             data = record.follow("data", "Lamp" if self._file.dna.index("Lamp") is not None else "Light")
             node.light = None if data is None else light(data)
@@ -82,19 +87,17 @@ class Objects:
             data = record.follow("data", "Camera")
             node.camera = None if data is None else camera(data)
 
-    def _set_materials(self, node: Node, record: Record) -> None:
-        """Take the material slots that belong to the object instead of its mesh."""
-        assert node.mesh is not None
-        count = max(record.integer("totcol", 0), 0)
-        own = record.content("matbits")[:count]
+    def slots(self, record: Record) -> list[Material | None]:
+        """The materials that an object shows: its own where a slot belongs to it, else those of its mesh."""
+        data = record.follow("data") if record.integer("data", 0) else None
+        shared: list[Material | None] = []
+        if data is not None and data.has("mat"):
+            shared = self._materials.slots(data, "mat", data.integer("totcol", 0))
+        own = record.content("matbits")[: max(record.integer("totcol", 0), 0)]
         if not any(own):
-            return
-        slots = self._materials.slots(record, "mat", count)
-        shared = node.mesh.materials
-        node.materials = [
-            slots[index] if index < min(len(own), len(slots)) and own[index] else shared[index]
-            for index in range(len(shared))
-        ]
+            return shared
+        slots = self._materials.slots(record, "mat", len(own))
+        return [slots[i] if i < len(slots) and own[i : i + 1] > b"\0" else known for i, known in enumerate(shared)]
 
     def connect(self) -> None:
         """Give every node its parent."""
@@ -102,7 +105,11 @@ class Objects:
             node, parent = self.nodes[address], self.nodes[above]
             node.parent = parent
             parent.children.append(node)
-            inverse = matrix(self.records[address], "parentinv")
+            record = self.records[address]
+            inverse = matrix(record, "parentinv")
+            frame = parent_frame(record, self.records[above])
+            if frame is not None:
+                inverse = frame @ inverse
             node.parent_inverse = None if is_identity(inverse) else inverse
 
     def _parents(self) -> dict[int, int]:

@@ -27,6 +27,7 @@ class Polygons:
         smooth: (P,) shaded smoothly.
         uvs: (C, 2), or None.
         sharp: (E, 2) vertices of the edges that shading does not cross.
+        pictures: (P,) address of the image that each polygon shows (until 2.79), 0 for none; or None.
     """
 
     vertices: Floats
@@ -36,6 +37,7 @@ class Polygons:
     smooth: Bools
     uvs: Floats | None
     sharp: Ints
+    pictures: NDArray[np.uint64] | None = None
 
     @cached_property
     def starts(self) -> Ints:
@@ -69,10 +71,12 @@ def gather(
     corners: Ints,
     starts: Ints,
     sizes: Ints,
-    materials: Ints | None,
-    smooth: Bools | None,
-    uvs: Floats | None,
-    sharp: Ints | None,
+    *,
+    materials: Ints | None = None,
+    smooth: Bools | None = None,
+    uvs: Floats | None = None,
+    sharp: Ints | None = None,
+    pictures: NDArray[np.uint64] | None = None,
 ) -> Polygons:
     """Check the arrays of a file and lay the corners of all polygons side by side.
 
@@ -85,28 +89,40 @@ def gather(
         raise Damage("its polygons point outside of their corners")
     if sizes.sum() > len(corners):
         raise Damage("its polygons overlap")
-    if len(corners) and (corners.min() < 0 or corners.max() >= len(vertices)):
-        raise Damage("its polygons point outside of their vertices")
-    with np.errstate(invalid="ignore"):
-        lost: Bools = np.logical_not((np.abs(vertices) < 1e9).all(axis=1))
     keep = sizes >= 3
-    if lost.any():
-        vertices = np.where(lost[:, None], 0.0, vertices)
-        bad = np.zeros(len(corners) + 1, np.int64)
-        np.cumsum(lost[corners], out=bad[1:])
-        keep &= bad[starts + sizes] == bad[starts]
     starts, sizes = starts[keep], sizes[keep]
     order = np.arange(sizes.sum()) + np.repeat(starts - np.cumsum(sizes) + sizes, sizes)
-    if uvs is not None:
-        uvs = np.where(np.abs(uvs[order]) < 1e6, uvs[order], 0.0)
-    return Polygons(
+    used = corners[order]
+    if len(used) and (used.min() < 0 or used.max() >= len(vertices)):
+        raise Damage("its polygons point outside of their vertices")
+    polygons = Polygons(
         vertices,
-        corners[order],
+        used,
         sizes,
         np.zeros(len(sizes), np.int64) if materials is None else materials[keep],
         np.zeros(len(sizes), np.bool_) if smooth is None else smooth[keep],
-        uvs,
+        None if uvs is None else np.where(np.abs(uvs[order]) < 1e6, uvs[order], 0.0),
         np.zeros((0, 2), np.int64) if sharp is None else sharp,
+        None if pictures is None else pictures[keep],
+    )
+    lost: Bools = np.logical_not((np.abs(vertices) < 1e9).all(axis=1))
+    return _without(polygons, lost) if lost.any() else polygons
+
+
+def _without(polygons: Polygons, lost: Bools) -> Polygons:
+    """Leave out the polygons with one of the lost vertices (V,)."""
+    bad = np.zeros(len(polygons.sizes), np.bool_)
+    bad[polygons.polygon[lost[polygons.corners]]] = True
+    stays = ~bad[polygons.polygon]
+    return Polygons(
+        np.where(lost[:, None], 0.0, polygons.vertices),
+        polygons.corners[stays],
+        polygons.sizes[~bad],
+        polygons.materials[~bad],
+        polygons.smooth[~bad],
+        None if polygons.uvs is None else polygons.uvs[stays],
+        polygons.sharp,
+        None if polygons.pictures is None else polygons.pictures[~bad],
     )
 
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from morse.assets.blend.collections import Collections
 from morse.assets.blend.container import SIZE_LIMIT, load
 from morse.assets.blend.errors import BlendError, Damage
+from morse.assets.blend.evaluation import complete
 from morse.assets.blend.file import BlendFile
 from morse.assets.blend.images import Images
+from morse.assets.blend.instances import Instances
 from morse.assets.blend.materials import Materials
 from morse.assets.blend.meshes import Meshes
 from morse.assets.blend.objects import Objects
@@ -19,6 +21,9 @@ from morse.scene import Library
 if TYPE_CHECKING:
     from morse.assets.blend.file import Record
     from morse.scene import Node
+
+#: kinds of datablocks that are missed if they are in another file
+_LINKED = ("OB", "ME", "GR", "MA", "IM")
 
 
 def read_blend(path: str | Path, *, blender: str | None = None, size_limit: int = SIZE_LIMIT) -> Library:
@@ -36,17 +41,18 @@ def read_blend(path: str | Path, *, blender: str | None = None, size_limit: int 
     """
     path = Path(path)
     try:
-        return _read(path, size_limit)
+        return _read(path, blender, size_limit)
     except Damage as damage:
         raise BlendError(path, str(damage)) from damage
 
 
-def _read(path: Path, size_limit: int) -> Library:
+def _read(path: Path, blender: str | None, size_limit: int) -> Library:
     file = BlendFile(load(path, size_limit))
     images = Images(path)
     materials = Materials(file, images)
     objects = Objects(file, materials, Meshes(materials))
     objects.connect()
+    complete(path, file, objects, blender)
     collections = Collections(file)
     scene = _scene(file)
     order = [*collections.scene_objects(scene), *objects.nodes]
@@ -57,8 +63,15 @@ def _read(path: Path, size_limit: int) -> Library:
         node = objects.nodes.get(address)
         if node is not None and node.parent is None:
             roots[node] = None
-    if "LI" in file.codes():
-        file.warn("it links to other .blend files, which are not read; make these parts local (Object > Relations)")
+    for copy in Instances(file, objects, collections).expand():
+        roots[copy] = None
+    linked = [record.text("name")[2:] for record in file.datablocks("ID", "ID") if record.text("name")[:2] in _LINKED]
+    if linked:
+        more = f" and {len(linked) - 1} more" if len(linked) > 1 else ""
+        file.warn(
+            f"'{linked[0]}'{more}: linked from other .blend files, which are not read; "
+            "make them local in Blender (Object > Relations > Make Local)"
+        )
     return Library(
         path=str(path),
         roots=list(roots),
@@ -66,7 +79,7 @@ def _read(path: Path, size_limit: int) -> Library:
         outside_scene=outside,
         world=world_properties(file, scene),
         images=images.by_name,
-        warnings=file.warnings,
+        warnings=[*file.warnings, *images.warnings()],
     )
 
 

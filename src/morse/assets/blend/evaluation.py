@@ -1,0 +1,114 @@
+"""Puts what Blender worked out into the nodes of a file."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.blend.blender import Arrays, evaluate, find_blender
+from morse.assets.blend.errors import Damage
+from morse.assets.blend.meshes import build
+from morse.assets.blend.polygons import gather
+from morse.assets.blend.unevaluated import needs
+from morse.assets.poses import set_free
+from morse.mathutils import Matrix
+from morse.scene import NodeKind
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.assets.blend.file import BlendFile
+    from morse.assets.blend.objects import Objects
+    from morse.scene import Material, Mesh, Node
+
+_MAX_NAMED = 8
+_KEYS = ("vertices", "corners", "sizes", "materials", "smooth", "normals", "uvs")
+
+
+def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None) -> None:
+    """Let Blender work out what only it can; without it, name the objects that are shown as they are stored."""
+    wanted = {address: need for address in objects.nodes if any(need := needs(objects.records[address]))}
+    if not wanted:
+        return
+    nodes = [objects.nodes[address] for address in wanted]
+    program = find_blender(blender)
+    if program is None:
+        file.warn(
+            f"{_listed(nodes)}: modifiers, curves and constraints need Blender to be worked out, and it was not found. "
+            "Apply them in the file, or install Blender (or name the program in MORSE_BLENDER)"
+        )
+        return
+    try:
+        arrays = evaluate(path, [node.name for node in nodes], program)
+        surfaces = _Surfaces(objects, arrays)
+        for number, (address, need) in enumerate(wanted.items()):
+            if need.mesh:
+                surfaces.show(address, f"{number}_")
+        moved = [number for number, need in enumerate(wanted.values()) if need.pose]
+        # parents before their children
+        for number in sorted(moved, key=lambda number: len(list(nodes[number].ancestors()))):
+            pose = arrays.get(f"{number}_matrix")
+            if pose is not None and pose.shape == (4, 4) and np.isfinite(pose).all():
+                _move(nodes[number], Matrix(pose.tolist()))
+    except Damage as damage:
+        file.warn(
+            f"{_listed(nodes)}: modifiers, curves and constraints are left out, as '{program}' could not work them "
+            f"out: {damage}"
+        )
+
+
+class _Surfaces:
+    """Gives objects the surfaces that Blender worked out; equal ones share one mesh."""
+
+    def __init__(self, objects: Objects, arrays: Arrays) -> None:
+        self._objects = objects
+        self._arrays = arrays
+        self._known: dict[tuple[object, ...], Mesh] = {}
+
+    def show(self, address: int, prefix: str) -> None:
+        """Set the mesh of an object."""
+        own = {key: self._arrays[prefix + key] for key in _KEYS if prefix + key in self._arrays}
+        if "vertices" not in own:
+            return
+        node = self._objects.nodes[address]
+        slots = tuple(self._objects.slots(self._objects.records[address]))
+        key = (slots, *(hashlib.blake2b(value.tobytes()).digest() for value in own.values()))
+        if key not in self._known:
+            self._known[key] = _mesh(node.name, own, slots)
+        node.kind, node.mesh, node.materials = NodeKind.MESH, self._known[key], []
+
+
+def _mesh(name: str, own: Arrays, slots: tuple[Material | None, ...]) -> Mesh:
+    if not {"corners", "sizes", "materials", "smooth", "normals"} <= own.keys():
+        raise Damage("its result cannot be read")
+    counts = own["sizes"].astype(np.int64)
+    polygons = gather(
+        own["vertices"].astype(np.float64).reshape(-1, 3),
+        own["corners"].astype(np.int64),
+        np.cumsum(counts) - counts,
+        counts,
+        materials=own["materials"].astype(np.int64),
+        smooth=own["smooth"].astype(np.bool_),
+        uvs=own["uvs"].astype(np.float64).reshape(-1, 2) if "uvs" in own else None,
+    )
+    normals = own["normals"].astype(np.float64).reshape(-1, 3)
+    usable = polygons.smooth.any() and len(normals) == len(polygons.corners)
+    return build(name, polygons, normals if usable else None, slots)
+
+
+def _move(node: Node, world: Matrix) -> None:
+    """Put a node where Blender has it."""
+    if node.parent is None:
+        set_free(node, world)
+        return
+    above, basis = (matrix.inverted(None) for matrix in (node.parent.world_matrix(), node.basis_matrix()))
+    if above is not None and basis is not None:
+        node.parent_inverse = above @ world @ basis
+
+
+def _listed(nodes: list[Node]) -> str:
+    names = ", ".join(f"'{node.name}'" for node in nodes[:_MAX_NAMED])
+    more = f" and {len(nodes) - _MAX_NAMED} more" if len(nodes) > _MAX_NAMED else ""
+    return f"object{'s' if len(nodes) > 1 else ''} {names}{more}"

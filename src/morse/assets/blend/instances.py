@@ -1,0 +1,117 @@
+"""Empties that show a collection: the objects of the collection are copied to where they are seen."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.assets.blend.file import datablock_name
+from morse.assets.loader import instantiate
+from morse.assets.poses import set_free
+from morse.mathutils import Matrix
+
+if TYPE_CHECKING:
+    from morse.assets.blend.collections import Collections
+    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.objects import Objects
+    from morse.scene import Node
+
+_COLLECTION = 1 << 8
+#: collections that show collections that show ...
+_MAX_DEPTH = 16
+#: nodes that one file may come to
+_MAX_NODES = 200_000
+
+
+class Instances:
+    """Copies the objects of collections to the empties that show them."""
+
+    def __init__(self, file: BlendFile, objects: Objects, collections: Collections) -> None:
+        self._file = file
+        self._objects = objects
+        self._collections = collections
+        self._addresses = {node: address for address, node in objects.nodes.items()}
+        self._names = {node.name for node in objects.nodes.values()}
+        self._suffixes: dict[str, int] = {}
+        self._count = len(self._names)
+
+    def expand(self) -> list[Node]:
+        """Add the copies to the nodes that show them.
+
+        Returns:
+            Copies that move by themselves: they stand in the world, as a body moves with all that is below it.
+        """
+        # all copies are made of what the file holds, before the first one is attached
+        made = [(node, self._shown(node, ())) for node in self._addresses]
+        loose: list[Node] = []
+        for node, copies in made:
+            for copy in copies:
+                if node.parent is None and copy.body.moves:
+                    set_free(copy, node.world_matrix() @ copy.local_matrix())
+                    loose.append(copy)
+                else:
+                    _hang(copy, node)
+        return loose
+
+    def _shown(self, node: Node, path: tuple[int, ...]) -> list[Node]:
+        """Copies of the objects of the collection that a node shows, posed relative to it."""
+        collection = self._collection(self._objects.records[self._addresses[node]])
+        if collection is None:
+            return []
+        name, address = datablock_name(collection), collection.block.address
+        if address in path or len(path) >= _MAX_DEPTH:
+            self._file.warn(
+                f"the collection '{name}' shows itself, which has no end; its copy within itself is left out"
+            )
+            return []
+        origin = collection.reals(collection.either("dupli_ofs", "instance_offset"), (0.0, 0.0, 0.0))
+        offset = Matrix.Translation([-x for x in origin])
+        addresses = self._collections.members(collection)
+        members = {self._objects.nodes[member]: None for member in addresses if member in self._objects.nodes}
+        copies: list[Node] = []
+        for member in members:
+            if member.parent in members:
+                continue
+            if self._count > _MAX_NODES:
+                self._file.warn(
+                    f"the copies of collections come to more than {_MAX_NODES} objects; the rest is left out"
+                )
+                break
+            copies.append(self._copy(member, members, (*path, address)))
+            above = Matrix() if member.parent is None else member.parent.world_matrix()
+            own = Matrix() if member.parent_inverse is None else member.parent_inverse
+            copies[-1].parent_inverse = offset @ above @ own
+        return copies
+
+    def _collection(self, record: Record) -> Record | None:
+        """The collection that an object shows."""
+        field = record.either("dup_group", "instance_collection")
+        if not record.has(field) or not record.integer("transflag", 0) & _COLLECTION:
+            return None
+        return self._collections.records.get(record.integer(field))
+
+    def _copy(self, top: Node, members: dict[Node, None], path: tuple[int, ...]) -> Node:
+        """A copy of a node and of those below it that belong to the collection too."""
+        copy = instantiate(top)
+        for original, double in zip(list(top.walk()), list(copy.walk()), strict=True):
+            if original not in members:
+                double.detach()
+                continue
+            double.name = self._unique(original.name)
+            self._count += 1
+            for inner in self._shown(original, path):
+                _hang(inner, double)
+        return copy
+
+    def _unique(self, name: str) -> str:
+        while True:
+            number = self._suffixes[name] = self._suffixes.get(name, 0) + 1
+            candidate = f"{name}.{number:03d}"
+            if candidate not in self._names:
+                self._names.add(candidate)
+                return candidate
+
+
+def _hang(child: Node, parent: Node) -> None:
+    """Make a copy a child with the pose that it has relative to its parent."""
+    child.parent = parent
+    parent.children.append(child)

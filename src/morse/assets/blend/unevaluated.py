@@ -1,0 +1,102 @@
+"""What of an object only Blender itself can work out: modifiers, curves, constraints, shape keys."""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.assets.blend.id_properties import group_properties
+from morse.assets.blend.parents import TRIANGLE, parent_kind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.assets.blend.file import Record
+
+MESH, CURVE, SURFACE, FONT, METABALL = 1, 2, 3, 4, 5
+_SHOWN = 1
+#: modifiers that move no vertex: they bend normals, mark vertices, or simulate
+_HARMLESS = frozenset(
+    f"{name}ModifierData"
+    for name in (
+        "Collision", "DataTransfer", "EdgeSplit", "NormalEdit", "ParticleSystem", "Softbody", "Surface", "Triangulate",
+        "UVProject", "UVWarp", "WeightVGEdit", "WeightVGMix", "WeightVGProximity", "WeightedNormal",
+    )
+)  # fmt: skip
+_SMOOTH_BY_ANGLE = "Smooth by Angle"
+_FROM_ANGLE = 1 << 1
+_MUTED_CONSTRAINT = 1 << 4
+_MUTED_KEY = 1 << 0
+
+
+class Needs(NamedTuple):
+    """What Blender has to work out for an object."""
+
+    mesh: bool
+    pose: bool
+
+
+def needs(record: Record) -> Needs:
+    """What Blender has to work out for an object."""
+    kind = record.integer("type")
+    shaped = kind in (SURFACE, FONT, METABALL) or (kind == CURVE and _has_surface(record))
+    if kind == MESH:
+        shaped = any(_moves_vertices(modifier) for modifier in _modifiers(record)) or _is_keyed(record)
+    constrained = any(
+        not constraint.integer("flag", 0) & _MUTED_CONSTRAINT and constraint.real("enforce", 1.0) > 0.0
+        for constraint in record.chain("constraints", "bConstraint")
+    )
+    return Needs(shaped, constrained or parent_kind(record) == TRIANGLE)
+
+
+def crease_angle(record: Record) -> float | None:
+    """The angle above which edges are sharp, if a modifier says one: rad."""
+    for modifier in _modifiers(record):
+        if modifier.struct.name == "EdgeSplitModifierData":
+            if not modifier.integer("flags", 0) & _FROM_ANGLE:
+                return pi
+            angle = modifier.real("split_angle", pi)
+            # degrees until 2.6x: no edge bends by more than pi
+            return radians(angle) if angle > pi + 1e-3 else angle
+        if _is_smooth_by_angle(modifier):
+            settings = modifier.part("settings").follow("properties", "IDProperty")
+            chosen = (group_properties(settings) if settings is not None else {}).get("Input_1")
+            return float(chosen) if isinstance(chosen, (int, float)) and 0.0 <= chosen <= pi else radians(30)
+    return None
+
+
+def _modifiers(record: Record) -> Iterator[Record]:
+    """The modifiers that are switched on, each read as what it is."""
+    for modifier in record.chain("modifiers", "ModifierData"):
+        if modifier.integer("mode", _SHOWN) & _SHOWN:
+            yield record.file.record(modifier.block)
+
+
+def _moves_vertices(modifier: Record) -> bool:
+    return modifier.struct.name not in _HARMLESS and not _is_smooth_by_angle(modifier)
+
+
+def _is_smooth_by_angle(modifier: Record) -> bool:
+    if modifier.struct.name != "NodesModifierData":
+        return False
+    group = modifier.follow("node_group", "ID")
+    return group is not None and group.text("name")[2:].startswith(_SMOOTH_BY_ANGLE)
+
+
+def _is_keyed(record: Record) -> bool:
+    """True if a shape key is in effect."""
+    mesh = record.follow("data", "Mesh")
+    key = None if mesh is None else mesh.follow("key", "Key")
+    return key is not None and any(
+        block.real("curval", 0.0) != 0.0 and not block.integer("flag", 0) & _MUTED_KEY
+        for block in key.chain("block", "KeyBlock")
+    )
+
+
+def _has_surface(record: Record) -> bool:
+    """False for curves that are mere paths."""
+    curve = record.follow("data", "Curve")
+    if curve is None:
+        return False
+    flat = not curve.integer("flag", 1) & 1
+    return flat or curve.real("ext1") != 0.0 or curve.real("ext2") != 0.0 or bool(curve.integer("bevobj", 0))
