@@ -6,14 +6,17 @@ import io
 import math
 import threading
 import time
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image as Picture
 
 from morse.scene import Camera, ComponentDeclaration, Image, Light, Material, Mesh, Node, NodeKind, Scene
 from morse.viewer.page_messages import Pause, Play, Reset, SetSpeed, Step
-from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
+
+if TYPE_CHECKING:
+    from morse.viewer.server import ViewServer
 
 TICK = 1.0 / 60.0
 
@@ -39,7 +42,9 @@ def plane(name: str, material: Material, size: float, tiles: float = 1.0) -> Mes
     half = size / 2
     corners = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], dtype=np.float32)
     uvs = np.array([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]], dtype=np.float32) * tiles
-    return Mesh(name, corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32), np.zeros(2, np.int32), uvs, None, (material,))
+    return Mesh(
+        name, corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32), np.zeros(2, np.int32), uvs, None, (material,)
+    )
 
 
 def sphere(name: str, material: Material, radius: float) -> Mesh:

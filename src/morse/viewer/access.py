@@ -62,7 +62,7 @@ class Access:
                 "To reach it from another machine, start with --view-token and --host, or use an ssh tunnel."
             )
         origin = headers.get("Origin")
-        if origin is not None and urlsplit(origin).netloc.lower() != authority.lower():
+        if origin is not None and origin.lower().partition("://")[2] != authority.lower():
             return f"Pages of {origin} may not use the live view of '{authority}'."
         if secret and self.token is not None and not self._shown(path, headers, cookie):
             return "This live view wants the token that 'morse run' printed: open the address with ?token=..."

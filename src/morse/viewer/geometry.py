@@ -78,6 +78,8 @@ def _distinct(rows: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.i
 
 
 def _groups(slots: NDArray[np.int32]) -> tuple[tuple[int, int, int], ...]:
-    starts = np.flatnonzero(np.diff(slots, prepend=slots[:1] - 1)) if len(slots) else np.zeros(0, dtype=int)
+    if len(slots) == 0:
+        return ()
+    starts = np.flatnonzero(np.diff(slots, prepend=slots[0] - 1))
     ends = np.append(starts[1:], len(slots))
     return tuple((int(a) * 3, int(b - a) * 3, int(slots[a])) for a, b in zip(starts, ends, strict=True))

@@ -72,6 +72,7 @@ class Hub:
         self._title = title
         self._pages: dict[int, Page] = {}
         self._numbers = 0
+        self._dragging: int | None = None
         self._requests: dict[int, tuple[int, int]] = {}
         self._last_request = 0
         self._lasting: dict[Subject, str | bytes] = {}
@@ -201,8 +202,7 @@ class Hub:
 
     def _leave(self, page: Page) -> None:
         del self._pages[page.number]
-        if self.seat.driver == page.number:
-            self.events.append(pm.DragEnd())
+        self._drop_drag(page)
         self._requests = {n: asked for n, asked in self._requests.items() if asked[0] != page.number}
         self.seat.leave(page.number)
         self._seat_changed()
@@ -228,7 +228,9 @@ class Hub:
                 self.seat.ask(page.number)
                 self._seat_changed()
             case pm.HandOver():
-                if not self.seat.hand_over(page.number, message.to, list(self._pages)):
+                if self.seat.hand_over(page.number, message.to, list(self._pages)):
+                    self._drop_drag(page)
+                else:
                     self._refuse(page, message, "only the page that drives can hand over, and to a page that is there")
                 self._seat_changed()
             case pm.KeepDriving():
@@ -239,9 +241,16 @@ class Hub:
             case pm.ViewEvent() if len(self.events) >= MOST_EVENTS:
                 self._refuse(page, message, "the simulation is busy with what was asked before")
             case pm.ViewEvent():
+                if isinstance(message, pm.Drag | pm.DragEnd):
+                    self._dragging = page.number if isinstance(message, pm.Drag) else None
                 self.events.append(self._numbered(page, message))
             case _:
                 raise NotUnderstood(f"{type(message).__name__} comes once, at the beginning")
+
+    def _drop_drag(self, page: Page) -> None:
+        if self._dragging == page.number:
+            self._dragging = None
+            self.events.append(pm.DragEnd())
 
     def _numbered(self, page: Page, event: pm.ViewEvent) -> pm.ViewEvent:
         """The event with a request number that no other page uses."""

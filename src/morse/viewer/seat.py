@@ -90,9 +90,12 @@ class Seat:
         return self.driver is not None and self._clock() - self._heard < DEAD_MAN
 
     def hear(self, page: int) -> None:
-        """A sign of life."""
-        if page == self.driver:
-            self._heard = self._clock()
+        """A sign of life; after too long a silence, what was held must be pressed again."""
+        if page != self.driver:
+            return
+        if not self.alive:
+            self.release()
+        self._heard = self._clock()
 
     def hold(self, page: int, keys: frozenset[str]) -> None:
         """The keys that a page holds down now; those of a page that does not drive count for nothing."""

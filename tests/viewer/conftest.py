@@ -1,0 +1,110 @@
+"""A server of the live view, pages made of plain sockets, and real ones."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from view_pages import until
+from view_worlds import CircleDriver, playground
+
+from morse.core.network import Network
+from morse.viewer.server import ViewServer
+from morse.viewer.site import STATIC
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from playwright.sync_api import Browser, BrowserContext, Page
+
+CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
+FLAGS = [
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+]
+
+
+@pytest.fixture
+def network() -> Iterator[Network]:
+    network = Network()
+    yield network
+    network.stop()
+
+
+@pytest.fixture
+def make_server(network: Network) -> Iterator[Callable[..., tuple[ViewServer, str]]]:
+    """Starts servers on free ports; gives each with its address."""
+    servers: list[ViewServer] = []
+
+    def make(**options: Any) -> tuple[ViewServer, str]:
+        server = ViewServer(network, **{"port": 0, **options})
+        url = server.start()
+        servers.append(server)
+        return server, url
+
+    yield make
+    for server in servers:
+        server.stop()
+
+
+@pytest.fixture
+def served(make_server: Callable[..., tuple[ViewServer, str]]) -> tuple[ViewServer, str]:
+    """A server without a world."""
+    return make_server()
+
+
+@pytest.fixture
+def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]]:
+    """Robots that run in circles, and the address where they are seen."""
+    server, url = served
+    scene, moving = playground()
+    server.set_scene(scene, moving)
+    with CircleDriver(server, moving) as driver:
+        yield driver, url
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Debian's Chromium with software GL."""
+    missing = [str(path) for path in (Path(CHROMIUM), STATIC / "index.html") if not path.exists()]
+    if missing:
+        message = f"needed for the tests in a browser: {', '.join(missing)}"
+        if os.environ.get("CI"):
+            pytest.fail(message)
+        pytest.skip(message)
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
+    """Opens pages of the live view; a page that reports an error fails the test."""
+    contexts: list[BrowserContext] = []
+    errors: list[str] = []
+
+    def opened(url: str, *, wait: bool = True, width: int = 640, height: int = 420, **options: Any) -> Page:
+        context = browser.new_context(viewport={"width": width, "height": height}, **options)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(url + ("&" if "?" in url else "?") + "quality=low")
+        if wait:
+            until(
+                lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 1)"), "a world on the page"
+            )
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+    assert errors == []

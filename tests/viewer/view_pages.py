@@ -1,0 +1,119 @@
+"""Pages made of plain sockets."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import socket
+import struct
+import time
+import urllib.error
+import urllib.request
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+from websockets.client import ClientProtocol
+from websockets.sync.client import connect
+from websockets.uri import parse_uri
+
+from morse.viewer.protocol import VERSION
+from morse.viewer.snapshot import HEADER, POSES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def until(condition: Callable[[], Any], what: str = "", limit: float = 20.0) -> Any:
+    """Wait until a condition holds, and return its value."""
+    end = time.monotonic() + limit
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {limit} s: {what or condition}")
+        time.sleep(0.01)
+
+
+class Client:
+    """A page made of a plain socket."""
+
+    def __init__(
+        self, url: str, *, version: int = VERSION, hello: bool = True, query: str = "", **options: Any
+    ) -> None:
+        self.url = url
+        self._stack = contextlib.ExitStack()
+        address = url.replace("http", "ws") + "ws" + (f"?{query}" if query else "")
+        self.socket = self._stack.enter_context(connect(address, max_size=None, **options))
+        self.messages: list[dict[str, Any]] = []
+        self.poses: list[tuple[Any, ...]] = []
+        if hello:
+            self.send("hello", version=version)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def send(self, kind: str, **fields: Any) -> None:
+        """Say something."""
+        self.socket.send(json.dumps({"type": kind, **fields}))
+
+    def receive(self, timeout: float = 10.0) -> None:
+        """Take one frame."""
+        frame = self.socket.recv(timeout=timeout)
+        if isinstance(frame, str):
+            self.messages.append(json.loads(frame))
+        elif struct.unpack_from("<I", frame)[0] == POSES:
+            self.poses.append((*HEADER.unpack_from(frame), frame[HEADER.size :]))
+        else:
+            length = struct.unpack_from("<I", frame, 4)[0]
+            self.messages.append({**json.loads(frame[8 : 8 + length]), "payload": frame[8 + length :]})
+
+    def expect(self, kind: str, **fields: Any) -> dict[str, Any]:
+        """Wait for a message, and forget those up to it."""
+        end = time.monotonic() + 10.0
+        while time.monotonic() < end:
+            while self.messages:
+                message = self.messages.pop(0)
+                if message["type"] == kind and all(message[name] == value for name, value in fields.items()):
+                    return message
+            self.receive()
+        raise AssertionError(f"no {kind} with {fields}")
+
+
+class DeadPage:
+    """A page that says hello and never reads what it is sent."""
+
+    def __init__(self, url: str) -> None:
+        protocol = ClientProtocol(parse_uri(url.replace("http", "ws") + "ws"))
+        self._socket = socket.create_connection(("127.0.0.1", port_of(url)))
+        protocol.send_request(protocol.connect())
+        self._socket.sendall(b"".join(protocol.data_to_send()))
+        protocol.receive_data(self._socket.recv(4096))
+        protocol.send_text(json.dumps({"type": "hello", "version": VERSION}).encode())
+        self._socket.sendall(b"".join(protocol.data_to_send()))
+
+    def __enter__(self) -> DeadPage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._socket.close()
+
+
+def port_of(url: str) -> int:
+    """The port in an address."""
+    port = urlsplit(url).port
+    assert port is not None
+    return port
+
+
+def fetch(url: str, headers: dict[str, str] | None = None) -> tuple[int, dict[str, str], bytes]:
+    """Status, headers and body of a plain request."""
+    request = urllib.request.Request(url, headers=headers or {})
+    try:
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=10) as answer:
+            return answer.status, dict(answer.headers), answer.read()
+    except urllib.error.HTTPError as error:
+        return error.code, dict(error.headers), error.read()
