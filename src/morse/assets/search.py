@@ -58,7 +58,8 @@ def find(name: str, category: str = "") -> Path:
     if "\0" in name or not name.strip():
         raise ValueError(f"{name!r} is not the name of a model file")
     for candidate in _candidates(name, category):
-        if candidate.is_file():
+        # unlike Path.is_file, this takes a name that is too long for the file system as one that is not there
+        if os.path.isfile(candidate):
             return candidate.absolute()
     raise AssetNotFoundError(_not_found(name, category))
 
@@ -85,7 +86,7 @@ def _not_found(name: str, category: str) -> str:
         name.rsplit("/", 1)[-1], known, n=3
     )
     kind = f" in '{category}'" if category else ""
-    message = f"no model '{name}'{kind}"
+    message = f"no model '{name if len(name) <= 80 else name[:77] + '...'}'{kind}"
     if close:
         message += f"; did you mean {' or '.join(repr(c) for c in close)}?"
     elif known:

@@ -84,6 +84,11 @@ class AbstractComponent(Interfaces, Models):
         return "_bpy_object" in self.__dict__
 
     @property
+    def is_robot(self) -> bool:
+        """True for what carries sensors and actuators."""
+        return self._kind == "robot"
+
+    @property
     def scene_node(self) -> Node:
         """The node of the scene."""
         return self._bpy_object.node
@@ -248,8 +253,10 @@ class AbstractComponent(Interfaces, Models):
         """
         for key, value in kwargs.items():
             self.scene_node.properties[key] = checked_property(key, value)
+        if "frequency" in kwargs:
+            self.frequency(kwargs["frequency"])
         if "classpath" in kwargs:
-            checks.text(kwargs["classpath"], "properties(classpath)")
+            self.classpath = kwargs["classpath"]
         elif self._kind in ("sensor", "actuator"):
             check_declared(self, kwargs)
 

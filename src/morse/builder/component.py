@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from morse.builder import checks, workspace
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.objects import SceneObject
 from morse.scene import Node
+
+if TYPE_CHECKING:
+    from morse.builder.selection import Role
 
 _KINDS = {"robots": "robot", "sensors": "sensor", "actuators": "actuator"}
 
@@ -25,7 +30,7 @@ class Component(AbstractComponent):
         MorseBuilderNoComponentError: there is no such object in it.
     """
 
-    _role = "component"
+    _role: Role = "component"
 
     def __init__(
         self,

@@ -41,6 +41,7 @@ class ComponentCreator(Component):
 
     _classpath: str | None = None
     _blendname: str = ""
+    _role = "casing"
 
     def __init__(
         self,

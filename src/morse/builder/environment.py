@@ -147,9 +147,8 @@ def connect_by_default(robot: Robot) -> None:
     """Connect what a robot carries to its default interfaces, except what is connected already."""
     for interface in robot.default_interfaces:
         for component in robot._walk():
-            runs = component.is_morseable() and not isinstance(component, Robot)
-            if runs and not component.has_interface(interface):
-                component.add_interface(interface)
+            if component.is_morseable() and not component.is_robot:
+                component._add_missing_interface(interface)
 
 
 def _without_effect(method: str) -> None:

@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import checks, naming
+from morse.builder.interfaces import Interfaces
 from morse.middleware import registry
 from morse.scene import TimeStrategies
 
@@ -114,10 +115,12 @@ class TimeMethods:
     def configure_service(self, datastream: str, component: AbstractComponent | None = None) -> None:
         """Old name of `add_service`."""
         logger.warning("%s: env.configure_service is an old name, write env.add_service", naming.source_line())
-        if component is not None:
+        if component is None:
+            self.add_service(datastream)
+        elif isinstance(component, Interfaces):
             component.add_service(datastream)
         else:
-            self.add_service(datastream)
+            raise TypeError(f"env.configure_service(component) takes a component, got {checks.shown(component)}")
 
     def configure_stream_manager(self, stream_manager: str, **kwargs: Any) -> None:
         """Set options of a middleware, e.g. ``configure_stream_manager('socket', time_sync=True, sync_port=5000)``.

@@ -34,7 +34,7 @@ def explain(error: BaseException, script: str) -> ScriptError:
     steps = [
         Step(SourceLine(frame.f_code.co_filename, line), frame.f_code.co_name)
         for frame, line in frames
-        if naming.is_users(frame.f_code)
+        if naming.is_users(frame.f_code) and not naming.is_library(frame.f_code)
     ]
     if isinstance(error, SyntaxError) and error.lineno is not None:
         steps.append(Step(SourceLine(error.filename or script, error.lineno)))

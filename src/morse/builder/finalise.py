@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from morse.builder.errors import ScriptError, Step
 from morse.builder.passive import Zone as ZoneComponent
-from morse.builder.robot import Robot
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
 
@@ -61,7 +60,7 @@ def declare(component: AbstractComponent) -> ComponentDeclaration:
     except MorseBuilderError as error:
         raise _error(component, str(error)) from error
     robot = component
-    while not isinstance(robot, Robot):
+    while not robot.is_robot:
         if robot.parent is None:
             message = f"'{component.name}' ({type(component).__name__}) is on no robot"
             raise _error(component, message, f"Put it on one: robot.append({component.plain_name})")

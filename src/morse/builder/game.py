@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 from morse.builder import checks
@@ -32,13 +34,15 @@ def property_type(value: object) -> str:
 
 
 def checked_property(name: str, value: Any) -> object:
-    """The value of a property as it is stored.
+    """The value of a property as it is stored; the scalars of numpy become those of Python.
 
     Raises:
         ValueError: NaN.
     """
-    if isinstance(value, float) and value != value:
-        raise ValueError(f"property '{name}' is not a number (NaN)")
+    if isinstance(value, Real) and not isinstance(value, (bool, int, float)):
+        value = int(value) if isinstance(value, Integral) else float(value)
+    if isinstance(value, float) and math.isnan(value):
+        raise ValueError(f"property '{name}' takes a number, got NaN")
     return value
 
 

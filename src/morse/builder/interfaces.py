@@ -139,21 +139,23 @@ class Interfaces:
         middleware = registry.middleware(checks.text(interface, "add_interface(interface)"))
         if middleware.request_manager is not None:
             self.add_service(interface)
-        if middleware.stream_manager is not None and self._can_stream(middleware):
+        if self._can_stream(middleware):
             self.add_stream(interface, **kwargs)
 
     def _can_stream(self, middleware: registry.Middleware) -> bool:
-        if not self._exportable or self._kind not in ("sensor", "actuator"):
+        if middleware.stream_manager is None or not self._exportable or self._kind not in ("sensor", "actuator"):
             return False
         cls = self.component_class() or object
         return bool(middleware.streams_of(cls, self._effective_level(cls), self._direction(None)))
 
-    def has_interface(self, name: str) -> bool:
-        """True if a stream or a service of this middleware was added."""
-        middleware = registry.middleware(name)
-        return middleware.request_manager in self._managers or any(
-            stream.manager == middleware.stream_manager for stream in self._streams
-        )
+    def _add_missing_interface(self, interface: str) -> None:
+        """Offer the services on a middleware, and stream the data unless the script has said how."""
+        middleware = registry.middleware(interface)
+        if any(stream.manager == middleware.stream_manager for stream in self._streams):
+            if middleware.request_manager is not None:
+                self.add_service(interface)
+        else:
+            self.add_interface(interface)
 
     def add_overlay(self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: Any) -> None:
         """Offer services of another form than those of the component.

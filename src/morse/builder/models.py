@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from morse.assets import find, load
 from morse.assets.formats import UnsupportedFormatError
@@ -14,6 +14,7 @@ from morse.core.exceptions import MorseBuilderNoComponentError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from morse.builder.selection import Role
     from morse.scene import Library
 
 
@@ -25,7 +26,7 @@ class Models:
 
     _category: str
     _blendname: str
-    _role: Literal["component", "prop"] = "prop"
+    _role: Role = "prop"
 
     def _library(self, component: str | None = None) -> Library:
         """The content of a model file.
@@ -82,7 +83,7 @@ class Models:
             FileNotFoundError: there is no such model.
             AssetError: there is no object in it.
         """
-        root = whole_component(self._library(component))
+        root = whole_component(self._library(component), self._role)
         workspace.current().add(root)
         return SceneObject(root)
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import sysconfig
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from morse.builder.abstractcomponent import AbstractComponent
 
 _COPY_SUFFIX = re.compile(r"\.\d{3,}$")
+_LIBRARIES = tuple(sysconfig.get_path(name) + os.sep for name in ("stdlib", "purelib", "platlib"))
 _PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__))) + os.sep
 
 
@@ -41,6 +43,11 @@ class Strength(IntEnum):
 def is_users(code: CodeType) -> bool:
     """True for code that is neither ours nor Python's import machinery."""
     return not code.co_filename.startswith((_PACKAGE, "<frozen"))
+
+
+def is_library(code: CodeType) -> bool:
+    """True for code of Python's library and of installed packages."""
+    return code.co_filename.startswith(_LIBRARIES)
 
 
 def user_frames() -> Iterator[FrameType]:
@@ -135,18 +142,16 @@ def guess_names() -> None:
 
 def rename_all() -> None:
     """Give every component its name in the simulation: ``robot.arm.pose`` for what is on a robot."""
-    from morse.builder.robot import Robot
-
-    scene = workspace.current()
     used: set[str] = set()
-    for component in scene.components:
+    for component in workspace.current().components:
         if component.parent is None:
-            _rename_tree(component, (), used, isinstance(component, Robot))
+            _rename_tree(component, (), used, component.is_robot)
 
 
 def _rename_tree(component: AbstractComponent, prefix: tuple[str, ...], used: set[str], on_robot: bool) -> None:
     path = (*prefix, component.plain_name)
-    if not on_robot and component.name_strength is Strength.NONE:
+    # a thing keeps the name it has in its file, unless a variable still holds it
+    if not on_robot and component.name_strength < Strength.VARIABLE:
         name = component.name
     else:
         name = _free(".".join(path), used)

@@ -55,7 +55,7 @@ class Robot(Component):
         raise AssertionError("Robot itself has a class path")
 
     def add_default_interface(self, stream: str) -> None:
-        """Connect everything that the robot carries, except what is connected to this middleware already.
+        """Connect everything that the robot carries; data that are streamed over it already stay as they are.
 
         Args:
             stream: name of a middleware.

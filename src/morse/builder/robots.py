@@ -148,6 +148,7 @@ class RMax(Robot):
 
     def __init__(self, name: str | None = None) -> None:
         super().__init__("rmax", name)
+        self.set_rigid_body()
         self.properties(NoGravity=True)
 
 
@@ -156,6 +157,7 @@ class Submarine(Robot):
 
     def __init__(self, name: str | None = None) -> None:
         super().__init__("submarine", name)
+        self.set_rigid_body()
         self.properties(NoGravity=True)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 from morse.assets import instantiate
 from morse.mathutils import Matrix
+from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -14,22 +15,39 @@ if TYPE_CHECKING:
     from morse.scene import Library, Node
 
 
-def whole_component(library: Library) -> Node:
+#: what objects will be, which decides their physics where the file does not; a casing is the body
+#: of a sensor or actuator, which nothing touches
+Role = Literal["environment", "component", "casing", "prop"]
+
+
+def whole_component(library: Library, role: Role = "component") -> Node:
     """All objects of a file as one: the root of a robot, sensor or actuator.
 
     Raises:
         AssetError: there is no object in the file.
     """
-    from morse.assets.rules import gather_under_root, resolve_auto
+    from morse.assets.rules import gather_under_root
 
     root = gather_under_root(replace(library, roots=[instantiate(root) for root in library.roots]))
-    resolve_auto([root], role="component")
+    _settle_physics([root], role)
     return root
+
+
+def _settle_physics(roots: list[Node], role: Role) -> None:
+    from morse.assets.rules import resolve_auto
+
+    if role != "casing":
+        resolve_auto(roots, role=role)
+        return
+    for root in roots:
+        for node in root.walk():
+            if node.body.type is PhysicsType.AUTO:
+                node.body.type = PhysicsType.NO_COLLISION
 
 
 def pick(
     library: Library,
-    role: Literal["environment", "component", "prop"],
+    role: Role,
     names: Sequence[str] | None = None,
     prefix: str | None = None,
 ) -> list[Node]:
@@ -39,7 +57,7 @@ def pick(
 
     Args:
         library: the content of the file; it stays as it is.
-        role: what they will be, which decides their physics where the file does not.
+        role: what they will be.
         names: only these.
         prefix: only those whose names begin so; if there are none, those in the collection of
             that name.
@@ -47,8 +65,6 @@ def pick(
     Returns:
         The copies without a parent, in the order of the file; empty if nothing matches.
     """
-    from morse.assets.rules import resolve_auto
-
     if names is not None:
         wanted = [node for node in library.nodes() if node.name in names]
     elif prefix is not None:
@@ -58,7 +74,7 @@ def pick(
     else:
         wanted = [root for root in library.roots if root.name not in library.outside_scene]
     roots = [_copy(node) for node in _topmost(wanted) if not node.name.startswith("_")]
-    resolve_auto(roots, role=role)
+    _settle_physics(roots, role)
     return roots
 
 

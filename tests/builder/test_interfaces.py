@@ -1,0 +1,262 @@
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from morse.builder import (
+    Cube,
+    FakeRobot,
+    Keyboard,
+    MorseBuilderError,
+    MorseBuilderUnexportableError,
+    MorseMiddlewareError,
+    Morsy,
+    MotionVW,
+    Pose,
+    catalog,
+)
+from morse.builder.catalog import Entry
+from morse.middleware import registry
+from morse.middleware.registry import Middleware
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"
+SERVICES = "morse.middleware.socket_request_manager.SocketRequestManager"
+WRITER = "morse.middleware.socket_datastream.SocketPublisher"
+READER = "morse.middleware.socket_datastream.SocketReader"
+
+
+def declaration(component: Any) -> Any:
+    return component._declaration(component)
+
+
+def test_the_direction_follows_from_the_class() -> None:
+    pose, motion = Pose(), MotionVW()
+    pose.add_stream("socket")
+    motion.add_stream("socket", port=61000)
+    (out,), (into,) = declaration(pose).streams, declaration(motion).streams
+    assert (out.manager, out.stream, out.direction, out.options) == (STREAMS, WRITER, "OUT", {})
+    assert (into.manager, into.stream, into.direction, into.options) == (STREAMS, READER, "IN", {"port": 61000})
+    assert out.where.file == __file__
+
+
+@pytest.mark.parametrize("given", [
+    {"method": "my_sim.streams.Writer"},
+    {"method": "Writer", "path": "my_sim.streams"},
+    {"classpath": "my_sim.streams.Writer"},
+])  # fmt: skip
+def test_a_class_of_ones_own(given: dict[str, str]) -> None:
+    pose = Pose()
+    pose.add_stream("socket", topic="/pose", **given)
+    (stream,) = declaration(pose).streams
+    assert stream.stream == "my_sim.streams.Writer"
+    assert stream.options == {"topic": "/pose"}
+
+
+def test_a_manager_of_ones_own_needs_a_class() -> None:
+    pose = Pose()
+    with pytest.raises(MorseBuilderError, match="classpath="):
+        pose.add_stream("my_sim.streams.Manager")
+    pose.add_stream("my_sim.streams.Manager", classpath="my_sim.streams.Writer")
+    pose.add_stream(STREAMS)
+    assert [s.stream for s in declaration(pose).streams] == ["my_sim.streams.Writer", WRITER]
+
+
+def test_a_direction_that_is_given() -> None:
+    pose = Pose()
+    pose.add_stream("socket", direction="IN")
+    assert declaration(pose).streams[0].stream == READER
+    with pytest.raises(ValueError, match="IN, OUT"):
+        pose.add_stream("socket", direction="SIDEWAYS")
+
+
+@pytest.mark.parametrize(("name", "answer"), [
+    ("sokcet", "did you mean 'socket'"),
+    ("pocolibs", "not part of this installation"),
+    ("carrier-pigeon", "installed: .*socket"),
+])  # fmt: skip
+def test_unknown_middlewares(name: str, answer: str) -> None:
+    pose, robot = Pose(), FakeRobot()
+    for call in (pose.add_stream, pose.add_service, pose.add_interface, robot.add_default_interface):
+        with pytest.raises(MorseMiddlewareError, match=answer):
+            call(name)
+
+
+@pytest.mark.parametrize("bad", [None, 3, "", ["socket"], b"socket"])
+def test_middlewares_are_given_by_name(bad: Any) -> None:
+    for call in (Pose().add_stream, Pose().add_service, Pose().add_interface, FakeRobot().add_default_interface):
+        with pytest.raises((TypeError, ValueError)):
+            call(bad)
+
+
+def test_what_has_no_data_is_not_streamed() -> None:
+    keyboard = Keyboard()
+    with pytest.raises(MorseBuilderUnexportableError, match="no data"):
+        keyboard.add_stream("socket")
+    keyboard.add_interface("socket")
+    assert declaration(keyboard).streams == []
+    assert declaration(keyboard).managers == [SERVICES]
+    for thing in (Cube(), Morsy()):
+        with pytest.raises(MorseBuilderUnexportableError):
+            thing.add_stream("socket")
+
+
+def test_services() -> None:
+    pose, motion = Pose(), MotionVW()
+    pose.add_service("socket")
+    pose.add_service("socket")
+    pose.add_service("my_sim.requests.Manager")
+    pose.add_service("socket", component=motion)
+    assert declaration(pose).managers == [SERVICES, "my_sim.requests.Manager"]
+    assert declaration(motion).managers == [SERVICES]
+
+
+def test_overlays() -> None:
+    motion = MotionVW()
+    motion.add_overlay("socket", "my_sim.overlays.Wheels", config={"a": 1}, namespace="base")
+    (overlay,) = declaration(motion).overlays
+    assert (overlay.manager, overlay.classpath) == (SERVICES, "my_sim.overlays.Wheels")
+    assert overlay.options == {"a": 1, "namespace": "base"}
+
+
+def test_subclasses_and_levels_have_their_own_streams(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Camera:
+        pass
+
+    class Depth(Camera):
+        pass
+
+    class Blind(Camera):
+        pass
+
+    picture = Middleware(
+        "picture",
+        stream_manager="picture.Manager",
+        streams={"Camera": {"all": ("picture.Rgb", "picture.Grey"), "far": ("picture.Far",)}, "Blind": {"all": ()}},
+    )
+    assert picture.streams_of(Camera, None, "OUT") == ("picture.Rgb", "picture.Grey")
+    assert picture.streams_of(Depth, "near", "OUT") == ("picture.Rgb", "picture.Grey")
+    assert picture.streams_of(Depth, "far", "OUT") == ("picture.Far",)
+    assert picture.streams_of(Blind, None, "OUT") == ()
+    assert picture.streams_of(object, None, "OUT") == ()
+    monkeypatch.setattr(registry, "installed", lambda: {"picture": picture})
+    with pytest.raises(MorseBuilderUnexportableError, match="'picture' cannot carry the data of Pose"):
+        Pose().add_stream("picture")
+    with pytest.raises(MorseMiddlewareError, match="no services"):
+        Pose().add_service("picture")
+    pose = Pose()
+    pose.add_interface("picture")
+    assert declaration(pose).streams == []
+
+
+def test_the_cameras_of_the_socket_have_their_own_publishers() -> None:
+    socket = registry.middleware("socket")
+    for name, publisher in (
+        ("VideoCamera", "morse.middleware.sockets.video_camera.VideoPublisher"),
+        ("DepthCamera", "morse.middleware.sockets.depth_camera.DepthCameraPublisher"),
+    ):
+        assert socket.streams_of(type(name, (), {}), None, "OUT") == (publisher,)
+    assert socket.streams_of(type("StereoUnit", (), {}), None, "OUT") == ()
+
+
+def test_default_interface(load: Callable[..., Any]) -> None:
+    scene = load(
+        "from morse.builder import *\n"
+        "r = FakeRobot()\n"
+        "r.add_default_interface('socket')\n"
+        "r.add_default_interface('socket')\n"
+        "motion, pose, keyboard, arm, hand = MotionVW(), Pose(), Keyboard(), Teleport(), Pose()\n"
+        "for part in (motion, pose, keyboard, arm):\n    r.append(part)\n"
+        "arm.append(hand)\n"
+        "pose.add_stream('socket', port=61000)\n"
+        "other = FakeRobot()\n"
+        "eye = Pose()\n"
+        "other.append(eye)\n"
+        "env = Environment('empty')\n"
+        "late = Pose()\n"
+        "r.append(late)\n"
+    )
+    found = {c.name: ([s.options for s in c.streams], c.managers) for c in scene.components}
+    assert found["r"] == ([], [])
+    assert found["r.motion"] == ([{}], [SERVICES])
+    assert found["r.pose"] == ([{"port": 61000}], [SERVICES])
+    assert found["r.keyboard"] == ([], [SERVICES])
+    assert found["r.arm.hand"] == ([{}], [SERVICES])
+    assert found["other.eye"] == ([], [])
+
+
+# --- modifiers -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def modifiers(monkeypatch: pytest.MonkeyPatch) -> None:
+    entries = (
+        Entry("ToNED", "mods.ned.ToNED", "", {"_names": ("NED",), "_components": ("Pose",)}),
+        Entry("Noise", "mods.noise.PoseNoise", "", {"_names": ("PoseNoise", "Noise"), "_components": ("Pose",)}),
+        Entry("ImuNoise", "mods.noise.ImuNoise", "", {"_names": ("Noise",), "_components": ("IMU",)}),
+        Entry("Feet", "mods.feet.FromFeet", "", {"_names": ("feet",), "_components": ("Teleport",)}),
+    )
+    monkeypatch.setattr(catalog, "modifiers", lambda: entries)
+
+
+@pytest.mark.usefixtures("modifiers")
+def test_modifiers_by_name_and_class() -> None:
+    pose = Pose()
+    pose.alter("NED")
+    pose.alter("Noise", pos_std=0.1)
+    pose.alter(classpath="my_sim.mods.Drift", rate=1)
+    assert [(m.classpath, m.options) for m in declaration(pose).modifiers] == [
+        ("mods.ned.ToNED", {}),
+        ("mods.noise.PoseNoise", {"pos_std": 0.1}),
+        ("my_sim.mods.Drift", {"rate": 1}),
+    ]
+
+
+@pytest.mark.usefixtures("modifiers")
+@pytest.mark.parametrize(("name", "answer"), [
+    ("Noize", "did you mean 'Noise'"),
+    ("feet", "not for Pose; there are: NED, Noise, PoseNoise"),
+    ("warp", "no modifier 'warp' for Pose; there are: NED, Noise, PoseNoise"),
+])  # fmt: skip
+def test_unknown_modifiers(name: str, answer: str) -> None:
+    with pytest.raises(MorseBuilderError, match=answer):
+        Pose().alter(name)
+
+
+@pytest.mark.usefixtures("modifiers")
+def test_no_modifiers_for_this_component() -> None:
+    with pytest.raises(MorseBuilderError, match="there are none for MotionVW"):
+        MotionVW().alter("NED")
+    with pytest.raises(TypeError, match="name of a modifier"):
+        Pose().alter()
+
+
+# --- the catalogue -------------------------------------------------------------------------------
+
+
+def test_the_catalogue_reads_files_without_running_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "zoo"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "eye.py").write_text(
+        "raise RuntimeError('not to be run')\n"
+        "class Eye(Sensor):\n    _name: str = 'An eye'\n    _short_desc = 'Sees'\n"
+        "class Lidar(Eye):\n    'Scans.'\n    _name = 'Lidar'\n    _builder = BuilderDefaults(name='LaserScanner')\n"
+        "class Sonar(Eye):\n    _name = 'Sonar'\n    _builder = BuilderDefaults('Bat', frequency=10.0)\n"
+        "class Level(Eye):\n    pass\n"
+        "class _Base(Sensor):\n    _name = 'base'\n"
+        "class Odd(Sensor):\n    _name = 'Odd' + str(1)\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = catalog.components("zoo")
+    assert {name: (e.classpath, e.doc) for name, e in found.items()} == {
+        "Bat": ("zoo.eye.Sonar", "Sonar"),
+        "Eye": ("zoo.eye.Eye", "Sees"),
+        "LaserScanner": ("zoo.eye.Lidar", "Scans."),
+    }
+    assert "zoo.eye" not in sys.modules

@@ -1,0 +1,314 @@
+"""Whatever is wrong with a scene script: which line, what was given, what would be right."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import morse
+from morse.builder import workspace
+from morse.builder.script import ScriptError, is_loading, load_scene
+from morse.scene import Scene
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Load = Callable[..., Scene]
+
+HEAD = "from morse.builder import *\n"
+END = "env = Environment('empty')\n"
+OURS = os.path.dirname(os.path.abspath(morse.__file__))
+
+
+def failure(load: Load, text: str, **options: object) -> ScriptError:
+    with pytest.raises(ScriptError) as caught:
+        load(text, **options)
+    report = caught.value.report()
+    assert OURS not in report.replace(f"searched: {OURS}", ""), "no line of ours in what the user reads"
+    assert "Traceback" not in report
+    return caught.value
+
+
+# mistake, line, words of the report
+# fmt: off
+MISTAKES = [
+    ("rover = FakeRobot(\n" + END, 2, ["SyntaxError", "'(' was never closed"]),
+    ("  rover = FakeRobot()\n" + END, 2, ["IndentationError", "unexpected indent"]),
+    ("rover = FakeRobott()\n" + END, 2, ["'FakeRobott' is not defined", "Did you mean 'FakeRobot'?"]),
+    ("rover = fakerobot()\n" + END, 2, ["'fakerobot' is not defined", "Did you mean 'FakeRobot'?"]),
+    ("rover = FakeRobot()\nrover.transalte(1)\n" + END, 3, ["'transalte'", "did you mean 'translate'"]),
+    ("rover = FakeRobot()\nrover.translate('1')\n" + END, 3, ["FakeRobot.translate(x) takes a number, got '1'"]),
+    (
+        "rover = FakeRobot()\nrover.translate(1, 2, 3, 4)\n" + END,
+        3,
+        ["takes from 1 to 4", "translate(x=0.0"],
+    ),
+    (
+        "rover = FakeRobot(nam='x')\n" + END,
+        2,
+        ["keyword argument 'nam'", "Did you mean 'name'?", "(name=None)"],
+    ),
+    (
+        "rover = FakeRobot()\nrover.rotate(yaw=1)\n" + END,
+        3,
+        ["keyword argument 'yaw'", "rotate(x=0.0, y=0.0"],
+    ),
+    ("from morse.builder import Posee\n" + END, 2, ["no 'Posee' in 'morse.builder'", "Did you mean 'Pose'?"]),
+    ("from morse.builder.sensors import Pos\n" + END, 2, ["no 'Pos' in", "Did you mean 'Pose'?"]),
+    ("import morse.bilder\n" + END, 2, ["no module 'morse.bilder'", "Did you mean 'morse.builder'?"]),
+    ("from ranger_sim.builder import Ranger\n" + END, 2, ["no module 'ranger_sim'", "folder 'src'"]),
+    ("print(math.squareroot(2))\n" + END, 2, ["squareroot"]),
+    ("print(math.flor(2))\n" + END, 2, ["flor", "Did you mean 'floor'?"]),
+    ("a = FakeRobot()\na.append(Pose)\n" + END, 3, ["append takes a component such as Pose()"]),
+    ("a = FakeRobot()\na.add_default_interface('sokcet')\n" + END, 3, ["'sokcet'", "did you mean 'socket'"]),
+    ("o = Odometry()\no.level('raww')\n" + END, 3, ["no level 'raww'", "raw, differential, integrated", "'raw'?"]),
+    ("p = Pose()\np.alter('Noize')\n" + END, 3, ["'Noize'"]),
+    (
+        "r = Robot('mrosy')\n" + END,
+        2,
+        ["no model 'mrosy'", "mean 'morsy'", "searched: ", "MORSE_RESOURCE"],
+    ),
+    ("e = Environment('sandbx')\n", 2, ["no model 'sandbx'", "did you mean 'sandbox'"]),
+    (END + "env.set_gravity(float('nan'))\n", 3, ["env.set_gravity(gravity) takes a finite number, got nan"]),
+    (END + "env.set_camera_loction([1, 2, 3])\n", 3, ["did you mean 'set_camera_location'"]),
+    (END + "env.set_time_scale()\n", 3, ["slowdown_by", "accelerate_by"]),
+    ("bpymorse.get_object('Ground')\n" + END, 2, ["no object 'Ground'"]),
+    ("p = Pose()\n" + END, 2, ["'p' (Pose) is on no robot", "robot.append(p)"]),
+    ("x = {}['speed']\n" + END, 2, ["KeyError: 'speed'"]),
+    ("x = 1 / 0\n" + END, 2, ["ZeroDivisionError: division by zero"]),
+    ("raise RuntimeError('out of paint')\n", 2, ["RuntimeError: out of paint"]),
+    ("def f():\n    f()\nf()\n", 3, ["calls itself without end"]),
+    ("sys.exit('no licence')\n" + END, 2, ["sys.exit('no licence')"]),
+    ("assert False, 'never'\n" + END, 2, ["AssertionError: never"]),
+    ("Zone('Charging').rotate(z=1)\n" + END, 2, ["cannot be rotated"]),
+    ("c = Cube()\nc._bpy_object.game.mas = 3\n" + END, 3, ["mas"]),
+    ("c = Cube()\nprint(c._bpy_object.game.mas)\n" + END, 3, ["did you mean 'mass'"]),
+]
+# fmt: on
+
+
+@pytest.mark.parametrize(("text", "line", "words"), MISTAKES, ids=[m[2][0][:30] for m in MISTAKES])
+def test_mistakes(load: Load, tmp_path: Path, text: str, line: int, words: list[str]) -> None:
+    error = failure(load, HEAD + text)
+    report = error.report()
+    assert error.where is not None
+    assert (error.where.file, error.where.line) == (str(tmp_path / "scene.py"), line)
+    for word in words:
+        assert word in report
+    assert report.startswith(f"{tmp_path / 'scene.py'}:{line}: ")
+    assert (HEAD + text).splitlines()[line - 1].strip() in report, "the line itself is shown"
+
+
+def test_forgotten_import(load: Load) -> None:
+    error = failure(load, "robot = Morsy()\n")
+    assert "from morse.builder import *" in error.report()
+
+
+def test_no_environment(load: Load) -> None:
+    report = failure(load, HEAD + "robot = FakeRobot()\n").report()
+    assert "makes no Environment" in report
+    assert "Environment('sandbox')" in report
+    assert "scene.py" in report
+
+
+def test_empty_scripts(load: Load) -> None:
+    for text in ("", "\n", "# nothing\n", "pass"):
+        assert "makes no Environment" in failure(load, text).report()
+
+
+def test_the_way_to_the_mistake_is_shown(load: Load, tmp_path: Path) -> None:
+    error = failure(
+        load,
+        HEAD + "def equip(robot):\n    robot.apend(Pose())\n\ndef build():\n    equip(FakeRobot())\n\nbuild()\n" + END,
+    )
+    assert [step.where.line for step in error.steps] == [8, 6, 3]
+    assert error.where is not None
+    assert error.where.line == 3
+    assert f"called from {tmp_path / 'scene.py'}:8: build()" in error.report()
+
+
+def test_mistakes_in_modules_of_the_project(load: Load, tmp_path: Path) -> None:
+    package = tmp_path / "src" / "fleet"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "rovers.py").write_text(HEAD + "\nclass Rover(FakeRobot):\n    def __init__(self):\n        self.x()\n")
+    error = failure(load, HEAD + "from fleet.rovers import Rover\nr = Rover()\n" + END, source="src")
+    assert error.where is not None
+    assert (Path(error.where.file).name, error.where.line) == ("rovers.py", 5)
+    assert f"called from {tmp_path / 'scene.py'}:3" in error.report()
+    (package / "rovers2.py").write_text("class Rover(:\n")
+    error = failure(load, HEAD + "from fleet.rovers2 import Rover\n" + END, source="src")
+    assert error.where is not None
+    assert (Path(error.where.file).name, error.where.line) == ("rovers2.py", 1)
+    error = failure(load, HEAD + "from fleet.rover import Rover\n" + END, source="src")
+    assert "Did you mean 'fleet.rovers" in error.report()
+
+
+def test_mistakes_inside_libraries_are_told_by_the_users_line(load: Load) -> None:
+    error = failure(load, HEAD + "import json\njson.loads('{')\n" + END)
+    assert error.where is not None
+    assert error.where.line == 3
+    assert "JSONDecodeError" in error.report()
+
+
+def test_broken_component_class(load: Load, project: Path) -> None:
+    (project / "sonars" / "sonar.py").write_text("import no_such_library\n")
+    error = failure(
+        load,
+        HEAD + "from sonars.builder import Sonar\nr = FakeRobot()\ns = Sonar()\nr.append(s)\n" + END,
+        source="src",
+    )
+    assert [(Path(s.where.file).name, s.where.line) for s in error.steps] == [("scene.py", 4), ("builder.py", 6)]
+    assert "no_such_library" in error.report()
+    assert "sonar.py:1" in error.report()
+
+
+def test_class_of_a_robot_that_is_not_there(load: Load) -> None:
+    error = failure(load, HEAD + "r = FakeRobot()\nr.properties(classpath='no_such.robots.Rover')\n" + END)
+    assert error.where is not None
+    assert error.where.line == 2
+    assert "no_such" in error.report()
+
+
+@pytest.mark.parametrize("content", [b"\x00\x01", b"\xff\xfe\x00", b"# coding: klingon\n", b"x = '\x80'\n"])
+def test_files_that_are_no_text(tmp_path: Path, content: bytes) -> None:
+    script = tmp_path / "scene.py"
+    script.write_bytes(content)
+    with pytest.raises(ScriptError) as caught:
+        load_scene(RunOptions(str(script)))
+    assert "scene.py" in caught.value.report()
+
+
+def test_files_that_are_not_there(tmp_path: Path) -> None:
+    for path in (tmp_path / "nothing.py", tmp_path, tmp_path / "nothing.blend"):
+        with pytest.raises(ScriptError) as caught:
+            load_scene(RunOptions(str(path)))
+        assert str(path) in caught.value.report()
+
+
+def test_deeply_nested_source(load: Load) -> None:
+    error = failure(load, "x = " + "(" * 5000 + ")" * 5000 + "\n")
+    assert "scene.py" in error.report()
+
+
+def test_leaving_early_with_success_is_fine(load: Load) -> None:
+    assert isinstance(load(HEAD + END + "sys.exit(0)\n"), Scene)
+    assert isinstance(load(HEAD + END + "sys.exit()\n"), Scene)
+
+
+def test_ctrl_c_is_not_a_mistake(load: Load) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        load(HEAD + "raise KeyboardInterrupt\n")
+    assert not is_loading()
+
+
+# --- how a script is run -------------------------------------------------------------------------
+
+
+def test_the_script_is_main(load: Load, tmp_path: Path) -> None:
+    scene = load(
+        HEAD + "assert __name__ == '__main__'\n"
+        "assert __file__ == sys.argv[0]\n"
+        "robot = FakeRobot(sys.argv[1] + sys.argv[2])\n" + END,
+        name="scene",
+        arguments=("ro", "ver"),
+    )
+    assert scene.components[0].name == "rover"
+    assert sys.modules["__main__"].__dict__.get("robot") is None
+
+
+def test_classes_of_the_script_find_their_module(load: Load) -> None:
+    scene = load(
+        "from __future__ import annotations\n"
+        "import dataclasses, typing\n" + HEAD + "@dataclasses.dataclass\nclass Plan:\n    robots: int = 2\n"
+        "assert typing.get_type_hints(Plan) == {'robots': int}\n"
+        "fleet = [FakeRobot() for i in range(Plan().robots)]\n" + END
+    )
+    assert len(scene.robots()) == 2
+
+
+def test_packages_of_the_project_come_first(load: Load, tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "colors_of_rovers.py").write_text("WHO = 'src'\n")
+    (tmp_path / "colors_of_rovers.py").write_text("WHO = 'beside'\n")
+    (tmp_path / "beside_only.py").write_text("X = 1\n")
+    scene = load(
+        HEAD + "import beside_only\nfrom colors_of_rovers import WHO\nr = FakeRobot(WHO)\n" + END, source="src"
+    )
+    assert scene.components[0].name == "src"
+    assert sys.path[0] == str(tmp_path / "src")
+
+
+def test_models_of_the_project_are_found(tmp_path: Path) -> None:
+    crates = Path(OURS) / "data" / "props" / "crates.blend"
+    (tmp_path / "data" / "sim" / "robots").mkdir(parents=True)
+    (tmp_path / "data" / "sim" / "robots" / "boxy.blend").write_bytes(crates.read_bytes())
+    script = tmp_path / "default.py"
+    script.write_text(HEAD + "r = GroundRobot('sim/robots/boxy.blend')\n" + END)
+    scene = load_scene(RunOptions(str(script), resource_paths=[str(tmp_path / "data")]))
+    parts = {node.plain_name for node in scene.components[0].node.walk()}
+    assert {"small_crate_mesh", "large_crate_mesh"} <= parts
+    with pytest.raises(ScriptError, match="boxy"):
+        load_scene(RunOptions(str(script)))
+
+
+def test_a_model_as_script_is_an_empty_world() -> None:
+    path = Path(OURS) / "data" / "environments" / "indoors-1" / "boxes.blend"
+    scene = load_scene(RunOptions(str(path)))
+    assert scene.components == []
+    assert scene.find("RedBox") is not None
+
+
+def test_broken_models_are_told(load: Load, tmp_path: Path) -> None:
+    (tmp_path / "broken.blend").write_bytes(b"BLENDER-v279" + b"\x00" * 50)
+    error = failure(load, HEAD + f"r = Robot({str(tmp_path / 'broken.blend')!r})\n" + END)
+    assert error.where is not None
+    assert error.where.line == 2
+    assert "broken.blend" in error.report()
+
+
+def test_each_script_begins_with_an_empty_scene(load: Load) -> None:
+    first = load(HEAD + "a = FakeRobot()\n" + END)
+    second = load(HEAD + "b = FakeRobot()\n" + END)
+    assert [c.name for c in first.components] == ["a"]
+    assert [c.name for c in second.components] == ["b"]
+
+
+def test_a_script_knows_that_it_is_a_scene(load: Load) -> None:
+    scene = load(
+        HEAD + "from morse.builder.script import is_loading\nr = FakeRobot('yes' if is_loading() else 'no')\n" + END
+    )
+    assert scene.components[0].name == "yes"
+    assert not is_loading()
+
+
+SCRIPT = (
+    HEAD + "robot = Morsy()\nrobot.translate(1.0, 0.0, 0.0)\nrobot.rotate(0.0, 0.0, 3.5)\n"
+    "motion = MotionVW()\nrobot.append(motion)\nkeyboard = Keyboard()\n"
+    "keyboard.properties(ControlType='Position')\nrobot.append(keyboard)\npose = Pose()\nrobot.append(pose)\n"
+    "robot.add_default_interface('socket')\n"
+    "env = Environment('empty', fastmode=False)\n"
+    "env.set_camera_location([-18.0, -6.7, 10.8])\nenv.set_camera_rotation([1.09, 0, -1.14])\n"
+)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150, deadline=None)
+@given(start=st.integers(0, len(SCRIPT)), length=st.integers(0, 12), put=st.text("abcPM()[]'=.,:0 \n#", max_size=4))
+def test_damaged_scripts_give_a_scene_or_a_report(tmp_path: Path, start: int, length: int, put: str) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCRIPT[:start] + put + SCRIPT[start + length :], encoding="utf-8")
+    try:
+        assert load_scene(RunOptions(str(script))).environment
+    except ScriptError as error:
+        report = error.report()
+        assert "scene.py" in report
+        assert "Traceback" not in report
+    finally:
+        workspace.reset()

@@ -1,0 +1,189 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from morse.assets import AssetNotFoundError
+from morse.builder import (
+    Camera,
+    Cone,
+    Coordsys,
+    Cube,
+    Cylinder,
+    Empty,
+    IcoSphere,
+    Mesh,
+    MorseBuilderError,
+    MorseBuilderNoComponentError,
+    PassiveObject,
+    Plane,
+    Sphere,
+    Spot,
+    Torus,
+    Zone,
+    workspace,
+)
+from morse.scene import NodeKind, PhysicsType
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+np = pytest.importorskip("numpy")
+
+
+def volume(mesh: Any) -> float:
+    """By the divergence theorem; positive only if the triangles face outward."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]].astype(float) for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0)
+
+
+def is_closed(mesh: Any) -> bool:
+    edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in mesh.triangles for i in range(3)}
+    return len(edges) == 3 * len(mesh.triangles) and all((b, a) in edges for a, b in edges)
+
+
+@pytest.mark.parametrize(("make", "size", "content"), [
+    (Cube, (2, 2, 2), 8.0),
+    (Mesh, (2, 2, 2), 8.0),
+    (Cylinder, (2, 2, 2), 2 * np.pi),
+    (Cone, (2, 2, 2), 2 * np.pi / 3),
+    (Sphere, (2, 2, 2), 4 * np.pi / 3),
+    (IcoSphere, (2, 2, 2), 4 * np.pi / 3),
+    (Torus, (2.5, 2.5, 0.5), 2 * np.pi**2 * 0.25**2),
+])  # fmt: skip
+def test_bodies_have_their_size_and_volume(make: type[Any], size: tuple[float, ...], content: float) -> None:
+    mesh = make().scene_node.mesh
+    extent = np.ptp(mesh.vertices, axis=0)
+    assert extent == pytest.approx(size, rel=0.06)
+    assert is_closed(mesh)
+    # a mesh of flat facets fills less than the round body it stands for
+    assert content * 0.88 <= volume(mesh) <= content * 1.000001
+    if mesh.normals is not None:
+        assert np.linalg.norm(mesh.normals, axis=2) == pytest.approx(1.0)
+
+
+def test_the_plane_faces_up() -> None:
+    mesh = Plane().scene_node.mesh
+    assert mesh is not None
+    assert np.ptp(mesh.vertices, axis=0) == pytest.approx([2, 2, 0])
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+
+
+def test_nothing_collides_with_blender_objects() -> None:
+    for make in (Cube, Sphere, Cylinder, Cone, Torus, IcoSphere, Plane, Empty, Mesh, Coordsys, Spot, Camera):
+        thing = make()
+        assert not thing.is_morseable()
+        assert {n.body.type for n in thing.scene_node.walk()} == {PhysicsType.NO_COLLISION}
+
+
+def test_colors_and_names() -> None:
+    red, other = Cube("red_box"), Cube()
+    red.color(1.0, 0.0, 0.0)
+    assert red.name == "red_box"
+    assert red._bpy_object.material_slots[0].material.diffuse_color == (1.0, 0.0, 0.0)  # type: ignore[union-attr]
+    assert other._bpy_object.material_slots[0].material.diffuse_color != (1.0, 0.0, 0.0)  # type: ignore[union-attr]
+    with pytest.raises(ValueError, match="0 to 1"):
+        red.color(255, 0, 0)
+
+
+def test_lamps_cameras_and_axes() -> None:
+    assert Spot().scene_node.light.type == "SPOT"  # type: ignore[union-attr]
+    assert Spot("sun", lamp_type="SUN").scene_node.light.type == "SUN"  # type: ignore[union-attr]
+    with pytest.raises(ValueError, match="POINT, SUN"):
+        Spot("x", lamp_type="LASER")
+    assert Camera().scene_node.kind is NodeKind.CAMERA
+    tips = [n for n in Coordsys("axes").scene_node.walk() if n.name.endswith("_tip")]
+    ends = {tuple(round(float(tip.world_matrix()[i][3]), 6) for i in range(3)) for tip in tips}
+    assert ends == {(0.9, 0.0, 0.0), (0.0, 0.9, 0.0), (0.0, 0.0, 0.9)}
+
+
+# --- passive objects -----------------------------------------------------------------------------
+
+
+def test_one_object_of_a_file() -> None:
+    crate = PassiveObject("props/crates", "small_crate")
+    assert crate.scene_node.plain_name == "small_crate"
+    assert {n.plain_name for n in crate.scene_node.walk()} == {"small_crate", "small_crate_bb", "small_crate_mesh"}
+    assert list(crate.location) == [0.0, 0.0, 0.0]
+    assert list(crate.rotation_euler) == [0.0, 0.0, 0.0]
+    assert crate.scene_node.body.moves
+    assert len(workspace.current().roots) == 1
+
+
+def test_the_pose_of_the_file_may_be_kept() -> None:
+    kept = PassiveObject("environments/indoors-1/boxes", "RedBox", keep_pose=True)
+    reset = PassiveObject("environments/indoors-1/boxes", "RedBox")
+    assert list(kept.location) == pytest.approx([-7.5, 0.0, 0.99], abs=0.02)
+    assert list(reset.location) == [0.0, 0.0, 0.0]
+
+
+def test_all_objects_of_a_file() -> None:
+    first = PassiveObject("props/crates")
+    names = {root.plain_name for root in workspace.current().roots}
+    assert {"small_crate", "large_crate", "transport_box"} <= names
+    assert first.scene_node in workspace.current().roots
+
+
+def test_unknown_objects() -> None:
+    with pytest.raises(MorseBuilderNoComponentError, match="did you mean 'small_crate'"):
+        PassiveObject("props/crates", "smal_crate")
+    with pytest.raises(AssetNotFoundError, match=r"did you mean .*props/crates"):
+        PassiveObject("props/crate")
+    for bad in (None, 3, ""):
+        with pytest.raises((TypeError, ValueError), match="filename"):
+            PassiveObject(bad)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="prefix"):
+        PassiveObject("props/crates", 3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="keep_pose"):
+        PassiveObject("props/crates", "small_crate", keep_pose="no")  # type: ignore[arg-type]
+
+
+def test_graspable_objects() -> None:
+    crate = PassiveObject("props/crates", "small_crate")
+    crate.setgraspable()
+    assert crate.property_value("Object") is True
+    assert crate.property_value("Graspable") is True
+    assert crate.property_value("Label") == "small_crate"
+
+
+def test_copies_do_not_share_their_settings() -> None:
+    one, two = PassiveObject("props/crates", "small_crate"), PassiveObject("props/crates", "small_crate")
+    one._bpy_object.game.mass = 99.0
+    one.properties(Label="mine")
+    one.translate(1.0)
+    assert two._bpy_object.game.mass != 99.0
+    assert two.property_value("Label") != "mine"
+    assert list(two.location) == [0.0, 0.0, 0.0]
+    first, second = (c.get_child("small_crate_mesh").node.mesh for c in (one, two))  # type: ignore[union-attr]
+    assert first is second, "what is large is shared"
+
+
+# --- zones ---------------------------------------------------------------------------------------
+
+
+def test_zones(load: Callable[..., Any]) -> None:
+    scene = load(
+        "from morse.builder import *\n"
+        "dock = Zone(type='Charging')\ndock.size = [2, 1, 0.5]\ndock.translate(x=3.0, z=0.5)\n"
+        "env = Environment('empty')\n"
+    )
+    (zone,) = scene.zones
+    assert (zone.type, zone.node.name, zone.node.visible) == ("Charging", "dock", False)
+    assert zone.node.scale == [2.0, 1.0, 0.5]
+    assert zone.node.location == [3.0, 0.0, 0.5]
+    assert scene.components == []
+
+
+def test_zones_follow_the_axes_of_the_world() -> None:
+    zone = Zone("Charging")
+    assert list(zone.size) == [1.0, 1.0, 1.0]
+    with pytest.raises(MorseBuilderError, match="rotated"):
+        zone.rotate(z=1.0)
+    for bad in ((1, 1, 0), (1, -1, 1), (1, 1), "big", None):
+        with pytest.raises((TypeError, ValueError)):
+            zone.size = bad  # type: ignore[assignment]
+    for kind in (None, 3, ""):
+        with pytest.raises((TypeError, ValueError), match="type"):
+            Zone(kind)  # type: ignore[arg-type]
