@@ -152,6 +152,11 @@ def test_append_in_a_function_finds_global_variables(load: Load) -> None:
     assert names(scene) == ["rover", "rover.eye"]
 
 
+def test_attributes_given_to_a_robot_by_the_script(load: Load) -> None:
+    scene = load(HEAD + "r = FakeRobot()\nr.eye = Pose()\nr.append(r.eye)\n" + END)
+    assert names(scene) == ["r", "r.eye"]
+
+
 def test_same_names_on_one_robot(load: Load) -> None:
     scene = load(HEAD + "r = FakeRobot()\nfor i in range(3):\n    eye = Pose()\n    r.append(eye)\n" + END)
     assert names(scene) == ["r", "r.eye", "r.eye_001", "r.eye_002"]

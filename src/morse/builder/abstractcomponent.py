@@ -159,7 +159,7 @@ class AbstractComponent(Interfaces, Models):
         mount = self._bpy_object if child is None else self._named_child(child)
         frame = naming.frame_above(level)
         if frame is not None:
-            if (found := naming.name_in_frame(obj, frame)) is not None:
+            if (found := naming.name_in_frame(obj, self, frame)) is not None:
                 obj.suggest_name(found, Strength.VARIABLE)
             naming.name_unparented(frame.f_locals, Strength.GUESSED)
         try:

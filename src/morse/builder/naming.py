@@ -105,15 +105,15 @@ def without_copy_suffix(name: str) -> str:
     return _COPY_SUFFIX.sub("", name).replace(".", "_")
 
 
-def name_in_frame(component: AbstractComponent, frame: FrameType) -> str | None:
-    """The attribute of ``self`` or the variable that holds a component, as seen from a frame."""
+def name_in_frame(component: AbstractComponent, parent: AbstractComponent, frame: FrameType) -> str | None:
+    """The name under which a component is known where it is appended to a parent.
+
+    That is an attribute of ``self``, else a variable, else an attribute of the parent.
+    """
     owner = frame.f_locals.get("self")
-    if owner is not None and owner is not component:
-        attribute = _holder(component, getattr(owner, "__dict__", {}))
-        # `parent` and the like are how we ourselves keep components
-        if attribute is not None and attribute not in ("parent", "children"):
-            return attribute
-    return _holder(component, frame.f_locals) or _holder(component, frame.f_globals)
+    attributes = getattr(owner, "__dict__", {}) if owner is not component else {}
+    places = (attributes, frame.f_locals, frame.f_globals, parent.__dict__)
+    return next((name for place in places if (name := _holder(component, place)) is not None), None)
 
 
 def _holder(component: AbstractComponent, variables: Mapping[str, Any]) -> str | None:
