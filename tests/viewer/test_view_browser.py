@@ -1,0 +1,381 @@
+"""The page in a real browser: world, camera, keys, time."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from PIL import Image as Picture
+from view_pages import until
+from view_worlds import box, mesh_node
+
+from morse.scene import Material, Scene
+from morse.viewer.view_messages import Appearance, Listening, Pace
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.browser
+
+
+def colors(page: Page) -> np.ndarray:
+    """(H, W, 3) what the canvas shows."""
+    shot = page.locator("main > canvas").screenshot(timeout=60_000)
+    return np.asarray(Picture.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+
+def reds(page: Page) -> np.ndarray:
+    """Mask of the pixels that are clearly red."""
+    shown = colors(page)
+    return (shown[..., 0] > 90) & (shown[..., 0] > 2 * shown[..., 1]) & (shown[..., 0] > 2 * shown[..., 2])
+
+
+def project(point: tuple[float, float, float], camera: tuple[float, float, float], turn: tuple[float, float, float],
+            size: tuple[int, int], focal: float) -> tuple[float, float]:  # fmt: skip
+    """Pixel of a point, by the pinhole model: a sensor 32 mm wide, the camera looks along -Z, Y is up."""
+    (cx, sx), (cy, sy), (cz, sz) = ((math.cos(a), math.sin(a)) for a in turn)
+    rotation = (
+        np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+        @ np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+        @ np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    )
+    x, y, z = rotation.T @ (np.array(point) - np.array(camera))
+    pixels = focal / 32.0 * max(size)
+    return size[0] / 2 + pixels * x / -z, size[1] / 2 - pixels * y / -z
+
+
+@pytest.mark.parametrize(
+    ("place", "camera", "turn", "focal"),
+    [
+        ((0.0, 0.0, 0.5), (5.0, -5.0, 5.0), (0.7854, 0.0, 0.7854), 20.0),
+        ((1.0, 2.0, 0.5), (-18.0, -6.7, 10.8), (1.09, 0.0, -1.14), 35.0),
+        ((-1.0, 0.5, 0.5), (0.0, 0.0, 12.0), (0.0, 0.0, 0.6), 20.0),
+        ((2.0, 1.0, 0.5), (8.0, 0.0, 2.0), (1.3, 0.2, 1.6), 30.0),
+    ],
+)
+def test_a_red_box_is_where_the_camera_of_the_script_sees_it(served, open_page, place, camera, turn, focal) -> None:
+    server, url = served
+    red = Material("red", (1.0, 0.0, 0.0, 1.0), shadeless=True)
+    scene = Scene("s", roots=[mesh_node("box", box("b", red), place)])
+    view = scene.settings.view
+    view.camera_location, view.camera_rotation, view.camera_focal_length = camera, turn, focal
+    server.set_scene(scene, [])
+    page = open_page(url)
+    page.evaluate("morse.stage.ground.mesh.visible = false; morse.stage.invalidate()")  # its X axis is red, too
+    until(lambda: reds(page).any(), "something red")
+    mask = reds(page)
+    height, width = mask.shape
+    rows, columns = np.nonzero(mask)
+    corners = [np.add(place, (dx, dy, dz)) for dx in (-0.5, 0.5) for dy in (-0.5, 0.5) for dz in (-0.5, 0.5)]
+    seen = [project(tuple(c), camera, turn, (width, height), focal) for c in corners]
+    (left, top), (right, bottom) = np.min(seen, axis=0), np.max(seen, axis=0)
+    # low quality draws at 0.6 of the pixels
+    assert (columns.min(), columns.max()) == (pytest.approx(left, abs=3), pytest.approx(right, abs=3))
+    assert (rows.min(), rows.max()) == (pytest.approx(top, abs=3), pytest.approx(bottom, abs=3))
+
+
+def test_hidden_things_are_not_seen_until_they_are_shown(served, open_page) -> None:
+    server, url = served
+    red = Material("red", (1.0, 0.0, 0.0, 1.0), shadeless=True)
+    scene = Scene(
+        "s", roots=[mesh_node("box", box("b", red), properties={"visible": 0}), mesh_node("c", box("c"), (0, 3, 0))]
+    )
+    server.set_scene(scene, [])
+    page = open_page(url)
+    assert not reds(page).any()
+    server.send(Appearance("box", visible=True))
+    until(lambda: reds(page).any())
+    server.send(Appearance("box", visible=True, color=(0.0, 1.0, 0.0, 1.0)))
+    until(lambda: not reds(page).any())
+    shown = colors(page)
+    assert ((shown[..., 1] > 90) & (shown[..., 1] > 2 * shown[..., 0])).any()
+
+
+def test_many_alike_are_drawn_in_one_go_and_each_where_it_is(served, open_page) -> None:
+    server, url = served
+    red = Material("red", (1.0, 0.0, 0.0, 1.0), shadeless=True)
+    mesh = box("b", red, size=0.4)
+    nodes = [mesh_node(f"n{i}", mesh, (i * 1.0 - 2.0, 0.0, 0.0)) for i in range(5)]
+    scene = Scene("s", roots=nodes)
+    scene.settings.view.camera_location = (0.0, 0.0, 8.0)
+    scene.settings.view.camera_rotation = (0.0, 0.0, 0.0)
+    server.set_scene(scene, [])
+    page = open_page(url)
+    until(lambda: reds(page).any(), "something red")
+    columns = reds(page).any(axis=0)
+    assert np.count_nonzero(np.diff(columns.astype(int)) == 1) == 5
+    before = page.evaluate("morse.stage.renderer.info.render.calls")
+    server.send(Appearance("n2", visible=False))
+    until(lambda: np.count_nonzero(np.diff(reds(page).any(axis=0).astype(int)) == 1) == 4)
+    assert before < 8
+
+
+def test_the_world_moves(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    seen = {tuple(page.evaluate("morse.world.value.find('robot0').frame.position.toArray()"))}
+    until(
+        lambda: (
+            seen.add(tuple(page.evaluate("morse.world.value.find('robot0').frame.position.toArray()"))) or len(seen) > 5
+        )
+    )
+    for x, y, z in list(seen)[1:]:
+        assert math.hypot(x, y) == pytest.approx(2.0, abs=1e-4)
+        assert z == pytest.approx(0.25)
+    x, y, z = page.evaluate(
+        "morse.world.value.find('robot0.lidar').frame.getWorldPosition(morse.stage.target.clone()).toArray()"
+    )
+    assert z == pytest.approx(0.65)
+    assert driver.server.watched
+
+
+def test_time_is_shown_and_controlled(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Pace("Best Effort", 2.5, "robot0.camera", 31.0))
+    page = open_page(url)
+    assert "2.5 s behind; robot0.camera takes 31.0 ms a tick" in page.locator(".late").inner_text()
+    page.get_by_role("button", name="Pause").click()
+    until(lambda: not driver.running)
+    until(lambda: page.locator(".factor").inner_text() == "paused")
+    tick = driver.tick
+    page.get_by_role("button", name="One tick").click()
+    until(lambda: driver.tick == tick + 1)
+    page.keyboard.press(".")
+    until(lambda: driver.tick == tick + 2)
+    minutes, seconds = page.locator(".time").inner_text().split(":")
+    until(lambda: float(page.locator(".time").inner_text().split(":")[1]) == pytest.approx(driver.time % 60, abs=0.006))
+    assert int(minutes) == 0
+    assert float(seconds) > 0
+    page.get_by_role("button", name="Reset").click()
+    until(lambda: driver.time == 0.0)
+    page.get_by_role("button", name="Play").click()
+    until(lambda: driver.running)
+    page.get_by_label("speed").select_option("×5")
+    until(lambda: driver.speed == 5.0)
+    page.get_by_label("speed").select_option("max")
+    until(lambda: driver.speed == math.inf)
+    page.keyboard.press("p")
+    until(lambda: not driver.running)
+
+
+def test_keys_drive_with_chords_and_release(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    page.keyboard.down("ArrowUp")
+    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    until(lambda: driver.x > 0.2)
+    page.keyboard.down("ArrowLeft")
+    until(lambda: driver.keys[-1] == {"ArrowUp", "ArrowLeft"})
+    page.keyboard.up("ArrowUp")
+    until(lambda: driver.keys[-1] == {"ArrowLeft"})
+    page.keyboard.up("ArrowLeft")
+    until(lambda: driver.keys[-1] == frozenset())
+    x = driver.x
+    tick = driver.tick
+    until(lambda: driver.tick > tick + 10)
+    assert driver.x == x
+
+
+def test_a_held_key_stays_held_while_the_page_draws_slowly(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, width=1200, height=800)
+    page.keyboard.down("ArrowUp")
+    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    count, tick = len(driver.keys), driver.tick
+    until(lambda: driver.tick > tick + 150)
+    assert len(driver.keys) == count
+
+
+def test_keys_are_let_go_when_the_page_loses_the_focus_or_is_closed(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    page.keyboard.down("ArrowUp")
+    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    page.evaluate("dispatchEvent(new Event('blur'))")
+    until(lambda: driver.keys[-1] == frozenset())
+    page.keyboard.up("ArrowUp")
+    page.keyboard.down("ArrowDown")
+    until(lambda: driver.keys[-1] == {"ArrowDown"})
+    page.close()
+    until(lambda: driver.keys[-1] == frozenset(), limit=3)
+
+
+def test_a_page_that_hangs_lets_go(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    page.keyboard.down("ArrowUp")
+    until(lambda: driver.keys[-1] == {"ArrowUp"})
+    page.evaluate("setTimeout(() => { const end = performance.now() + 4000; while (performance.now() < end); }, 0)")
+    until(lambda: driver.keys[-1] == frozenset(), limit=3.5)
+
+
+def camera(page: Page) -> dict[str, Any]:
+    return page.evaluate("morse.stage.view.pose")
+
+
+def test_the_camera_flies_by_keys_and_looks_around_with_ctrl(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    start = camera(page)
+    assert start["position"] == pytest.approx([10.0, -10.0, 8.0])
+    assert start["yaw"] == pytest.approx(0.78 + math.pi / 2)
+    assert start["pitch"] == pytest.approx(1.05 - math.pi / 2)
+    ahead = np.array([math.cos(start["yaw"]) * math.cos(start["pitch"]),
+                      math.sin(start["yaw"]) * math.cos(start["pitch"]), math.sin(start["pitch"])])  # fmt: skip
+    for key, way in (("w", ahead), ("z", ahead), ("s", -ahead), ("r", [0, 0, 1]), ("f", [0, 0, -1])):
+        before = np.array(camera(page)["position"])
+        page.keyboard.down(key)
+        until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
+        page.keyboard.up(key)
+        moved = np.array(camera(page)["position"]) - before
+        assert np.dot(moved, way) / np.linalg.norm(moved) > 0.9, key
+        until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    for left, right in (("a", "d"), ("q", "d")):
+        before = np.array(camera(page)["position"])
+        page.keyboard.down(left)
+        until(lambda: np.linalg.norm(np.array(camera(page)["position"]) - before) > 0.3)  # noqa: B023
+        page.keyboard.up(left)
+        side = np.array(camera(page)["position"]) - before
+        assert np.dot(np.cross(ahead, [0, 0, 1]), side) < 0
+        page.keyboard.down(right)
+        until(lambda: np.dot(np.array(camera(page)["position"]) - before, side) < 0)  # noqa: B023
+        page.keyboard.up(right)
+        until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    before = camera(page)
+    page.mouse.move(300, 250)
+    page.keyboard.down("Control")
+    page.mouse.move(400, 250, steps=4)
+    page.keyboard.up("Control")
+    until(lambda: camera(page)["yaw"] < before["yaw"] - 0.1)
+    assert camera(page)["position"] == before["position"]
+    assert frozenset() in driver.keys
+    page.keyboard.press("F8")
+    until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
+
+
+def test_ctrl_keys_of_the_browser_do_not_drive(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    page.keyboard.press("Control+KeyK")
+    page.keyboard.press("ArrowUp")
+    until(lambda: any("ArrowUp" in keys for keys in driver.keys))
+    assert not any("KeyK" in keys for keys in driver.keys)
+
+
+def test_f7_and_f9(running, open_page) -> None:
+    _, url = running
+    page = open_page(url)
+    names = []
+    for _ in range(4):
+        page.keyboard.press("F7")
+        x, y, _ = camera(page)["position"]
+        place = page.evaluate(
+            "morse.world.value.nodes.filter(n => n.description.kind === 'robot').map(n => n.frame.position.toArray())"
+        )
+        names.append(int(np.argmin([math.hypot(px - x, py - y) for px, py, _ in place])))
+    assert set(names) == {0, 1, 2}
+    page.keyboard.press("F9")
+    until(lambda: camera(page)["position"] == pytest.approx([0, 0, 6]))
+    page.keyboard.press("F9")
+    until(lambda: camera(page)["position"] == pytest.approx([10.0, -10.0, 8.0]))
+
+
+def test_orbit_keeps_what_is_under_the_pointer_and_zoom_comes_closer(running, open_page) -> None:
+    _, url = running
+    page = open_page(url)
+    distance = "morse.stage.view.position.distanceTo(morse.navigation.pivot)"
+    page.mouse.move(320, 250)
+    page.mouse.down()
+    page.mouse.move(330, 252)
+    before = page.evaluate(distance)
+    page.mouse.move(420, 280, steps=3)
+    page.mouse.up()
+    assert page.evaluate(distance) == pytest.approx(before, rel=1e-6)
+    height = camera(page)["position"][2]
+    page.mouse.wheel(0, -300)
+    until(lambda: camera(page)["position"][2] < height - 0.3)
+
+
+def test_help_lists_the_keys(running, open_page) -> None:
+    _, url = running
+    page = open_page(url)
+    page.keyboard.press("h")
+    dialog = page.get_by_role("dialog", name="Keys")
+    text = dialog.inner_text()
+    for key in ("F7", "F8", "F9", "F11", "Ctrl", "Space", "↑"):
+        assert key in text
+    page.keyboard.press("Escape")
+    until(lambda: not dialog.is_visible())
+    page.keyboard.press("?")
+    until(dialog.is_visible)
+
+
+def test_the_robot_that_listens(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Listening(["robot0", "robot1"], "robot1"))
+    page = open_page(url)
+    select = page.get_by_label("the robot that obeys the keys")
+    until(lambda: select.input_value() == "robot1")
+    select.select_option("robot0")
+    until(lambda: any(getattr(event, "robot", "") == "robot0" for event in driver.events))
+
+
+def test_one_drives_and_hands_over(running, open_page) -> None:
+    driver, url = running
+    one, two = open_page(url), open_page(url)
+    until(lambda: two.get_by_role("button", name="ask to drive").is_visible())
+    assert two.get_by_role("button", name="Pause").is_disabled()
+    two.keyboard.down("ArrowUp")
+    one.bring_to_front()
+    two.get_by_role("button", name="ask to drive").click()
+    until(
+        lambda: (
+            one.get_by_text("would like to drive").is_visible()
+            or one.get_by_role("button", name="ask to drive").is_visible()
+        )
+    )
+    if one.get_by_text("would like to drive").is_visible():
+        one.get_by_role("button", name="hand over").click()
+    until(lambda: two.get_by_text("you drive").is_visible())
+    assert not any("ArrowUp" in keys for keys in driver.keys)
+    two.get_by_role("button", name="Pause").click()
+    until(lambda: not driver.running)
+    until(lambda: one.get_by_role("button", name="Play").is_disabled())
+
+
+def test_connection_lost_and_found(make_server, open_page) -> None:
+    server, url = make_server()
+    red = Material("red", (1.0, 0.0, 0.0, 1.0), shadeless=True)
+    server.set_scene(Scene("s", roots=[mesh_node("box", box("b", red))]), [])
+    page = open_page(url)
+    server.stop()
+    until(lambda: "simulation has ended" in page.locator(".link").inner_text())
+    again, other = make_server(port=int(url.rsplit(":", 1)[1].strip("/")))
+    assert other == url
+    again.set_scene(Scene("s", roots=[mesh_node("box", box("b", red)), mesh_node("new", box("n", red))]), [])
+    until(lambda: page.locator(".link").is_hidden())
+    until(lambda: page.evaluate("!!morse.world.value.find('new')"))
+
+
+def test_wrong_token_is_said(make_server, open_page) -> None:
+    server, url = make_server(token="secret")
+    server.set_scene(Scene("s", roots=[mesh_node("box", box("b"))]), [])
+    page = open_page(url.replace("secret", "wrong"), wait=False)
+    assert "wants the token" in page.inner_text("body")
+    page = open_page(url)
+    assert "token" not in page.url
+
+
+def test_light_and_dark(served, open_page) -> None:
+    server, url = served
+    server.set_scene(Scene("s", roots=[mesh_node("box", box("b"))]), [])
+    page = open_page(url, color_scheme="dark")
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+    dark = colors(page).mean()
+    page.get_by_role("button", name="Light or dark").click()
+    until(lambda: colors(page).mean() > dark + 20)
+    page.reload()
+    assert page.evaluate("document.documentElement.dataset.theme") == "light"
