@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+import morse.builder
 from morse.builder import (
     ActuatorCreator,
     ComponentCreator,
@@ -13,7 +14,10 @@ from morse.builder import (
     MorseBuilderNoComponentError,
     Pose,
     SensorCreator,
+    catalog,
 )
+from morse.core.actuator import Actuator
+from morse.core.sensor import Sensor
 from morse.scene import NodeKind, PhysicsType
 
 if TYPE_CHECKING:
@@ -116,6 +120,15 @@ def test_an_object_that_exists_already() -> None:
         Eye("eyes")
 
 
+def test_a_marker_of_an_unknown_shape(sonar: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from morse.core.declarations import BuilderDefaults, Visual
+
+    cls = sonar().component_class()
+    monkeypatch.setattr(cls, "_builder", BuilderDefaults(visual=Visual("cubus", (1.0, 1.0, 1.0))))
+    with pytest.raises(ValueError, match=r"cube, sphere, cylinder.*mean 'cube'"):
+        sonar()
+
+
 def test_unknown_action() -> None:
     with pytest.raises(ValueError, match="USE_BLEND"):
         SensorCreator(action="BLEND")
@@ -151,3 +164,24 @@ def test_class_paths_that_lead_nowhere(classpath: str, answer: str) -> None:
     with pytest.raises(MorseBuilderNoComponentError, match=answer):
         bell()
     assert "no_such_package" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("package", "base", "name"),
+    [
+        (package, base, name)
+        for package, base in (("morse.sensors", Sensor), ("morse.actuators", Actuator))
+        for name in catalog.components(package)
+    ],
+)
+def test_every_component_of_morse_can_be_put_on_a_robot(package: str, base: type, name: str) -> None:
+    robot, component = morse.builder.FakeRobot(), getattr(morse.builder, name)()
+    robot.append(component)
+    cls = component.component_class()
+    declared = component._declaration(robot)
+    assert issubclass(cls, base), f"a class in {package}"
+    assert declared.kind == {Sensor: "sensor", Actuator: "actuator"}[base]
+    assert declared.frequency > 0.0
+    assert {node.body.type for node in component.own_nodes()} == {PhysicsType.NO_COLLISION}
+    component.add_interface("socket")
+    assert bool(component._declaration(robot).streams) == component.is_exportable()

@@ -134,6 +134,19 @@ def test_the_way_to_the_mistake_is_shown(load: Load, tmp_path: Path) -> None:
     assert f"called from {tmp_path / 'scene.py'}:8: build()" in error.report()
 
 
+def test_endless_calls_fill_no_screen(load: Load) -> None:
+    report = failure(load, HEAD + "def f():\n    f()\nf()\n" + END).report()
+    assert len(report.splitlines()) < 15
+    assert "calls more" in report
+
+
+def test_a_script_may_go_on_without_a_model(load: Load) -> None:
+    scene = load(
+        HEAD + "try:\n    rover = Robot('no_such_rover')\nexcept FileNotFoundError:\n    rover = FakeRobot()\n" + END
+    )
+    assert [c.name for c in scene.components] == ["rover"]
+
+
 def test_mistakes_in_modules_of_the_project(load: Load, tmp_path: Path) -> None:
     package = tmp_path / "src" / "fleet"
     package.mkdir(parents=True)

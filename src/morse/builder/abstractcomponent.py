@@ -59,7 +59,6 @@ class AbstractComponent(Interfaces, Models):
         self._bpy_object: SceneObject
         if obj is not None:
             self.set_blender_object(obj)
-        workspace.current().components.append(self)
 
     def __getattr__(self, name: str) -> NoReturn:
         if name.startswith("_"):
@@ -97,6 +96,9 @@ class AbstractComponent(Interfaces, Models):
         """Make an object of the scene the body of this component."""
         if not isinstance(obj, SceneObject):
             raise TypeError(f"set_blender_object takes an object of the scene, got {checks.shown(obj)}")
+        if not self.is_complete:
+            # not earlier: a script may go on after a model that was not found
+            workspace.current().components.append(self)
         self._bpy_object = obj
 
     def select(self) -> None:

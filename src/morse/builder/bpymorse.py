@@ -98,7 +98,7 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
         MorseBuilderError: it is the body of a component.
     """
     given = [objects] if isinstance(objects, (SceneObject, str)) else list(objects)
-    bodies = {c.scene_node: c for c in workspace.current().components if c.is_complete}
+    bodies = {c.scene_node: c for c in workspace.current().components}
     for item in given:
         node = (get_object(item) if isinstance(item, str) else _object(item, "bpymorse.delete(objects)")).node
         if node in bodies:

@@ -100,7 +100,8 @@ class ComponentCreator(Component):
             workspace.current().attach(self.scene_node, self.append_model(defaults.model).node)
 
     def _add_marker(self, visual: Visual) -> None:
-        marker = Node(f"{type(self).__name__}Mesh", kind=NodeKind.MESH, mesh=_SHAPES[visual.shape]())
+        shape = _SHAPES[checks.choice(visual.shape, _SHAPES, f"Visual(shape) of {self.classpath}")]
+        marker = Node(f"{type(self).__name__}Mesh", kind=NodeKind.MESH, mesh=shape())
         marker.scale = list(visual.scale)
         marker.materials = [Material(marker.name, (*visual.color, 1.0))]
         workspace.current().add(marker)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from morse.assets import find, load
@@ -16,7 +17,7 @@ from morse.builder.objects import unknown_attribute
 from morse.builder.robot import Robot, WheeledRobot
 from morse.builder.selection import pick
 from morse.core.exceptions import MorseBuilderError
-from morse.scene import Settings
+from morse.scene import Mist, Settings
 
 if TYPE_CHECKING:
     from types import FrameType
@@ -96,7 +97,9 @@ class Environment(ViewMethods, TimeMethods):
         for name in ("horizon_color", "ambient_color"):
             if name in library.world:
                 setattr(view, name, library.world[name])
-        gravity = library.world.get("gravity")
+        mist, gravity = library.world.get("mist"), library.world.get("gravity")
+        if isinstance(mist, Mist):
+            view.mist = replace(mist)
         if isinstance(gravity, float):
             # files hold single precision: 9.81 reads as 9.8100004
             self.settings.gravity = round(gravity, 5)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from morse.builder import checks, naming
 from morse.scene import Mist
@@ -92,26 +93,31 @@ class ViewMethods:
         """Switch the mist on or off."""
         self.set_mist_settings(enable=enable)
 
-    def set_mist_settings(self, **kwargs: Any) -> None:
-        """Describe the mist.
+    def set_mist_settings(
+        self,
+        enable: bool = True,
+        intensity: float | None = None,
+        start: float | None = None,
+        depth: float | None = None,
+        falloff: str | None = None,
+    ) -> None:
+        """Describe the mist; what is not given stays as it is.
 
         Args:
-            **kwargs: ``enable`` (True); ``intensity`` of the thinnest part, 0..1; ``start`` and
-                ``depth`` in metres: it begins there, and hides all after that much more;
-                ``falloff``: QUADRATIC, LINEAR or INVERSE_QUADRATIC.
+            enable: show it.
+            intensity: of its thinnest part, 0..1.
+            start: distance at which it begins, m.
+            depth: after that much more it hides all, m.
+            falloff: ``QUADRATIC``, ``LINEAR`` or ``INVERSE_QUADRATIC``.
         """
-        known = ("enable", "intensity", "start", "depth", "falloff")
-        for key in kwargs:
-            if key not in known:
-                raise TypeError(f"env.set_mist_settings has no argument '{key}'{checks.suggestion(key, known)}")
-        mist = self.settings.view.mist or Mist()
+        mist = replace(self.settings.view.mist or Mist())
         what = "env.set_mist_settings({})"
-        mist.enabled = checks.boolean(kwargs.get("enable", True), what.format("enable"))
-        for key in ("intensity", "start", "depth"):
-            if key in kwargs:
-                setattr(mist, key, checks.number(kwargs[key], what.format(key), minimum=0.0))
-        if "falloff" in kwargs:
-            mist.falloff = checks.choice(kwargs["falloff"], _FALLOFFS, what.format("falloff"))
+        mist.enabled = checks.boolean(enable, what.format("enable"))
+        for key, value in (("intensity", intensity), ("start", start), ("depth", depth)):
+            if value is not None:
+                setattr(mist, key, checks.number(value, what.format(key), minimum=0.0))
+        if falloff is not None:
+            mist.falloff = checks.choice(falloff, _FALLOFFS, what.format("falloff"))
         self.settings.view.mist = mist
 
     def set_material_mode(self, material_mode: str = "GLSL") -> None:

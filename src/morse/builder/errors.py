@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from morse.scene import SourceLine
 
 
+_MAX_CALLERS = 8
+
+
 @dataclass(slots=True)
 class Step:
     """One line of the user's code on the way to an error.
@@ -67,5 +70,9 @@ class ScriptError(MorseBuilderError):
             lines.append(f"    {source}")
         if self.mend:
             lines.append(f"  {self.mend}")
-        lines.extend(f"  called from {step}" for step in reversed(self.steps[:-1]))
+        callers = [f"  called from {step}" for step in reversed(self.steps[:-1])]
+        if len(callers) > _MAX_CALLERS:
+            half = _MAX_CALLERS // 2
+            callers[half:-half] = [f"  ... and {len(callers) - 2 * half} calls more ..."]
+        lines.extend(callers)
         return "\n".join(lines)

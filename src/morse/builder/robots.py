@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from morse.builder import checks
+from morse.builder import checks, workspace
 from morse.builder.objects import material_slots
 from morse.builder.robot import GroundRobot, Robot, WheeledRobot
 
@@ -45,8 +45,6 @@ class FakeRobot(Robot):
 class Morsy(GroundRobot):
     """The mascot of MORSE, a small rigid robot to drive around."""
 
-    _painted = 0
-
     def __init__(self, name: str | None = None) -> None:
         super().__init__("morsy", name)
         self.set_collision_bounds()
@@ -58,13 +56,14 @@ class Morsy(GroundRobot):
         """Paint its body.
 
         Args:
-            color: red, green and blue, 0..1, as one sequence; None for the next colour of a row.
+            color: red, green and blue, 0..1, as one sequence; None for one that depends on how many
+                there are already.
             g: green, if ``color`` is red alone.
             b: blue, if ``color`` is red alone.
         """
         if color is None:
-            color = _MORSY_COLORS[Morsy._painted % len(_MORSY_COLORS)]
-            Morsy._painted += 1
+            row = [robot for robot in workspace.current().components if isinstance(robot, Morsy)]
+            color = _MORSY_COLORS[row.index(self) % len(_MORSY_COLORS)]
         elif g is not None or b is not None:
             color = (color, g or 0.0, b or 0.0)  # type: ignore[assignment]
         rgb = checks.color(color, "Morsy.set_color(color)")
