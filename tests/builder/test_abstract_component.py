@@ -318,6 +318,13 @@ def test_a_class_that_forgets_its_base_is_told() -> None:
     with pytest.raises(AttributeError, match=r"Careless.*__init__.*FakeRobot"):
         Careless()
 
+    class Hasty(FakeRobot):
+        def __init__(self) -> None:
+            self.location = (1.0, 0.0, 0.0)
+
+    with pytest.raises(AttributeError, match=r"Hasty.*__init__.*FakeRobot"):
+        Hasty()
+
 
 def test_close_context_checks_its_level() -> None:
     with pytest.raises(ValueError, match="level"):

@@ -14,6 +14,7 @@ from morse.builder.interfaces import Interfaces
 from morse.builder.models import Models
 from morse.builder.naming import Strength
 from morse.builder.objects import SceneObject, unknown_attribute
+from morse.builder.placement import Placement
 from morse.builder.properties import check_declared
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration
@@ -21,7 +22,6 @@ from morse.scene import ComponentDeclaration
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from morse.builder.pose import LiveEuler, LiveVector
     from morse.scene import Node, SourceLine
 
 __all__ = ["AbstractComponent", "Configuration", "timer"]
@@ -29,7 +29,7 @@ __all__ = ["AbstractComponent", "Configuration", "timer"]
 logger = logging.getLogger("morse." + __name__)
 
 
-class AbstractComponent(Interfaces, Models):
+class AbstractComponent(Placement, Interfaces, Models):
     """A robot, a sensor, an actuator or a thing of the scene.
 
     Attributes:
@@ -56,19 +56,19 @@ class AbstractComponent(Interfaces, Models):
         self._exportable = True
         self._profiled = False
         self._init_interfaces()
-        self._bpy_object: SceneObject
         if obj is not None:
             self.set_blender_object(obj)
 
     def __getattr__(self, name: str) -> NoReturn:
+        if not self.is_complete:
+            # properties end up here, too, if the object that they look at is not there
+            raise AttributeError(
+                f"this {type(self).__name__} is not complete (no {name}): its __init__ has to call the __init__ of "
+                f"its base class, {type(self).__mro__[1].__name__}, first",
+                name=name,
+                obj=self,
+            )
         if name.startswith("_"):
-            if name == "_bpy_object":
-                raise AttributeError(
-                    f"this {type(self).__name__} is not complete: its __init__ has to call the __init__ of its "
-                    f"base class, {type(self).__mro__[1].__name__}, first",
-                    name=name,
-                    obj=self,
-                )
             raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
         unknown_attribute(self, name)
 
@@ -203,48 +203,6 @@ class AbstractComponent(Interfaces, Models):
         yield self
         for child in self.children:
             yield from child._walk()
-
-    # --- the pose ---------------------------------------------------------------------------
-
-    @property
-    def location(self) -> LiveVector:
-        """Metres, in the frame of what it is part of; can be changed in place."""
-        return self._bpy_object.location
-
-    @location.setter
-    def location(self, value: Iterable[float]) -> None:
-        self._bpy_object.location = value
-
-    @property
-    def rotation_euler(self) -> LiveEuler:
-        """Radians, XYZ order; can be changed in place."""
-        return self._bpy_object.rotation_euler
-
-    @rotation_euler.setter
-    def rotation_euler(self, value: Iterable[float]) -> None:
-        self._bpy_object.rotation_euler = value
-
-    @property
-    def scale(self) -> LiveVector:
-        """Factor along each axis; can be changed in place."""
-        return self._bpy_object.scale
-
-    @scale.setter
-    def scale(self, value: Iterable[float]) -> None:
-        self._bpy_object.scale = value
-
-    def translate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
-        """Move it by metres along the axes of what it is part of."""
-        self._add(self.scene_node.location, (x, y, z), "translate")
-
-    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
-        """Add radians to its roll, pitch and yaw."""
-        self._add(self.scene_node.rotation_euler, (x, y, z), "rotate")
-
-    def _add(self, target: list[float], values: tuple[Any, Any, Any], method: str) -> None:
-        what = f"{type(self).__name__}.{method}"
-        steps = [checks.number(value, f"{what}({axis})") for axis, value in zip("xyz", values, strict=True)]
-        target[:] = [old + step for old, step in zip(target, steps, strict=True)]
 
     # --- properties -------------------------------------------------------------------------
 
