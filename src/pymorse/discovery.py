@@ -38,7 +38,7 @@ def discover(morse: Morse) -> list[Robot]:
 
 def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, int]:
     components = {name: part for robot in described for name, part in robot["components"].items()}
-    names = sorted(name for name, part in components.items() if part["stream_interfaces"])
+    names = sorted(name for name, part in components.items() if part.get("stream_interfaces"))
     ports = {}
     # all questions first: the simulation answers them in one tick
     for name, answer in [(name, morse.call("simulation", "get_stream_port", name)) for name in names]:
@@ -60,6 +60,7 @@ def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Ro
                 Component(morse, step, f"{holder.fqn}.{step}")
             )
         part = components[fqn]
+        # a component may have streams on other middlewares, too
         directions = [direction for _, direction in part["stream_interfaces"]] if fqn in ports else ()
         holder._add_part(Component(morse, last, fqn, directions, ports.get(fqn), part.get("services", ())))
     return robot

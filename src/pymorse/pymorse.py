@@ -149,9 +149,28 @@ class Morse:
             self.rpc("simulation", "quit")
         self.close(cancel_async_services=True)
 
-    def reset(self) -> Any:
-        """Put every object where it was at the start."""
-        return self.rpc("simulation", "reset_objects")
+    def reset(self, seed: int | None = None) -> Any:
+        """Put every object where it was at the start; with a seed, start all anew.
+
+        Args:
+            seed: of the random numbers. Time, components and their noise begin again, too: the same seed
+                and the same commands give the same data.
+        """
+        if seed is None:
+            return self.rpc("simulation", "reset_objects")
+        return self.rpc("simulation", "reset", seed)
+
+    def pause(self) -> None:
+        """Stop simulated time; services are still answered."""
+        self.rpc("simulation", "pause")
+
+    def resume(self) -> None:
+        """Let simulated time pass again."""
+        self.rpc("simulation", "resume")
+
+    def step(self, n: int = 1) -> None:
+        """Let ``n`` ticks pass, and wait until they have; the simulation is paused then."""
+        self.rpc("simulation", "step", n)
 
     def streams(self) -> list[str]:
         """Names of the components that have a stream."""

@@ -51,6 +51,24 @@ def test_a_session_as_it_goes_over_the_wire(simulation: ScriptedSimulation) -> N
     ]
 
 
+def test_holding_the_clock(simulation: ScriptedSimulation) -> None:
+    for service in ("pause", "resume", "step", "reset"):
+        simulation.replies[f"simulation {service}"] = "SUCCESS"
+    with Morse("127.0.0.1", simulation.port) as simu:
+        simu.pause()
+        simu.step()
+        simu.step(60)
+        simu.reset(seed=7)
+        simu.resume()
+    assert simulation.rpc.lines[3:] == [
+        b"3 simulation pause []\n",
+        b"4 simulation step [1]\n",
+        b"5 simulation step [60]\n",
+        b"6 simulation reset [7]\n",
+        b"7 simulation resume []\n",
+    ]
+
+
 def test_cancelling_names_the_request_and_the_answer_is_its_own(simulation: ScriptedSimulation) -> None:
     simulation.replies["robot1.motion goto"] = None
     with Morse("127.0.0.1", simulation.port) as simu:

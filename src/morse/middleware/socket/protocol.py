@@ -41,7 +41,7 @@ def parse_request(line: bytes) -> Request | None:
     Raises:
         MalformedRequest: it is no request.
     """
-    words = line.decode("utf-8", "replace").split(maxsplit=3)
+    words = line.decode("utf-8", "replace").strip().split(maxsplit=3)
     if not words:
         return None
     request = words[0]

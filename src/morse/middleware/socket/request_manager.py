@@ -95,8 +95,7 @@ class SocketRequestManager(RequestManager):
     def update(self) -> None:
         """One tick: requests, outcomes, and all replies in one parcel to the network thread."""
         super().update()
-        if self._consumed or self._outbox:
-            self._hand_over()
+        self._hand_over()
 
     def main(self) -> None:
         """Read the requests that have arrived."""
@@ -158,6 +157,8 @@ class SocketRequestManager(RequestManager):
             logger.debug("the client %s cancels %s, which is not running", client.peer, request)
 
     def _hand_over(self) -> None:
+        if not self._consumed and not self._outbox:
+            return
         self._context.network.post(_deliver, self._outbox, self._consumed)
         self._outbox = []
         self._consumed = Counter()

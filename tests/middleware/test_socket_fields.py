@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from socket_bench import Bench, Motion
+
+from morse.middleware.socket.fields import Fields, WrongMessage
+
+DEFAULTS = {
+    "v": 0.0,
+    "w": 0.0,
+    "gear": 1,
+    "lights": False,
+    "mode": "slow",
+    "target": [0.0, 0.0, 0.0],
+    "path": [],
+    "options": {},
+    "anything": None,
+}
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=10,
+)
+
+
+class Plain:
+    """Has data, and declares the fields of `Motion`."""
+
+    _data_fields = Motion._data_fields
+
+    def __init__(self) -> None:
+        self.local_data: dict[str, Any] = copy.deepcopy(DEFAULTS)
+
+
+def merged(message: object) -> dict[str, Any]:
+    component = Plain()
+    Fields(component).merge(message)  # type: ignore[arg-type]
+    return component.local_data
+
+
+def test_what_a_message_does_not_have_stays() -> None:
+    assert merged({"v": 1.5}) == {**DEFAULTS, "v": 1.5}
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("v", 1),
+        ("v", -0.5),
+        ("v", math.inf),
+        ("gear", 2),
+        ("gear", 2.5),
+        ("lights", True),
+        ("mode", "fast"),
+        ("target", [1, 2, 3]),
+        ("target", [1, 2, 3, 4]),
+        ("path", [[1, 2], "a"]),
+        ("options", {"a": [1]}),
+        ("anything", {"a": 1}),
+        ("anything", None),
+    ],
+)
+def test_a_value_that_fits_is_taken(field: str, value: object) -> None:
+    assert merged({field: value})[field] == value
+
+
+def test_numbers_arrive_as_the_type_of_the_field() -> None:
+    data = merged({"v": 1, "lights": 1, "target": [1, 2, 3]})
+    assert type(data["v"]) is float
+    assert type(data["lights"]) is bool
+    assert [type(x) for x in data["target"]] == [float] * 3
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "expected"),
+    [
+        ("v", "fast", "a number"),
+        ("v", None, "a number"),
+        ("v", math.nan, "a number"),
+        ("v", True, "a number"),
+        ("v", [1.0], "a number"),
+        ("v", 10**400, "int too large"),
+        ("gear", "2", "a number"),
+        ("gear", 10**30, "a number"),
+        ("gear", math.nan, "a number"),
+        ("lights", "on", "true or false"),
+        ("lights", 2, "true or false"),
+        ("mode", 3, "a text"),
+        ("target", 1.0, "a list of 3 numbers"),
+        ("target", [1.0, 2.0], "a list of 3 numbers"),
+        ("target", [1.0, 2.0, None], "a list of 3 numbers"),
+        ("target", [1.0, 2.0, math.nan], "a list of 3 numbers"),
+        ("target", "123", "a list of 3 numbers"),
+        ("path", "a-b", "a list"),
+        ("options", [1], "an object"),
+    ],
+)
+def test_a_value_that_does_not_fit_is_refused_with_its_whole_message(field: str, value: object, expected: str) -> None:
+    component = Plain()
+    with pytest.raises(WrongMessage, match=rf"'{field}' is .*expected.*{expected}") as caught:
+        Fields(component).merge({"w": 1.0, field: value, "mode": "fast"} if field != "mode" else {"w": 1.0, "mode": 3})  # type: ignore[arg-type]
+    assert caught.value.field == field
+    assert component.local_data == DEFAULTS
+
+
+@pytest.mark.parametrize("message", [[1.0], "v", 3, True])
+def test_a_message_is_an_object(message: object) -> None:
+    with pytest.raises(WrongMessage, match="expected a JSON object with some of v, w"):
+        merged(message)
+
+
+def test_a_field_that_is_not_declared_is_kept_and_reported_once() -> None:
+    component = Plain()
+    fields = Fields(component)  # type: ignore[arg-type]
+    assert "'vv'; did you mean 'v'?" in str(fields.merge({"vv": 1.0, "w": 2.0}))
+    assert fields.merge({"vv": 2.0}) is None
+    assert component.local_data["w"] == 2.0
+    assert component.local_data["vv"] == 2.0
+
+
+def test_fields_that_are_not_declared_do_not_fill_the_memory() -> None:
+    component = Plain()
+    fields = Fields(component)  # type: ignore[arg-type]
+    for n in range(1000):
+        fields.merge({f"k{n}": n})
+    assert len(component.local_data) < 100
+
+
+@given(st.dictionaries(st.sampled_from([*DEFAULTS, "extra"]) | st.text(), json_values))
+def test_any_message_leaves_the_data_of_the_right_kind(message: dict[str, object]) -> None:
+    component = Plain()
+    try:
+        Fields(component).merge(message)  # type: ignore[arg-type]
+    except WrongMessage:
+        assert component.local_data == DEFAULTS
+    data = component.local_data
+    assert set(DEFAULTS) <= set(data)
+    assert all(type(data[name]) is type(DEFAULTS[name]) for name in ("v", "w", "lights", "mode", "target", "options"))
+    assert not math.isnan(data["v"])
+    assert len(data["target"]) >= 3
+
+
+def test_the_kinds_of_a_component_are_those_it_declares(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    motion.local_data["v"] = None
+    with pytest.raises(WrongMessage):
+        Fields(motion).merge({"v": "fast"})

@@ -1,0 +1,99 @@
+"""The client and the server of this project, together."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+import pytest
+from socket_bench import Bench, wait_until
+
+from morse.core import status
+from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+DETAILS = {
+    "robots": [
+        {
+            "name": "robot1",
+            "type": "ATRV",
+            "components": {
+                "robot1.pose": {"type": "Pose", "stream_interfaces": [["socket", "OUT"]]},
+                "robot1.motion": {
+                    "type": "MotionVW",
+                    "services": ["echo", "add", "nothing", "refuse", "goto"],
+                    "stream_interfaces": [["socket", "IN"]],
+                },
+                "robot1.ros": {"type": "Pose", "stream_interfaces": [["ros", "OUT"]]},
+                "robot1.mute": {"type": "Light"},
+            },
+        }
+    ],
+    "environment": "indoors-1/indoor-1",
+}
+
+
+@pytest.fixture
+def ticking() -> Iterator[Bench]:
+    bench = Bench()
+    bench.sensor("robot1.pose", port=0)
+    bench.actuator("robot1.motion", port=0)
+    bench.requests.register_service("simulation", lambda: DETAILS, "details")
+    thread = threading.Thread(target=_run, args=[bench])
+    thread.start()
+    yield bench
+    bench.stopping = True
+    thread.join(5)
+    bench.close()
+
+
+def _run(bench: Bench) -> None:
+    pause = threading.Event()
+    while not bench.stopping:
+        bench.tick()
+        pause.wait(0.002)
+
+
+def test_a_session(ticking: Bench) -> None:
+    with Morse("127.0.0.1", ticking.requests.port) as simu:
+        assert simu.robots == ["robot1"]
+        assert set(simu.robot1) == {"pose", "motion", "ros", "mute"}
+        pose = simu.robot1.pose.get(timeout=5)
+        assert pose["temperature"] == 20.5
+        assert simu.robot1.pose.get(timeout=5)["timestamp"] > pose["timestamp"]
+        simu.robot1.motion.publish({"v": 1.5})
+        motion = ticking.components[1]
+        wait_until(lambda: motion.local_data["v"] == 1.5)
+        assert simu.robot1.motion.echo({"a": [1, None, "ü"]}) == {"a": [1, None, "ü"]}
+        assert simu.robot1.motion.echo(0).result(5) is None
+        assert simu.robot1.motion.add(1) == 3
+        with pytest.raises(TypeError, match="wrong # of parameters"):
+            simu.robot1.motion.goto(1).result(5)
+        with pytest.raises(MorseServiceFailed, match="some parameters are expected"):
+            simu.robot1.motion.goto().result(5)
+        with pytest.raises(MorseServiceFailed, match="not today"):
+            simu.robot1.motion.refuse().result(5)
+        going = simu.robot1.motion.goto(1, 2, 3)
+        going.cancel()
+        with pytest.raises(MorseServicePreempted):
+            going.result(5)
+        with pytest.raises(AttributeError, match="no stream on the socket"):
+            simu.robot1.ros.get()
+
+
+def test_what_is_published_last_is_not_lost(ticking: Bench) -> None:
+    motion = ticking.components[1]
+    for n in range(20):
+        with Morse("127.0.0.1", ticking.requests.port) as simu:
+            simu.robot1.motion.publish({"v": n + 0.5})
+        wait_until(lambda n=n: motion.local_data["v"] == n + 0.5)
+
+
+def test_closing_waits_for_a_service_that_goes_on(ticking: Bench) -> None:
+    with Morse("127.0.0.1", ticking.requests.port) as simu:
+        going = simu.robot1.motion.goto(1, 2, 3)
+        wait_until(lambda: ticking.arm.running_service)
+        threading.Timer(0.05, ticking.arm.completed, [status.SUCCESS, "Arrived"]).start()
+    assert going.result(0) == "Arrived"

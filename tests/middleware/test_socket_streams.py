@@ -1,0 +1,461 @@
+"""Streams over TCP."""
+
+from __future__ import annotations
+
+import json
+import logging
+import socket
+import time
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.sensor import Sensor
+from morse.middleware.socket.complaints import Complaints
+from morse.middleware.socket.inbox import Inbox
+from morse.middleware.socket.listener import listen, port_of
+from morse.middleware.socket_datastream import SocketDatastreamManager, SocketPublisher, SocketReader
+from morse.scene import StreamDeclaration
+
+
+def test_a_sensor_sends_a_line_at_each_action(bench: Bench) -> None:
+    bench.sensor(port=0)
+    client = bench.connect("robot1.pose")
+    for _ in range(3):
+        bench.tick()
+    wait_until(lambda: len(client.lines()) == 3)
+    assert client.lines()[0] == b'{"timestamp": 0.0, "temperature": 20.5}'
+    assert [json.loads(line)["timestamp"] for line in client.lines()] == [0.0, 1 / 60, 2 / 60]
+    client.close()
+
+
+def test_an_inactive_sensor_sends_nothing(bench: Bench) -> None:
+    pose = bench.sensor(port=0)
+    client = bench.connect("robot1.pose")
+    pose.active = False
+    bench.tick()
+    pose.active = True
+    bench.tick()
+    wait_until(client.lines)
+    assert len(client.lines()) == 1
+    client.close()
+
+
+def test_nothing_is_encoded_or_posted_while_nobody_listens(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    bench.sensor(port=0)
+    monkeypatch.setattr(SocketPublisher, "encode", lambda self: pytest.fail("nobody is there to read it"))
+    monkeypatch.setattr(bench.context.network, "post", lambda *_: pytest.fail("there is nothing to send"))
+    bench.tick()
+
+
+def test_what_many_sensors_publish_is_handed_over_once_a_tick(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    for n in range(5):
+        bench.sensor(f"robot1.pose{n}", port=0)
+    clients = [bench.connect(f"robot1.pose{n}") for n in range(5)]
+    posts = []
+    post = bench.context.network.post
+
+    def counted(*args: Any) -> None:
+        posts.append(args)
+        post(*args)
+
+    monkeypatch.setattr(bench.context.network, "post", counted)
+    bench.tick()
+    wait_until(lambda: all(client.lines() for client in clients))
+    assert len(posts) == 1
+    for client in clients:
+        client.close()
+
+
+def test_everybody_who_is_connected_gets_the_data(bench: Bench) -> None:
+    bench.sensor(port=0)
+    clients = [bench.connect("robot1.pose") for _ in range(10)]
+    bench.tick()
+    wait_until(lambda: all(len(client.lines()) == 1 for client in clients))
+    clients[0].close()
+    wait_until(lambda: bench.streams._servers["robot1.pose"].connected == 9)
+    bench.tick()
+    wait_until(lambda: all(len(client.lines()) == 2 for client in clients[1:]))
+    for client in clients:
+        client.close()
+
+
+def test_what_a_client_says_to_a_sensor_is_ignored(bench: Bench) -> None:
+    bench.sensor(port=0)
+    client = bench.connect("robot1.pose")
+    client.send(b"x" * 1_000_000 + b"\n")
+    bench.tick()
+    wait_until(client.lines)
+    assert client.lines() == [b'{"timestamp": 0.0, "temperature": 20.5}']
+    client.close()
+
+
+def test_a_client_that_never_reads_slows_nobody_and_costs_little(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    pose = bench.sensor(port=0)
+    pose.local_data["image"] = "x" * 200_000
+    deaf, client = bench.connect("robot1.pose"), bench.connect("robot1.pose")
+    start = time.monotonic()
+    for n in range(100):
+        bench.tick()
+        wait_until(lambda n=n: len(client.lines()) == n + 1)
+    assert time.monotonic() - start < 20
+    wait_until(lambda: "reads too slowly" in caplog.text)
+    assert caplog.text.count("reads too slowly") == 1
+    buffered = [c.transport.get_write_buffer_size() for c in bench.streams._servers["robot1.pose"].clients]
+    assert max(buffered) < 1_000_000
+    pose.local_data["image"] = "the latest"
+    bench.tick()
+
+    def latest() -> bool:
+        lines = deaf.lines()
+        return bool(lines) and b"the latest" in lines[-1]
+
+    wait_until(latest)
+    assert len(deaf.lines()) < 100
+    assert all(json.loads(line) for line in deaf.lines())
+    for peer in (deaf, client):
+        peer.close()
+
+
+def test_the_tick_does_not_wait_for_a_client_that_never_reads(bench: Bench) -> None:
+    pose = bench.sensor(port=0)
+    pose.local_data["image"] = "x" * 100_000
+    deaf = bench.connect("robot1.pose")
+    for _ in range(100):
+        bench.tick()
+    durations = []
+    for _ in range(200):
+        start = time.perf_counter()
+        bench.tick()
+        durations.append(time.perf_counter() - start)
+    assert sorted(durations)[len(durations) // 2] < 0.01
+    deaf.close()
+
+
+def test_an_actuator_takes_the_latest_and_keeps_the_rest(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0, "w": 0.5}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 1.0)
+    client.send(b'{"v": 2}\n{"v": 3.0}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 3.0)
+    assert motion.local_data["w"] == 0.5
+    bench.tick()
+    assert motion.local_data["v"] == 3.0
+    client.close()
+
+
+@settings(max_examples=25, deadline=None)
+@given(data=st.data())
+def test_messages_may_arrive_in_any_pieces(data: st.DataObject) -> None:
+    bench = Bench()
+    try:
+        motion = bench.actuator(port=0)
+        client = bench.connect("robot1.motion")
+        fields = st.fixed_dictionaries({}, optional={"v": st.floats(allow_nan=False), "mode": st.text()})
+        messages = data.draw(st.lists(fields, max_size=8))
+        expected = dict(motion.local_data)
+        for message in messages:
+            expected.update(message)
+        wire = b"".join(json.dumps(message).encode() + b"\n" for message in messages) + b'{"gear": 7}\n'
+        while wire:
+            cut = data.draw(st.integers(1, len(wire)))
+            client.send(wire[:cut])
+            bench.tick()
+            wire = wire[cut:]
+        bench.tick_until(lambda: motion.local_data["gear"] == 7)
+        assert motion.local_data == {**expected, "gear": 7}
+        client.close()
+    finally:
+        bench.close()
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (b"{nope", "cannot be read"),
+        (b"\xff\xfe", "cannot be read"),
+        (b"[" * 50_000, "cannot be read"),
+        (b"[1, 2]", "expected a JSON object"),
+        (b'{"v": "fast"}', "robot1.motion: a message is refused: 'v' is 'fast', expected a number"),
+        (b'{"v": NaN}', "'v' is nan, expected a number"),
+        (b'{"w": 9.0, "v": null}', "'v' is None, expected a number"),
+    ],
+)
+def test_a_bad_message_is_reported_and_the_connection_stays(
+    bench: Bench, caplog: pytest.LogCaptureFixture, line: bytes, said: str
+) -> None:
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(line + b"\n")
+    bench.tick_until(lambda: caplog.text)
+    assert said in caplog.text
+    assert motion.local_data["w"] == 0.0
+    client.send(b'{"v": 1.0}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 1.0)
+    client.close()
+
+
+def test_a_flood_of_bad_messages_does_not_flood_the_log(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    for _ in range(50):
+        client.send(b"{nope\n" * 40)
+        bench.tick()
+    client.send(b'{"v": 1.0}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 1.0)
+    assert caplog.text.count("cannot be read") == 1
+    client.close()
+
+
+def test_modifiers_run_only_when_something_arrived(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    calls = []
+
+    class Counting:
+        def modify(self) -> None:
+            calls.append(dict(motion.local_data))
+
+    motion.input_modifiers.append(Counting())
+    client = bench.connect("robot1.motion")
+    bench.tick()
+    assert calls == []
+    client.send(b'{"v": 1.0}\n')
+    bench.tick_until(lambda: calls)
+    assert [call["v"] for call in calls] == [1.0]
+    client.send(b'{"v": "refused"}\n{nope\n')
+    bench.tick_until(lambda: not bench.streams._servers["robot1.motion"].inbox)
+    bench.tick()
+    assert len(calls) == 1
+    client.close()
+
+
+def test_several_clients_write_and_the_last_one_wins(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    motion = bench.actuator(port=0)
+    first = bench.connect("robot1.motion")
+    second = bench.connect("robot1.motion")
+    assert "the last one that writes wins" in caplog.text
+    first.send(b'{"v": 1.0}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 1.0)
+    second.send(b'{"v": 2.0}\n')
+    bench.tick_until(lambda: motion.local_data["v"] == 2.0)
+    first.close()
+    second.close()
+
+
+def test_a_message_without_an_end_is_reported(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0}')
+    client.close()
+    wait_until(lambda: "in the middle of a message" in caplog.text)
+    bench.tick()
+    assert motion.local_data["v"] == 0.0
+
+
+def test_a_message_that_never_ends_is_cut_off(
+    bench: Bench, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morse.middleware.socket.lines.MAX_LINE", 100_000)
+    bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(b"1" * 200_000)
+    wait_until(client.has_ended)
+    assert "without a line end" in caplog.text
+    client.close()
+
+
+def test_what_was_sent_before_leaving_counts(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0}\n')
+    client.close()
+    bench.tick_until(lambda: motion.local_data["v"] == 1.0)
+
+
+class TestInbox:
+    def test_keeps_the_order(self) -> None:
+        inbox = Inbox()
+        assert not inbox
+        inbox.put(b"1")
+        inbox.put(b"2")
+        assert inbox
+        assert inbox.take() == ([b"1", b"2"], 0)
+        assert not inbox
+
+    def test_gives_up_the_oldest_of_too_many(self) -> None:
+        inbox = Inbox()
+        for n in range(1000):
+            inbox.put(b"%d" % n)
+        lines, dropped = inbox.take()
+        assert lines[-1] == b"999"
+        assert len(lines) + dropped == 1000
+        assert len(lines) < 100
+        assert inbox.take() == ([], 0)
+
+    def test_gives_up_the_oldest_of_too_large_ones_but_never_the_last(self) -> None:
+        inbox = Inbox()
+        for letter in (b"a", b"b", b"c"):
+            inbox.put(letter * (1 << 20))
+        lines, dropped = inbox.take()
+        assert [line[:1] for line in lines] == [b"c"]
+        assert dropped == 2
+
+
+def test_complaints_are_counted_not_repeated(caplog: pytest.LogCaptureFixture) -> None:
+    now = [0.0]
+    complaints = Complaints(logging.getLogger("morse.test"), lambda: now[0])
+    for _ in range(100):
+        complaints.warn("a", "it hurts")
+    complaints.warn("b", "it itches")
+    assert [record.getMessage() for record in caplog.records] == ["it hurts", "it itches"]
+    now[0] = 11.0
+    complaints.warn("a", "it hurts")
+    assert caplog.records[-1].getMessage() == "it hurts (99 more of the kind)"
+
+
+class Kelvin(SocketPublisher):
+    def encode(self) -> str | None:
+        if not self.component_instance.active:
+            return None
+        return f"{self.component_name} {self.data['temperature'] + 273.15:.2f} {self.kwargs['unit']}"
+
+
+class Silent(SocketPublisher):
+    def encode(self) -> None:
+        return None
+
+
+class Pairs(SocketReader):
+    def decode(self, msg: bytes) -> dict[str, float]:
+        name, value = msg.decode().split("=")
+        return {name: float(value)}
+
+
+def test_users_may_write_their_own_streams(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    bench.add(Thermometer(Body("robot1.pose")), "OUT", f"{__name__}.Kelvin", unit="K", port=0)
+    motion = bench.add(Motion(Body("robot1.motion")), "IN", f"{__name__}.Pairs", port=0)
+    bench.add(Thermometer(Body("robot1.silent")), "OUT", f"{__name__}.Silent", port=0)
+    out, into, silent = (bench.connect(name) for name in ("robot1.pose", "robot1.motion", "robot1.silent"))
+    into.send(b"v=0.5\n")
+    bench.tick_until(lambda: motion.local_data["v"] == 0.5)
+    into.send(b"v=0.5=3\nv=1.5\n")
+    bench.tick_until(lambda: motion.local_data["v"] == 1.5)
+    assert "cannot be read (ValueError: too many values" in caplog.text
+    wait_until(out.lines)
+    assert out.lines()[0] == b"robot1.pose 293.65 K"
+    assert silent.lines() == []
+    for peer in (out, into, silent):
+        peer.close()
+
+
+def test_a_stream_of_another_kind_is_refused(bench: Bench) -> None:
+    with pytest.raises(MorseMiddlewareError, match="no stream of the socket"):
+        bench.add(Thermometer(Body("robot1.pose")), "OUT", "morse.core.sensor.Sensor")
+
+
+def test_ports_count_up_from_60000() -> None:
+    bench = Bench()
+    ports = [bench.port_of(bench.sensor(f"robot1.pose{n}").name()) for n in range(3)]
+    assert ports == sorted(set(ports))
+    assert 60000 <= ports[0] < ports[2] < 61000
+    bench.close()
+
+
+def test_a_port_that_is_asked_for_is_taken_unless_it_is_in_use(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    probe = listen("127.0.0.1", [0])
+    free = port_of(probe)
+    probe.close()
+    bench.sensor("robot1.a", port=free)
+    assert bench.port_of("robot1.a") == free
+    assert not caplog.text
+    bench.sensor("robot1.b", port=free)
+    assert bench.port_of("robot1.b") > free
+    assert f"robot1.b: port {free} is in use" in caplog.text
+
+
+@pytest.mark.parametrize("port", ["60000", -1, 70000, 1.5, True])
+def test_a_port_that_is_none_is_refused(bench: Bench, port: object) -> None:
+    with pytest.raises(MorseMiddlewareError, match=r"the option 'port' of robot1.pose is a port number"):
+        bench.sensor(port=port)
+
+
+def test_an_unknown_option_of_the_manager_is_refused(bench: Bench) -> None:
+    with pytest.raises(MorseMiddlewareError, match="did you mean 'time_sync'"):
+        SocketDatastreamManager({"timesync": True}, bench.context)
+
+
+def test_a_component_that_is_made_again_keeps_its_port_and_its_clients(bench: Bench) -> None:
+    """As when the simulation starts anew with another seed."""
+    old = bench.actuator(port=0)
+    port = bench.port_of("robot1.motion")
+    client = bench.connect("robot1.motion")
+    client.send(b'{"v": 1.0}\n')
+    wait_until(lambda: bench.streams._servers["robot1.motion"].inbox)
+    bench.components.clear()
+    new = bench.actuator(port=0)
+    assert bench.port_of("robot1.motion") == port
+    bench.tick()
+    assert new.local_data["v"] == 0.0, "what was sent to the old one is void"
+    client.send(b'{"v": 2.0}\n')
+    bench.tick_until(lambda: new.local_data["v"] == 2.0)
+    assert old.local_data["v"] == 0.0
+    client.close()
+
+
+def test_both_directions_share_a_port(bench: Bench) -> None:
+    class Both(Sensor):
+        pass
+
+    component = Both(Body("robot1.both"))
+    component.local_data["x"] = 1.0
+    bench.add(component, "OUT", port=0)
+    bench.streams.register_component(
+        component,
+        StreamDeclaration(bench.streams.classpath, "morse.middleware.socket_datastream.SocketReader", "IN"),
+    )
+    client = bench.connect("robot1.both")
+    client.send(b'{"x": 2.5}\n')
+    (read,) = component.input_functions
+    wait_until(lambda: read(component))
+    bench.tick()
+    wait_until(client.lines)
+    assert json.loads(client.lines()[-1])["x"] == 2.5
+    client.close()
+
+
+def test_a_thousand_clients_come_and_go_and_leave_nothing(bench: Bench) -> None:
+    bench.sensor(port=0)
+    bench.actuator(port=0)
+    names: list[str | None] = ["robot1.pose", "robot1.motion", None]
+    ports = [bench.port_of("robot1.pose"), bench.port_of("robot1.motion"), bench.requests.port]
+    servers = [bench.streams._servers[name] if name else bench.requests._server for name in names]
+
+    def next_descriptor() -> int:
+        with socket.socket() as probe:
+            return probe.fileno()
+
+    Peer(ports[0]).close()
+    wait_until(lambda: not any(server.connected for server in servers if server))
+    before = next_descriptor()
+    for n in range(1000):
+        peer = Peer(ports[n % 3])
+        if n % 2:
+            peer.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # a hard reset
+        if n % 5 == 0:
+            peer.send(b"{}\n")
+        peer.close()
+        if n % 50 == 0:
+            bench.tick()
+    wait_until(lambda: not any(server.connected for server in servers if server))
+    bench.tick()
+    assert next_descriptor() <= before
+    client = bench.connect()
+    assert bench.call(client, b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"
+    client.close()
