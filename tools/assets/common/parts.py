@@ -109,6 +109,11 @@ def mirrored(parts: Sequence[Part]) -> list[Part]:
     return [*parts, *(part.scaled(1, -1, 1) for part in parts)]
 
 
+def mirrored_x(parts: list[Part]) -> list[Part]:
+    """The parts and their mirror images at the other end of X."""
+    return [*parts, *(part.scaled(-1, 1, 1) for part in parts)]
+
+
 def in_frame_of(parts: Sequence[Part], turned: Sequence[float]) -> list[Part]:
     """Parts that were built along the world's axes, in the frame of an object with this Euler XYZ rotation (rad)."""
     frame = rotation(*np.degrees(turned))

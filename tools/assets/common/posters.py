@@ -96,3 +96,23 @@ def plate(text: str) -> np.ndarray:
             picture[84:90, start : start + length] = srgb(CORAL)
         start += length + 1
     return picture
+
+
+def sketch() -> np.ndarray:
+    """What is left on a whiteboard after a meeting: boxes, arrows and a plan."""
+    picture = np.broadcast_to(srgb("#fdfdfb"), (256, 400, 3)).copy()
+    ink = {"blue": srgb("#2b57b8"), "red": srgb("#c8322b"), "green": srgb("#2c8a45")}
+    for top, left, text, color in ((36, 30, "SENSE", "blue"), (36, 160, "PLAN", "green"), (36, 290, "ACT", "red")):
+        picture[top : top + 40, left : left + 84] = ink[color]
+        picture[top + 3 : top + 37, left + 3 : left + 81] = srgb("#fdfdfb")
+        write(picture, text, top + 13, left + 42 - 6 * len(text), ink[color], 2)
+    for left in (118, 248):
+        picture[55:58, left : left + 34] = ink["blue"]
+        for k in range(8):
+            picture[56 - k : 57 + k + 1, left + 34 - k : left + 36 - k] = ink["blue"]
+    x = np.arange(340)
+    curve = (175 - 45 * np.exp(-x / 120) * np.cos(x / 18)).astype(int)
+    for k in range(3):
+        picture[curve + k, x + 30] = ink["red"]
+    picture[120:232, 28:30] = picture[230:232, 28:372] = srgb("#333333")
+    return picture
