@@ -74,7 +74,7 @@ export class Ground {
   }
 
   paint(theme: Theme): void {
-    this.uniforms.line.value.set(theme === "light" ? 0x55606b : 0x9fb0c0);
-    this.uniforms.strength.value = theme === "light" ? 0.5 : 0.32;
+    this.uniforms.line.value.set(theme === "light" ? 0x55606b : 0xc3d2e0);
+    this.uniforms.strength.value = theme === "light" ? 0.5 : 0.4;
   }
 }

@@ -70,13 +70,13 @@ export class Lights {
   }
 
   paint(theme: Theme, view: ViewDescription | null): void {
-    const dim = theme === "light" ? 1 : 0.8;
+    const dim = theme === "light" ? 1 : 0.62;
     this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85;
     const ambient = view?.ambient_color;
     this.sky.color.set(theme === "light" ? 0xdfeeff : 0xb9cbe4);
-    this.sky.groundColor.set(theme === "light" ? 0xa39c92 : 0x5c5a58);
+    this.sky.groundColor.set(theme === "light" ? 0xb9aea0 : 0x6a6560);
     if (ambient) this.sky.color.lerp(new Color().setRGB(...ambient), 0.5);
-    this.sky.intensity = FULL * (this.lit ? 0.42 : 0.5) * dim;
+    this.sky.intensity = FULL * (this.lit ? 0.5 : 0.62) * dim;
   }
 
   /** Let shadows fall around the point that is looked at; in steps, so that their edges stay still. */

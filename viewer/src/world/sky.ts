@@ -4,8 +4,8 @@ import type { ViewDescription } from "../generated/protocol";
 import type { Theme } from "../ui/theme";
 
 const SKIES: Record<Theme, { horizon: number; zenith: number; nadir: number }> = {
-  light: { horizon: 0xe9f0f5, zenith: 0x7eaedb, nadir: 0xb9c0c6 },
-  dark: { horizon: 0x39454f, zenith: 0x0d141d, nadir: 0x1d2329 },
+  light: { horizon: 0xf4f8fb, zenith: 0x6ea6de, nadir: 0xc3cad0 },
+  dark: { horizon: 0x4a5866, zenith: 0x16202c, nadir: 0x262d35 },
 };
 
 const vertex = /* glsl */ `
