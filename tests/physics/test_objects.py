@@ -60,6 +60,24 @@ def test_a_turned_child_rides_with_its_robot():
     assert tuple(eye.localOrientation.to_euler()) == pytest.approx((0.3, 0, 0), abs=1e-9)
 
 
+def test_turning_a_child_every_tick_adds_no_errors():
+    body = robot_with_eyes()
+    w = world(ground(), body, robots=[body])
+    eye = w.game_object("left_eye")
+
+    def drive():
+        w.game_object("robot").drive((0.3, 0, 0), (0, 0, 0.5), ground=True)
+        eye.localOrientation = [0.7, 0, 0]
+        eye.localPosition = [0.25, 0.1, 0.1]
+
+    run(w, 20.0, drive)
+    m = eye.worldOrientation
+    assert [tuple(row) for row in m @ m.transposed()] == [
+        pytest.approx(row, abs=1e-12) for row in ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    ]
+    assert tuple(eye.children[0].localPosition) == pytest.approx((0.02, 0, 0), abs=1e-12)
+
+
 def test_the_view_learns_of_a_displaced_child():
     body = robot_with_eyes()
     w = world(body, robots=[body])

@@ -101,7 +101,7 @@ def trimmed(
         return shape
     if cut >= half:
         return None
-    moved = rotation.T @ (centre + [0.0, 0.0, cut / 2] - position)
+    moved = rotation.T @ (centre + np.array([0.0, 0.0, cut / 2]) - position)
     x, y, z = moved.tolist()
     return CollisionShape(shape.kind, (*shape.size[:-1], half - cut / 2), (x, y, z), shape.rotation)
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 _ORIGIN = (0.0, 0.0, 0.0)
+_Pose = tuple["Sequence[float]", "Sequence[float]"]
 
 
 class GameObject(LegacyNames):
@@ -42,24 +43,30 @@ class GameObject(LegacyNames):
         self.node = node
         self.slot = slot
         self.properties: dict[str, Any] = dict(node.properties)
-        self._offset: tuple[Sequence[float], Sequence[float]] | None = None
+        # poses in the parent's frame are what counts: those in the rigid group follow from them, so
+        # that turning a part again and again adds no rounding errors
+        self._local: _Pose = (_ORIGIN, rigid.IDENTITY)
+        self._offset: _Pose | None = None
         self._stamp = -1
-        self._pose: tuple[Sequence[float], Sequence[float]] = (_ORIGIN, rigid.IDENTITY)
-        self._start = self._rest_offset()
+        self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
+        self._start_local, self._start_offset = self._poses_of_scene()
         self.visible = node.visible
 
-    def _rest_offset(self) -> tuple[Sequence[float], Sequence[float]] | None:
+    def _poses_of_scene(self) -> tuple[_Pose, _Pose | None]:
+        """The pose in the parent's frame, and that in the rigid group (None for its first node)."""
         frame = self._world.slots[self.slot]
         if frame.frame.node is self.node:
-            return None
-        own = rigid_frame(self.node)
-        return rigid.relative(
-            tuple(frame.pose.position), _flat(frame.pose.rotation), tuple(own.position), _flat(own.rotation)
+            return (_ORIGIN, rigid.IDENTITY), None
+        own, outer = rigid_frame(self.node), rigid_frame(self.node.parent) if self.node.parent else frame.pose
+        pose = (tuple(own.position), _flat(own.rotation))
+        return (
+            rigid.relative(tuple(outer.position), _flat(outer.rotation), *pose),
+            rigid.relative(tuple(frame.pose.position), _flat(frame.pose.rotation), *pose),
         )
 
     def restore(self) -> None:
         """Back to what the scene says; called by the reset of the world."""
-        self._offset = self._start
+        self._local, self._offset = self._start_local, self._start_offset
         self._stamp = -1
         self.properties = dict(self.node.properties)
         self.visible = self.node.visible
@@ -96,7 +103,7 @@ class GameObject(LegacyNames):
     @property
     def parent(self) -> GameObject | None:
         """What it is attached to, in the scene or since then."""
-        if self._world.slots[self.slot].frame.node is self.node:
+        if self._leads:
             holder = self._world.attachments.holder(self.slot)
             if holder is not None:
                 return holder
@@ -114,7 +121,7 @@ class GameObject(LegacyNames):
 
     def setParent(self, parent: GameObject, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
         """Hang this object, as it is now, on another one."""
-        if self._world.slots[self.slot].frame.node is self.node:
+        if self._leads:
             self._world.attachments.hold(self.slot, parent)
 
     def removeParent(self) -> None:  # noqa: N802
@@ -148,7 +155,7 @@ class GameObject(LegacyNames):
 
     # -- pose ------------------------------------------------------------------------------
 
-    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+    def world_pose(self) -> _Pose:
         """Position (3) and rotation (9, row-major) in the world, as plain floats."""
         world = self._world
         if self._stamp != world.stamp:
@@ -160,38 +167,58 @@ class GameObject(LegacyNames):
             self._stamp = world.stamp
         return self._pose
 
-    def local_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+    @property
+    def _leads(self) -> bool:
+        """Whether it is the first node of its rigid group."""
+        return self._world.slots[self.slot].frame.node is self.node
+
+    def local_pose(self) -> _Pose:
         """Position (3) and rotation (9) in the frame of the parent."""
+        if not self._leads:
+            return self._local
         parent = self.parent
         return self.world_pose() if parent is None else rigid.relative(*parent.world_pose(), *self.world_pose())
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Put the object, and what is attached to it, somewhere in the world; its velocity stays."""
         world = self._world
-        slot = world.slots[self.slot]
-        if slot.frame.node is self.node:
+        if self._leads:
             world.place(self.slot, position, rotation)
             world.attachments.moved(self.slot)
             return
-        frame = (world.positions[self.slot], world.rotations[self.slot])
-        old = self.world_pose()
-        members = [world.object_of(node) for node in self.node.walk() if world.object_of(node).slot == self.slot]
-        relative_poses = [rigid.relative(*old, *member.world_pose()) for member in members]
-        for member, (offset, turned) in zip(members, relative_poses, strict=True):
-            member._offset = rigid.relative(*frame, *rigid.compose(position, rotation, offset, turned))
-            member._stamp = -1
-            world.move_shapes(member)
-        world.note_displaced(self)
+        assert self.node.parent is not None
+        outer = world.object_of(self.node.parent).world_pose()
+        self._set_local(rigid.relative(*outer, position, rotation))
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Put the object somewhere in the frame of its parent."""
+        if not self._leads:
+            self._set_local((position, rotation))
+            return
         parent = self.parent
-        self.set_pose(
-            *((position, rotation) if parent is None else rigid.compose(*parent.world_pose(), position, rotation))
-        )
+        placed = (position, rotation)
+        self.set_pose(*(placed if parent is None else rigid.compose(*parent.world_pose(), *placed)))
+
+    def _set_local(self, pose: _Pose) -> None:
+        self._local = pose
+        self._follow()
+        self._world.note_displaced(self)
+
+    def _follow(self) -> None:
+        """Work out the pose in the rigid group anew, from here downward."""
+        world = self._world
+        assert self.node.parent is not None
+        outer = world.object_of(self.node.parent)
+        self._offset = rigid.compose(*outer.offset, *self._local)
+        self._stamp = -1
+        world.move_shapes(self)
+        for child in self.node.children:
+            below = world.object_of(child)
+            if below.slot == self.slot:
+                below._follow()
 
     @property
-    def offset(self) -> tuple[Sequence[float], Sequence[float]]:
+    def offset(self) -> _Pose:
         """Position and rotation in the rigid group it belongs to."""
         return self._offset or (_ORIGIN, rigid.IDENTITY)
 

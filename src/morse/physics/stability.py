@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
 if TYPE_CHECKING:
     from morse.physics.world import World
+
+
+logger = logging.getLogger("morse." + __name__)
+
+#: what the engine warned of already; it repeats itself every step
+_said: set[str] = set()
+
+
+def _warn(text: str) -> None:
+    kind = text.partition(" at ")[0].partition(". Time")[0]
+    if kind not in _said:
+        _said.add(kind)
+        logger.warning("%s", text)
+
+
+# the engine would write its warnings to a file in the user's directory
+mujoco.set_mju_user_warning(_warn)
 
 
 class UnstableError(Exception):

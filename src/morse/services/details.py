@@ -32,14 +32,12 @@ def _robot(context: Context, name: str, robot: Any, declarations: dict[str, Comp
 
 
 def _component(context: Context, component: Object, declaration: ComponentDeclaration) -> dict[str, Any]:
-    description: dict[str, Any] = {"type": type(component).__name__}
-    services = _services(context, declaration.name)
-    if services:
-        description["services"] = services
-        description["service_interfaces"] = [m.classpath for m in context.services.managers_of(declaration.name)]
-    if declaration.streams:
-        description["stream_interfaces"] = [[stream.manager, stream.direction] for stream in declaration.streams]
-    return description
+    return {
+        "type": type(component).__name__,
+        "services": _services(context, declaration.name),
+        "service_interfaces": [m.classpath for m in context.services.managers_of(declaration.name)],
+        "stream_interfaces": [[stream.manager, stream.direction] for stream in declaration.streams],
+    }
 
 
 def _services(context: Context, name: str) -> list[str]:

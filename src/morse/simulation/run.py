@@ -87,6 +87,7 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         return None
+    _listen_for_signals(simulation)
     endsection("SUPERVISION SERVICES INITIALIZED")
     try:
         section("SCENE INITIALIZATION")
@@ -110,15 +111,20 @@ def _failed(error: Exception) -> None:
     logger.critical("INITIALIZATION FAILED!")
 
 
-def _loop(simulation: Simulation) -> int:
-    from morse.physics import UnstableError
-    from morse.simulation.profile_table import LiveProfile
+def _listen_for_signals(simulation: Simulation) -> None:
+    """From now on Ctrl+C and a request to terminate end the simulation after its tick."""
 
     def stop(_signal: int, _frame: Any) -> None:
         simulation.stop()
 
     for name in ("SIGINT", "SIGTERM"):
         signal.signal(getattr(signal, name), stop)
+
+
+def _loop(simulation: Simulation) -> int:
+    from morse.physics import UnstableError
+    from morse.simulation.profile_table import LiveProfile
+
     live = LiveProfile(simulation.profile) if simulation.profile is not None else None
     try:
         simulation.run()

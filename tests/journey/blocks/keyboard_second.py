@@ -1,32 +1,31 @@
 from pymorse import Morse
 
-
 def pose_received(pose):
     print("The Ranger is currently at %s" % pose)
-
 
 print("Use WASD to control the Ranger")
 
 with Morse() as simu:
-    simu.robot.pose.subscribe(pose_received)
 
-    motion = simu.robot.motion
+  simu.robot.pose.subscribe(pose_received)
 
-    v = 0.0
-    w = 0.0
+  motion = simu.robot.motion
 
-    while True:
-        key = input("WASD?")
+  v = 0.0
+  w = 0.0
 
-        if key.lower() == "w":
-            v += 0.1
-        elif key.lower() == "s":
-            v -= 0.1
-        elif key.lower() == "a":
-            w += 0.1
-        elif key.lower() == "d":
-            w -= 0.1
-        else:
-            continue
+  while True:
+      key = input("WASD?")
 
-        motion.publish({"v": v, "w": w})
+      if key.lower() == "w":
+          v += 0.1
+      elif key.lower() == "s":
+          v -= 0.1
+      elif key.lower() == "a":
+          w += 0.1
+      elif key.lower() == "d":
+          w -= 0.1
+      else:
+          continue
+
+      motion.publish({"v": v, "w": w})

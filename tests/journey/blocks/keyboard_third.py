@@ -3,6 +3,7 @@ from pymorse import Morse
 print("Use WASD to control the Ranger")
 
 with Morse() as simu:
+
     motion = simu.robot.motion
     eyes = simu.robot.eyes
 
