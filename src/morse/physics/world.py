@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -14,6 +15,7 @@ from morse.physics.drives import Drives
 from morse.physics.gameobject import GameObject
 from morse.physics.layout import Motion
 from morse.physics.raycast import cast_ray
+from morse.physics.rays import Rays
 from morse.physics.stability import check_stable
 from morse.scene import ShapeKind
 
@@ -53,6 +55,8 @@ class World:
         stamp: changes whenever anything has moved.
         positions: of each slot, [x, y, z] in metres, world frame.
         rotations: of each slot, 9 row-major numbers.
+        loose: slots that stand still in the scene, but were put elsewhere since.
+        rearranged: nodes whose shapes moved within their slots since the rays looked at them.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -79,6 +83,10 @@ class World:
         self.repainted: set[GameObject] = set()
         self.layout = 0
         self._forces = False
+        self.loose: set[int] = set()
+        self.rearranged: set[Node] = set()
+        self._touched: set[int] = set()
+        self._arrays: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self._pristine = {name: getattr(self.model, name).copy() for name in _CHANGED_WHILE_RUNNING}
         self.reset()
 
@@ -122,6 +130,10 @@ class World:
         self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
         for obj in self._objects.values():
             obj.restore()
+        for obj in self.displaced:
+            self.rearranged.update(obj.node.walk())
+        self.loose.clear()
+        self._arrays = None
         self._forces = False
         mujoco.mj_forward(self.model, self.data)
         self.refresh()
@@ -149,6 +161,7 @@ class World:
         count = self.moving
         self.positions[:count] = self.data.xpos[1 : count + 1].tolist()
         self.rotations[:count] = self.data.xmat[1 : count + 1].tolist()
+        self._touched.clear()
         self.stamp += 1
 
     # -- state of one slot -----------------------------------------------------------------
@@ -166,10 +179,13 @@ class World:
             self.data.mocap_quat[slot.mocap] = q
         elif slot.body > 0:
             self._move_fixed(slot, p, q)
+            self.loose.add(index)
         self.positions[index], self.rotations[index] = tuple(position), tuple(rotation)
+        self._touched.add(index)
         self.stamp += 1
         for other, child in enumerate(self.slots):
             if child.frame.parent is slot.frame:
+                self._touched.add(other)
                 mujoco.mj_kinematics(self.model, self.data)
                 self.positions[other] = self.data.xpos[child.body].tolist()
                 self.rotations[other] = self.data.xmat[child.body].tolist()
@@ -177,6 +193,9 @@ class World:
     def _move_fixed(self, slot: Slot, position: Sequence[float], quaternion: Sequence[float]) -> None:
         self.model.body_pos[slot.body] = position
         self.model.body_quat[slot.body] = quaternion
+        self._place_fixed()
+
+    def _place_fixed(self) -> None:
         # what never moves is computed once while sleeping is allowed
         flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         self.model.opt.enableflags &= ~flag
@@ -232,6 +251,11 @@ class World:
             position, rotation = rigid.compose(offset, turned, *self._shape_pose(geom, shape))
             self.model.geom_pos[geom] = position
             self.model.geom_quat[geom] = rigid.quaternion(rotation)
+        if slot.frame.motion is Motion.FIXED:
+            self._place_fixed()
+            self.loose.add(obj.slot)
+        self.rearranged.add(obj.node)
+        self.stamp += 1
 
     def _shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
         if shape.kind is not ShapeKind.CONVEX:
@@ -256,6 +280,28 @@ class World:
         mujoco.mj_forward(self.model, self.data)
 
     # -- looking around ----------------------------------------------------------------------
+
+    @cached_property
+    def rays(self) -> Rays:
+        """Casts rays; made when it is first needed."""
+        return Rays(self)
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether something was put elsewhere since the engine last worked out where everything is."""
+        return bool(self._touched or self.rearranged)
+
+    def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, to be read at once."""
+        if self._arrays is None:
+            self._arrays = np.array(self.positions, dtype=np.float64), np.array(self.rotations, dtype=np.float64)
+        positions, rotations = self._arrays
+        count = self.moving
+        positions[:count] = self.data.xpos[1 : count + 1]
+        rotations[:count] = self.data.xmat[1 : count + 1]
+        for index in sorted(self._touched | self.loose):
+            positions[index], rotations[index] = self.positions[index], self.rotations[index]
+        return positions, rotations.reshape(-1, 3, 3)
 
     def cast(
         self,

@@ -15,29 +15,67 @@ if TYPE_CHECKING:
 class Batch:
     """Rays, and what they have met so far.
 
+    Rays from one viewpoint follow each other.
+
     Attributes:
-        origins: (N, 3) metres, relative to the anchor of the caster.
+        viewpoints: (B, 3) metres, relative to the anchor of the caster.
+        counts: (B,) rays from each viewpoint, N in all.
         directions: (N, 3) unit vectors, world axes.
         distances: (N,) metres to the nearest surface so far; at first, how far to look.
-        owners: (N,) the slot whose solids each ray passes through, or None if there is none.
+        owners: (B,) the group of solids that the rays from each viewpoint pass through.
+        groups: (S,) the group of each solid.
+        starts: (N,) metres from which on each ray has left its owner, or None if that is not known.
+        clearances: (B,) the largest of these from each viewpoint.
+        origins: (N, 3) the viewpoint of each ray.
         solids: (N,) index of the solid met, -1 for none.
         faces: (N,) triangle met, -1 where the solid has none: of the static scene if the solid
             stands still, else of its mesh.
     """
 
-    origins: NDArray[np.float64]
+    viewpoints: NDArray[np.float64]
+    counts: NDArray[np.intp]
     directions: NDArray[np.float64]
     distances: NDArray[np.float64]
-    owners: NDArray[np.intp] | None = None
+    owners: NDArray[np.intp]
+    groups: NDArray[np.intp]
+    starts: NDArray[np.float64] | None = None
+    clearances: NDArray[np.float64] | None = None
+    origins: NDArray[np.float64] = field(init=False)
     solids: NDArray[np.intp] = field(init=False)
     faces: NDArray[np.int32] = field(init=False)
+    _ray_owners: NDArray[np.intp] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        self.solids = np.full(len(self.distances), -1, dtype=np.intp)
-        self.faces = np.full(len(self.distances), -1, dtype=np.int32)
+        self.spread_viewpoints()
+        self.solids = np.full(len(self), -1, dtype=np.intp)
+        self.faces = np.full(len(self), -1, dtype=np.int32)
+
+    def spread_viewpoints(self) -> None:
+        """Give each ray its viewpoint."""
+        if len(self.viewpoints) == 1:
+            self.origins = np.broadcast_to(self.viewpoints, (len(self), 3))
+        else:
+            self.origins = self.viewpoints.repeat(self.counts, axis=0)
 
     def __len__(self) -> int:
         return len(self.distances)
+
+    def disarm(self) -> None:
+        """Make rays from or to places that are no numbers so short that they meet nothing."""
+        if np.isfinite(self.directions.sum() + self.viewpoints.sum()):
+            return
+        bad = ~(np.isfinite(self.directions).all(axis=1) & np.isfinite(self.origins).all(axis=1))
+        self.directions[bad] = (0.0, 0.0, 1.0)
+        self.distances[bad] = -1.0
+        self.viewpoints[~np.isfinite(self.viewpoints).all(axis=1)] = 0.0
+        self.spread_viewpoints()
+
+    @property
+    def ray_owners(self) -> NDArray[np.intp]:
+        """(N,) the group that each ray passes through."""
+        if self._ray_owners is None:
+            self._ray_owners = self.owners.repeat(self.counts)
+        return self._ray_owners
 
     def meet(
         self,

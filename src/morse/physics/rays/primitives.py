@@ -1,12 +1,13 @@
 """Closed formulas for where a ray enters and leaves a primitive.
 
-All functions take rays in the frame of the primitive, whose axis is Z: ``origins`` (N, 3) metres,
-``directions`` (N, 3) unit vectors, ``sizes`` (N, 3) as MuJoCo gives them (box and ellipsoid: half
-sizes; sphere: radius; cylinder and capsule: radius, half length). They return two arrays (N,) of
-distances along the rays, negative behind the origin; a ray that misses enters at infinity.
+All functions take rays in the frame of the primitive, whose axis is Z: ``origins`` (3, N) metres,
+``directions`` (3, N) unit vectors, and ``sizes`` (3, N) as `morse.scene.CollisionShape` gives them,
+one column a ray. They return two arrays (N,) of distances along the rays, negative behind the
+origin; a ray that misses enters at infinity and leaves at minus infinity.
 
 The primitives are convex: the part of a line within one is an interval, that within an
 intersection of two is the intersection of the intervals, and so is a union that is convex.
+Divisions by zero are meant to be silent (`numpy.errstate`).
 """
 
 from __future__ import annotations
@@ -29,86 +30,85 @@ if TYPE_CHECKING:
 _PARALLEL = 1e-200
 
 
+def _dot(one: Floats, other: Floats) -> Floats:
+    result: Floats = np.einsum("in,in->n", one, other)
+    return result
+
+
 def _slab(origins: Floats, directions: Floats, halves: Floats) -> Interval:
-    """Between the two planes at plus and minus ``halves``; any shape."""
+    """Between the two planes at plus and minus ``halves``, one axis or several."""
     steps = np.where(np.abs(directions) < _PARALLEL, _PARALLEL, directions)
-    near, far = (-halves - origins) / steps, (halves - origins) / steps
-    return np.minimum(near, far), np.maximum(near, far)
+    middle, half = -origins / steps, np.abs(halves / steps)
+    return middle - half, middle + half
 
 
-def _quadratic(a: Floats, b: Floats, c: Floats) -> Interval:
-    """Where ``a t^2 + 2 b t + c <= 0``, with ``a >= 0``; everywhere or nowhere if ``a`` vanishes."""
-    parallel = a < 1e-20
-    a = np.where(parallel, 1.0, a)
-    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    misses = np.where(parallel, c > 0.0, b * b < a * c)
-    enter = np.where(parallel, -np.inf, (-b - root) / a)
-    leave = np.where(parallel, np.inf, (-b + root) / a)
-    return np.where(misses, np.inf, enter), np.where(misses, -np.inf, leave)
+def _ball(middle: Floats, rest: Floats, scale: Floats | float = 1.0) -> Interval:
+    """Around ``middle``, as far as the root of ``rest``, over ``scale``; nowhere if ``rest`` is negative."""
+    root = np.sqrt(rest)  # NaN for a miss
+    misses = ~(rest >= 0.0)
+    enter, leave = (middle - root) / scale, (middle + root) / scale
+    enter[misses], leave[misses] = np.inf, -np.inf
+    return enter, leave
 
 
 def _both(one: Interval, other: Interval) -> Interval:
     """The intersection of two intervals."""
     enter, leave = np.maximum(one[0], other[0]), np.minimum(one[1], other[1])
-    return np.where(enter <= leave, enter, np.inf), leave
-
-
-def _dot(one: Floats, other: Floats) -> Floats:
-    result: Floats = np.einsum("ij,ij->i", one, other)
-    return result
+    misses = ~(enter <= leave)
+    enter[misses], leave[misses] = np.inf, -np.inf
+    return enter, leave
 
 
 def box(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """A box about the origin."""
     near, far = _slab(origins, directions, sizes)
-    enter, leave = near.max(axis=1), far.min(axis=1)
-    return np.where(enter <= leave, enter, np.inf), leave
+    return _both((near[0], far[0]), _both((near[1], far[1]), (near[2], far[2])))
 
 
 def sphere(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """A sphere about the origin."""
     middle = -_dot(origins, directions)
     # the foot of the perpendicular, not o^2 - r^2: far away that difference loses its digits
-    foot = origins + directions * middle[:, None]
-    rest = sizes[:, 0] ** 2 - _dot(foot, foot)
-    half = np.sqrt(np.maximum(rest, 0.0))
-    return np.where(rest >= 0.0, middle - half, np.inf), middle + half
+    foot = origins + directions * middle
+    return _ball(middle, sizes[0] ** 2 - _dot(foot, foot))
 
 
 def ellipsoid(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """An ellipsoid about the origin: a sphere once space is squeezed."""
     directions = directions / sizes
     length = np.sqrt(_dot(directions, directions))
-    enter, leave = sphere(origins / sizes, directions / length[:, None], np.ones_like(sizes))
+    enter, leave = sphere(origins / sizes, directions / length, np.ones_like(sizes))
     return enter / length, leave / length
 
 
 def cylinder(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """A cylinder about the Z axis with flat ends."""
-    return _both(_side(origins, directions, sizes[:, 0]), _slab(origins[:, 2], directions[:, 2], sizes[:, 1]))
+    return _both(_tube(origins, directions, sizes[0]), _slab(origins[2], directions[2], sizes[1]))
 
 
 def capsule(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
     """A cylinder about the Z axis with a half sphere at each end."""
     enter, leave = cylinder(origins, directions, sizes)
-    enter, leave = enter.copy(), np.where(enter == np.inf, -np.inf, leave)
     for sign in (1.0, -1.0):
         shifted = origins.copy()
-        shifted[:, 2] -= sign * sizes[:, 1]
+        shifted[2] -= sign * sizes[1]
         near, far = sphere(shifted, directions, sizes)
-        np.minimum(enter, near, out=enter)
-        np.maximum(leave, far, out=leave, where=near < np.inf)
+        enter, leave = np.minimum(enter, near), np.maximum(leave, far)
     return enter, leave
 
 
-def _side(origins: Floats, directions: Floats, radius: Floats) -> Interval:
-    o, d = origins[:, :2], directions[:, :2]
-    a = _dot(d, d)
-    scale = np.where(a < 1e-20, 1.0, a)
-    middle = -_dot(o, d) / scale
-    foot = o + d * middle[:, None]
-    enter, leave = _quadratic(a, np.zeros_like(a), _dot(foot, foot) - radius**2)
-    return enter + middle, leave + middle
+def _tube(origins: Floats, directions: Floats, radius: Floats) -> Interval:
+    """An endless cylinder about the Z axis."""
+    (x, y), (u, v) = origins[:2], directions[:2]
+    scale = u * u + v * v
+    # r^2 (u^2 + v^2) - (x v - y u)^2: the distance from the axis, seen along the ray, keeps its digits
+    enter, leave = _ball(-(x * u + y * v), radius**2 * scale - (x * v - y * u) ** 2, scale)
+    along = np.flatnonzero(scale < 1e-20)
+    if len(along):
+        inside = x[along] ** 2 + y[along] ** 2 <= radius[along] ** 2
+        enter[along] = np.where(inside, -np.inf, np.inf)
+        leave[along] = np.where(inside, np.inf, -np.inf)
+    return enter, leave
 
 
 INTERVALS: dict[ShapeKind, Callable[[Floats, Floats, Floats], Interval]] = {
@@ -124,7 +124,8 @@ def first_surface(kind: ShapeKind, origins: Floats, directions: Floats, sizes: F
     """Distance (N,) to the first surface ahead, from outside or inside; infinite without one."""
     enter, leave = INTERVALS[kind](origins, directions, sizes)
     distance = np.where(enter >= 0.0, enter, leave)
-    return np.where((enter < np.inf) & (distance >= 0.0), distance, np.inf)
+    distance[distance < 0.0] = np.inf
+    return distance
 
 
 def normal(kind: ShapeKind, point: Floats, size: Floats) -> Floats:
@@ -141,6 +142,5 @@ def normal(kind: ShapeKind, point: Floats, size: Floats) -> Floats:
         result = np.array([0.0, 0.0, point[2]]) if on_end else np.array([point[0], point[1], 0.0])
     else:
         half = size[1] if kind is ShapeKind.CAPSULE else 0.0
-        result = point - [0.0, 0.0, np.clip(point[2], -half, half)]
-    result = result / np.linalg.norm(result)
-    return np.asarray(result, dtype=np.float64)
+        result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
+    return np.asarray(result / np.linalg.norm(result), dtype=np.float64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -77,7 +77,7 @@ class Triangles:
 
 def on_plane(
     faces: NDArray[np.int32],
-    rough: NDArray[np.float32],
+    rough: NDArray[np.floating[Any]],
     normals: NDArray[np.float64],
     offsets: NDArray[np.float64],
     origins: NDArray[np.float64],
@@ -92,8 +92,7 @@ def on_plane(
     exact = offsets.take(faces)
     exact -= np.einsum("ij,ij->i", n, origins)
     exact /= np.einsum("ij,ij->i", n, directions)
-    coarse = rough.astype(np.float64)
     # the negated comparison holds for NaN, too
-    np.copyto(exact, coarse, where=~(np.abs(exact - coarse) <= 1e-3 * (1.0 + coarse)))
+    np.copyto(exact, rough, where=~(np.abs(exact - rough) <= 1e-3 * (1.0 + rough)))
     exact[faces < 0] = np.inf
     return exact

@@ -1,0 +1,45 @@
+"""The triangles of convex hulls."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics import rigid
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.scene import CollisionShape
+
+
+def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, tuple[NDArray[np.float64], NDArray[np.int32]]]:
+    """Vertices (V, 3) in the frame of the node and faces (T, 3) of convex shapes.
+
+    MuJoCo finds the hulls, as it does for contacts: rays see exactly what bodies bump into.
+    """
+    shapes = list(dict.fromkeys(shapes))
+    if not shapes:
+        return {}
+    spec = mujoco.MjSpec()
+    for number, shape in enumerate(shapes):
+        spec.add_mesh(
+            name=str(number),
+            uservert=np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
+        )
+    model = spec.compile()
+    found = {}
+    for number, shape in enumerate(shapes):
+        mesh = model.mesh(str(number)).id
+        first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        # the compiler has moved the mesh to its centre of mass and principal axes
+        rotation = np.reshape(rigid.rotation_of_quaternion(model.mesh_quat[mesh]), (3, 3))
+        vertices = model.mesh_vert[first : first + count].astype(np.float64) @ rotation.T + model.mesh_pos[mesh]
+        first, count = model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
+        found[shape] = (vertices, model.mesh_face[first : first + count].astype(np.int32))
+    return found
