@@ -35,10 +35,11 @@ def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
         Damage: it is no regular file, too large, or its compression is broken.
         OSError: it cannot be opened.
     """
+    mode = path.stat().st_mode
+    # looked at before it is opened: to open a pipe would wait for ever
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+        raise Damage("this is not a regular file")
     with path.open("rb") as file:
-        status = stat.S_IFMT(path.stat().st_mode)
-        if status != stat.S_IFREG:
-            raise Damage("this is not a regular file")
         data = file.read(limit + 1)
     if len(data) > limit:
         raise Damage(f"the file is larger than the limit of {_size(limit)}")

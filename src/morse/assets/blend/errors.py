@@ -9,5 +9,9 @@ class BlendError(AssetError):
     """A ``.blend`` file cannot be read at all."""
 
 
+class Excess(Exception):
+    """The file asks for more time than any scene does; it is not read further."""
+
+
 class Damage(Exception):
     """A part of the file contradicts itself; whoever reads that part decides what it costs."""

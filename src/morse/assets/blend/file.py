@@ -9,7 +9,7 @@ import numpy as np
 
 from morse.assets.blend.blocks import Block, read_blocks, read_header
 from morse.assets.blend.dna import Catalogue, Field, Struct
-from morse.assets.blend.errors import Damage
+from morse.assets.blend.errors import Damage, Excess
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: steps along linked lists in one file; guards against files made to cost time
-_MAX_STEPS = 5_000_000
+_MAX_STEPS = 3_000_000
+#: sentences for the user
+_MAX_WARNINGS = 50
 #: bytes of a text that something points to
 _MAX_TEXT = 1 << 20
 
@@ -27,7 +29,6 @@ class BlendFile:
 
     Attributes:
         version: 279 for Blender 2.79, 402 for 4.2.
-        warnings: what could not be read, one sentence each.
     """
 
     def __init__(self, data: bytes) -> None:
@@ -36,7 +37,7 @@ class BlendFile:
         self.version = header.version
         self.endian = header.endian
         self.pointer_size = header.pointer_size
-        self.warnings: list[str] = []
+        self._warnings: dict[str, None] = {}
         self._blocks, description = read_blocks(data, header)
         end = description.offset + description.size
         self.dna = Catalogue(data[description.offset : end], header.endian, header.pointer_size)
@@ -48,8 +49,14 @@ class BlendFile:
 
     def warn(self, message: str) -> None:
         """Note what could not be read; the same sentence only once."""
-        if message not in self.warnings:
-            self.warnings.append(message)
+        self._warnings[message] = None
+
+    @property
+    def warnings(self) -> list[str]:
+        """What could not be read, one sentence each."""
+        told = list(self._warnings)[:_MAX_WARNINGS]
+        more = len(self._warnings) - len(told)
+        return [*told, f"{more} more warnings of this kind"] if more else told
 
     def datablocks(self, code: str, struct: str) -> Iterator[Record]:
         """The datablocks of a kind, e.g. ``OB``, ``Object``, in the order of the file."""
@@ -103,11 +110,11 @@ class BlendFile:
         """Count one step along a linked list.
 
         Raises:
-            Damage: the lists of the file never end.
+            Excess: the lists of the file never end.
         """
         self._steps += 1
         if self._steps > _MAX_STEPS:
-            raise Damage("its lists are longer than any scene needs")
+            raise Excess("its lists are longer than any scene needs")
 
 
 class Record:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 _COLLECTION = 1 << 8
 #: collections that show collections that show ...
 _MAX_DEPTH = 16
-#: nodes that one file may come to
-_MAX_NODES = 200_000
+#: copies that one file may come to
+_MAX_NODES = 20_000
 
 
 class Instances:
@@ -32,7 +32,7 @@ class Instances:
         self._addresses = {node: address for address, node in objects.nodes.items()}
         self._names = {node.name for node in objects.nodes.values()}
         self._suffixes: dict[str, int] = {}
-        self._count = len(self._names)
+        self._count = 0
 
     def expand(self) -> list[Node]:
         """Add the copies to the nodes that show them.

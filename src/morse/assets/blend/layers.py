@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 #: types of layers
 MVERT, MEDGE, MTFACE, INT32, MTEXPOLY, MLOOPUV, MPOLY, MLOOP, FLOAT3, FLOAT2, BOOL, INT32_2D = (
-    0, 3, 5, 11, 15, 16, 25, 26, 48, 49, 50, 52,
+    0, 3, 5, 11, 15, 16, 25, 26, 48, 49, 50, 46,
 )  # fmt: skip
 #: of attributes, the types of layers that they continue
 _ATTRIBUTE_TYPES = {0: BOOL, 3: INT32, 4: INT32_2D, 6: FLOAT2, 7: FLOAT3}

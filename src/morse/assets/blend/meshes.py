@@ -54,12 +54,11 @@ class Meshes:
         slots = self._materials.slots(record, "mat", record.integer("totcol", 0))
         if polygons.pictures is not None:
             slots = self._picture_slots(record, polygons, slots)
-        if record.file.version < 401 and crease is None:
-            if record.integer("flag", 0) & _AUTO_SMOOTH:
-                crease = _threshold(record)
-            else:
-                # so long, sharp edges mattered only where the mesh or a modifier asked for them
-                polygons.sharp = polygons.sharp[:0]
+        if crease is None and record.file.version >= 401:
+            crease = pi
+        elif crease is None and record.integer("flag", 0) & _AUTO_SMOOTH:
+            # so long, sharp edges mattered only where the mesh or a modifier asked for them
+            crease = _threshold(record)
         return build(datablock_name(record), polygons, corner_normals(polygons, crease), tuple(slots))
 
     def _picture_slots(self, record: Record, polygons: Polygons, slots: list[Material | None]) -> list[Material | None]:

@@ -13,16 +13,17 @@ def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | 
     """(C, 3) unit normals, or None if all polygons are flat.
 
     Each is the mean of the normals of the polygons around its vertex, weighted with their angles there
-    (Thürmer and Wüthrich 1998); sharp edges part these polygons.
+    (Thürmer and Wüthrich 1998).
 
     Args:
         polygons: the mesh.
-        crease: edges that bend by more than this angle (rad) are sharp; None for no limit.
+        crease: sharp edges part the polygons around a vertex: those that are marked, those of flat polygons, and
+            those that bend by more than this angle (rad). None: no edge is sharp.
     """
     if not polygons.smooth.any():
         return None
     weighted = polygons.normals[polygons.polygon] * _angles(polygons)[:, None]
-    group = polygons.corners if crease is None and not len(polygons.sharp) else _fans(polygons, crease)
+    group = polygons.corners if crease is None else _fans(polygons, crease)
     count = int(group.max()) + 1
     sums: Floats = np.stack([np.bincount(group, weighted[:, axis], count) for axis in range(3)], axis=1)
     result = unit(sums)[group]
@@ -41,7 +42,7 @@ def _angles(polygons: Polygons) -> Floats:
     return angles
 
 
-def _fans(polygons: Polygons, crease: float | None) -> Ints:
+def _fans(polygons: Polygons, crease: float) -> Ints:
     """(C,) a label that corners share if smooth edges connect them around their vertex."""
     first, second = _smooth_edges(polygons, crease)
     after_first, after_second = polygons.following[first], polygons.following[second]
@@ -61,7 +62,7 @@ def _fans(polygons: Polygons, crease: float | None) -> Ints:
         labels = joined
 
 
-def _smooth_edges(polygons: Polygons, crease: float | None) -> tuple[Ints, Ints]:
+def _smooth_edges(polygons: Polygons, crease: float) -> tuple[Ints, Ints]:
     """The corners at which the edges between two polygons start, one array for each of the two."""
     keys = _edge_keys(polygons.corners, polygons.corners[polygons.following], len(polygons.vertices))
     order = np.argsort(keys, kind="stable")
@@ -69,9 +70,8 @@ def _smooth_edges(polygons: Polygons, crease: float | None) -> tuple[Ints, Ints]
     begin = begin[count == 2]
     first, second = order[begin], order[begin + 1]
     keep = polygons.smooth[polygons.polygon[first]] & polygons.smooth[polygons.polygon[second]]
-    if crease is not None:
-        a, b = (polygons.normals[polygons.polygon[side]] for side in (first, second))
-        keep &= np.einsum("nj,nj->n", a, b) >= cos(crease) - 1e-6
+    a, b = (polygons.normals[polygons.polygon[side]] for side in (first, second))
+    keep &= np.einsum("nj,nj->n", a, b) >= cos(crease) - 1e-6
     if len(polygons.sharp):
         sharp = _edge_keys(polygons.sharp[:, 0], polygons.sharp[:, 1], len(polygons.vertices))
         keep &= ~np.isin(keys[first], sharp)

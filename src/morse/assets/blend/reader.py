@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.blend.collections import Collections
 from morse.assets.blend.container import SIZE_LIMIT, load
-from morse.assets.blend.errors import BlendError, Damage
+from morse.assets.blend.errors import BlendError, Damage, Excess
 from morse.assets.blend.evaluation import complete
 from morse.assets.blend.file import BlendFile
 from morse.assets.blend.images import Images
@@ -42,7 +42,7 @@ def read_blend(path: str | Path, *, blender: str | None = None, size_limit: int 
     path = Path(path)
     try:
         return _read(path, blender, size_limit)
-    except Damage as damage:
+    except (Damage, Excess) as damage:
         raise BlendError(path, str(damage)) from damage
 
 

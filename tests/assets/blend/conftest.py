@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+FILES = Path(__file__).with_name("files")
+SCRIPT = Path(__file__).with_name("make_scene.py")
+VERSIONS = ["4.2", "4.5", "5.0", "5.2"]
+
+
+def run_blender(script: Path, *arguments: str) -> None:
+    program = shutil.which("blender")
+    if program is None:
+        pytest.skip("needs Blender on the PATH")
+    command = [program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "--python", str(script), "--"]
+    subprocess.run([*command, *arguments], check=True, timeout=100, stdin=subprocess.DEVNULL, capture_output=True)
+
+
+@pytest.fixture(scope="session")
+def blender_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The scene of `make_scene.py`, saved by the Blender of this machine."""
+    path = tmp_path_factory.mktemp("blender") / "scene.blend"
+    run_blender(SCRIPT, str(path))
+    return path
+
+
+@pytest.fixture(params=[*VERSIONS, pytest.param("installed", marks=pytest.mark.blender)])
+def scene_path(request: pytest.FixtureRequest) -> Path:
+    """That scene, from several versions of Blender."""
+    if request.param == "installed":
+        return request.getfixturevalue("blender_scene")
+    return FILES / f"scene-{request.param}.blend"
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Nothing that an earlier run kept, and no Blender that the environment names."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "cache"))
+    monkeypatch.delenv("MORSE_BLENDER", raising=False)
+    return tmp_path / "cache"
