@@ -10,7 +10,10 @@ from morse.helpers.components import add_data
 
 
 class Teleport(Actuator):
-    """Forces the pose of the robot every tick: the robot hovers there while this is active."""
+    """Forces the pose of the robot every tick: the robot hovers there while this is active.
+
+    Switched off (service ``simulation.deactivate``), it lets the robot go.
+    """
 
     _name = "Teleport"
     _short_desc = "Motion controller which changes instantly the pose of the robot"
@@ -27,6 +30,17 @@ class Teleport(Actuator):
         pose = self.robot_parent.position_3d
         for field in ("x", "y", "z", "yaw", "pitch", "roll"):
             self.local_data[field] = float(getattr(pose, field))
+
+    @property
+    def active(self) -> bool:
+        """Whether it holds the robot."""
+        return self._active
+
+    @active.setter
+    def active(self, value: bool) -> None:
+        self._active = bool(value)
+        if not self._active:
+            self.robot_parent.bge_object.restoreDynamics()
 
     @service
     def translate(self, x: float, y: float = 0.0, z: float = 0.0) -> None:
@@ -61,3 +75,4 @@ class Teleport(Actuator):
             return
         orientation = mathutils.Euler([data["roll"], data["pitch"], data["yaw"]])
         self.robot_parent.force_pose([data["x"], data["y"], data["z"]], orientation)
+        self.robot_parent.bge_object.suspendDynamics()

@@ -170,7 +170,7 @@ class GroundRobot(Robot):
 class WheeledRobot(Robot):
     """A robot whose wheels turn by themselves.
 
-    Wheels are the objects below the body whose names contain ``wheel`` and that collide.
+    Wheels are the objects below the body whose names contain ``wheel``, but not ``caster``, and that collide.
     """
 
     _classpath = "morse.core.wheeled_robot.PhysicsDifferentialRobot"
@@ -188,7 +188,10 @@ class WheeledRobot(Robot):
         return [
             node
             for node in self.own_nodes()
-            if node is not self.scene_node and "wheel" in node.plain_name.lower() and node.body.collides
+            if node is not self.scene_node
+            and "wheel" in node.plain_name.lower()
+            and "caster" not in node.plain_name.lower()
+            and node.body.collides
         ]
 
     def _scene_options(self) -> dict[str, object]:

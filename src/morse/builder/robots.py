@@ -109,7 +109,8 @@ class Pioneer3DX(WheeledRobot):
 
     def __init__(self, name: str | None = None) -> None:
         super().__init__("pioneer3dx", name)
-        self.properties(HasSuspension=False, Influence=0.1, Friction=0.8, FixTurningSpeed=0.52)
+        # 1.4 had a FixTurningSpeed of 0.52 here, against the slip of its wheels: these do not slip
+        self.properties(HasSuspension=False, Influence=0.1, Friction=0.8, FixTurningSpeed=0.0)
 
 
 class PatrolBot(WheeledRobot):

@@ -10,6 +10,8 @@ import time
 _GIVE_UP = 0.25
 #: how often a simulation that falls behind says so, wall-clock seconds
 _REPORT_EVERY = 10.0
+#: less than that share of the time lost is a hiccup of the machine, not worth a word
+_WORTH_A_WORD = 0.05
 
 
 class Pacer:
@@ -89,8 +91,14 @@ class Pacer:
     def report_due(self) -> float:
         """Seconds lost, if it is time to say so; else 0."""
         now = time.perf_counter()
-        if self.lost == 0.0 or now - self._last_report < _REPORT_EVERY:
+        since = min(now - self._last_report, _REPORT_EVERY)
+        if now - self._last_report < _REPORT_EVERY:
             return 0.0
         self._last_report = now
         lost, self.lost = self.lost, 0.0
-        return lost
+        return lost if lost > _WORTH_A_WORD * since else 0.0
+
+    @property
+    def keeps_up(self) -> bool:
+        """Whether nothing was lost since the last report, for as long as reports are apart."""
+        return self.lost == 0.0 and time.perf_counter() - self._last_report > _REPORT_EVERY

@@ -75,6 +75,7 @@ class Simulation:
         self.view: View | None = None
         self.profile: Profile | None = Profile(trace=True) if options.profile else None
         self._diagnosis: Profile | None = None
+        self._slow = False
         self._steps = 0
         self._stepped: Callable[[], None] | None = None
         self._restart: tuple[int | None, Callable[[], None]] | None = None
@@ -174,6 +175,8 @@ class Simulation:
                 pacer.wait()
                 if pacer.lost:
                     self._diagnose()
+                elif self._slow and pacer.keeps_up:
+                    self._recovered()
 
     def _count_step(self) -> None:
         self._steps -= 1
@@ -214,8 +217,14 @@ class Simulation:
             cost * 1e3,
             self.clock.period / self.pacer.speed * 1e3,
         )
+        self._slow = True
         if self.view is not None:
             self.view.report_pace(lost, name, cost * 1e3)
+
+    def _recovered(self) -> None:
+        self._slow = False
+        if self.view is not None:
+            self.view.report_pace(0.0)
 
     def tick(self) -> None:
         """One tick: input, services, actuators, physics, sensors, output."""

@@ -1,0 +1,78 @@
+"""The keyboard actuator."""
+
+import pytest
+
+SCENE = """
+robot = Morsy()
+keyboard = Keyboard()
+robot.append(keyboard)
+keyboard.properties({properties})
+pose = Pose()
+robot.append(pose)
+env = Environment("empty")
+"""
+
+
+def held(rig, keys, seconds=1.0, properties="ControlType='Position'"):
+    made = rig(SCENE.format(properties=properties))
+    made.run(0.3)
+    made.context.held_keys = lambda: frozenset(keys)
+    made.run(seconds)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("keys", "field", "value"),
+    [
+        (["ArrowUp"], "x", 1.0),
+        (["ArrowDown"], "x", -1.0),
+        (["KeyU"], "y", 1.0),
+        (["KeyO"], "y", -1.0),
+        (["ArrowLeft"], "yaw", 0.5),
+        (["ArrowRight"], "yaw", -0.5),
+        (["ArrowUp", "ArrowDown"], "x", 0.0),
+        (["KeyQ"], "x", 0.0),
+    ],
+)
+def test_each_key_moves_its_axis(rig, keys, field, value):
+    made = held(rig, keys)
+    assert made["robot.pose"].local_data[field] == pytest.approx(value, abs=0.02)
+
+
+def test_chords_drive_and_turn(rig):
+    data = held(rig, ["ArrowUp", "ArrowLeft"])["robot.pose"].local_data
+    assert data["yaw"] == pytest.approx(0.5, abs=0.02)
+    assert 0.9 < data["x"] < 1.0
+    assert data["y"] == pytest.approx(2 * (1 - 0.8776), abs=0.02)  # v/w (1 - cos 0.5)
+
+
+def test_the_speed_is_a_property(rig):
+    data = held(rig, ["ArrowUp"], properties="ControlType='Velocity', Speed=2.0")["robot.pose"].local_data
+    assert data["x"] == pytest.approx(2.0, abs=0.03)
+
+
+def test_released_keys_stop_the_robot(rig):
+    made = held(rig, ["ArrowUp"], properties="ControlType='Velocity'")
+    made.context.held_keys = frozenset
+    made.run(0.5)
+    stopped = made["robot.pose"].local_data["x"]
+    made.run(1.0)
+    assert made["robot.pose"].local_data["x"] == pytest.approx(stopped, abs=5e-3)
+
+
+def test_the_zero_is_sent_once_so_that_others_may_drive(rig):
+    made = held(rig, ["ArrowUp"], seconds=0.2)
+    made.context.held_keys = frozenset
+    made.run(0.2)
+    calls = []
+    made["robot"].apply_speed = lambda *arguments: calls.append(arguments)
+    made.run(0.2)
+    assert calls == []
+
+
+def test_keys_drive_the_robot_that_listens(rig):
+    made = rig(SCENE.format(properties="ControlType='Position'"))
+    made.context.held_keys = lambda: frozenset(["ArrowUp"])
+    made.context.listening_robot = lambda: "another"
+    made.run(0.5)
+    assert made["robot.pose"].local_data["x"] == pytest.approx(0.0, abs=1e-3)

@@ -1,0 +1,122 @@
+"""Motion actuators, measured by the pose sensor."""
+
+import math
+
+import pytest
+
+ROBOT = """
+robot = Morsy()
+robot.translate({x}, {y}, 0)
+robot.rotate(0, 0, {yaw})
+motion = {motion}
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+env = Environment("empty")
+"""
+
+
+def driven(rig, motion, *, x=0.0, y=0.0, yaw=0.0):
+    made = rig(ROBOT.format(motion=motion, x=x, y=y, yaw=yaw))
+    made.run(0.5)  # settle
+    return made
+
+
+@pytest.mark.parametrize("control", ["Velocity", "Position"])
+@pytest.mark.parametrize(("v", "w"), [(1.0, 0.0), (0.5, 0.3), (-0.5, 0.4), (0.0, 1.0)])
+def test_v_omega_drives_the_circle(rig, control, v, w):
+    made = driven(rig, f"MotionVW(); motion.properties(ControlType='{control}')", x=2, y=-3, yaw=0.7)
+    made.command("robot.motion", v=v, w=w)
+    made.run(3.0)
+    data = made["robot.pose"].local_data
+    turned = w * 3.0
+    ahead, left = (v * 3.0, 0.0) if w == 0 else (v / w * math.sin(turned), v / w * (1 - math.cos(turned)))
+    c, s = math.cos(0.7), math.sin(0.7)
+    assert (data["x"], data["y"]) == pytest.approx((2 + c * ahead - s * left, -3 + s * ahead + c * left), abs=5e-3)
+    assert math.remainder(data["yaw"] - 0.7 - turned, 2 * math.pi) == pytest.approx(0, abs=5e-3)
+    assert data["z"] == pytest.approx(made_rest_height(), abs=2e-3)
+
+
+def made_rest_height():
+    # the body of Morsy begins 14 mm above its origin, the ground is at -0.1 mm
+    return -0.014 - 0.0001
+
+
+def test_v_omega_services(rig):
+    made = driven(rig, "MotionVW()")
+    made["robot.motion"].set_speed(0.4, 0.2)
+    assert made["robot.motion"].local_data == {"v": 0.4, "w": 0.2}
+    made["robot.motion"].stop()
+    assert made["robot.motion"].local_data == {"v": 0.0, "w": 0.0}
+
+
+def test_xy_omega_moves_sideways(rig):
+    made = driven(rig, "MotionXYW()", yaw=math.pi / 2)
+    made.command("robot.motion", x=0.3, y=0.5, w=0.0)
+    made.run(2.0)
+    data = made["robot.pose"].local_data
+    assert (data["x"], data["y"]) == pytest.approx((-1.0, 0.6), abs=5e-3)
+
+
+def test_the_last_command_is_applied_every_tick(rig):
+    made = driven(rig, "MotionVW()")
+    made.command("robot.motion", v=1.0)
+    made.run(1.0)
+    made.command("robot.motion", v=0.0)
+    made.run(1.0)
+    assert made["robot.pose"].local_data["x"] == pytest.approx(1.0, abs=0.02)
+
+
+def test_an_inactive_actuator_does_nothing(rig):
+    made = driven(rig, "MotionVW()")
+    made["robot.motion"].active = False
+    made.command("robot.motion", v=1.0)
+    made.run(1.0)
+    assert made["robot.pose"].local_data["x"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_wheels_turn_a_pioneer(rig):
+    made = rig(
+        """
+robot = Pioneer3DX()
+motion = MotionVWDiff()
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+env = Environment("empty")
+"""
+    )
+    made.run(1.0)
+    rest = dict(made["robot.pose"].local_data)
+    assert rest["z"] == pytest.approx(0.1, abs=5e-3)
+    assert math.hypot(rest["x"], rest["y"]) < 5e-3
+    made.command("robot.motion", v=0.4, w=0.0)
+    made.run(2.0)
+    straight = dict(made["robot.pose"].local_data)
+    assert straight["x"] - rest["x"] == pytest.approx(0.8, abs=0.04)
+    assert abs(straight["y"]) < 0.02
+    made.command("robot.motion", v=0.0, w=0.5)
+    made.run(0.5)
+    before = made["robot.pose"].local_data["yaw"]
+    made.run(2.0)
+    assert math.remainder(made["robot.pose"].local_data["yaw"] - before, 2 * math.pi) == pytest.approx(1.0, rel=0.04)
+
+
+def test_wheels_are_needed_for_wheel_speeds(rig):
+    with pytest.raises(Exception, match=r"robot\.motion.*no wheels.*MotionVW"):
+        driven(rig, "MotionVWDiff()")
+
+
+def test_the_atrv_rests_at_a_tenth_of_a_metre(rig):
+    made = rig(
+        """
+robot = ATRV()
+pose = Pose()
+robot.append(pose)
+env = Environment("empty")
+"""
+    )
+    made.run(2.0)
+    data = made["robot.pose"].local_data
+    assert data["z"] == pytest.approx(0.10, abs=2e-3)
+    assert (data["x"], data["y"], data["yaw"]) == pytest.approx((0, 0, 0), abs=2e-3)
