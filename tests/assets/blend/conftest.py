@@ -1,22 +1,13 @@
 from __future__ import annotations
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
+from blender_program import run_blender
 
 FILES = Path(__file__).with_name("files")
 SCRIPT = Path(__file__).with_name("make_scene.py")
 VERSIONS = ["4.2", "4.5", "5.0", "5.2"]
-
-
-def run_blender(script: Path, *arguments: str) -> None:
-    program = shutil.which("blender")
-    if program is None:
-        pytest.skip("needs Blender on the PATH")
-    command = [program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "--python", str(script), "--"]
-    subprocess.run([*command, *arguments], check=True, timeout=100, stdin=subprocess.DEVNULL, capture_output=True)
 
 
 @pytest.fixture(scope="session")

@@ -34,7 +34,7 @@ def find_blender(given: str | None = None) -> str | None:
     return shutil.which(wanted)
 
 
-def evaluate(path: Path, names: list[str], blender: str, *, time_limit: float = TIME_LIMIT) -> Arrays:
+def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
     """Meshes and poses of some objects of a file, as `blend_export.py` describes them.
 
     Raises:
@@ -49,14 +49,14 @@ def evaluate(path: Path, names: list[str], blender: str, *, time_limit: float = 
         pass
     with tempfile.TemporaryDirectory(prefix="morse-blend-") as folder:
         result = Path(folder, "result.npz")
-        _run(path, names, blender, result, time_limit)
+        _run(path, names, blender, result)
         data = result.read_bytes()
     arrays = _load(data)
     _keep(kept, data)
     return arrays
 
 
-def _run(path: Path, names: list[str], blender: str, result: Path, time_limit: float) -> None:
+def _run(path: Path, names: list[str], blender: str, result: Path) -> None:
     wanted = result.with_name("names.json")
     wanted.write_text(json.dumps(names), encoding="utf-8")
     command = [
@@ -73,11 +73,11 @@ def _run(path: Path, names: list[str], blender: str, result: Path, time_limit: f
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=environment,
-                timeout=time_limit,
+                timeout=TIME_LIMIT,
                 check=False,
             ).returncode
     except subprocess.TimeoutExpired:
-        raise Damage(f"it took longer than {time_limit:g} s") from None
+        raise Damage(f"it took longer than {TIME_LIMIT:g} s") from None
     except OSError as error:
         raise Damage(f"it cannot be started ({error.strerror or error})") from error
     if status != 0 or not result.is_file():

@@ -1,0 +1,21 @@
+"""The Blender of this machine."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def run_blender(script: Path, *arguments: str) -> None:
+    """Run a script; skip the test where there is no Blender."""
+    program = shutil.which("blender")
+    if program is None:
+        pytest.skip("needs Blender on the PATH")
+    command = [program, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "--python", str(script), "--"]
+    subprocess.run([*command, *arguments], check=True, timeout=100, stdin=subprocess.DEVNULL, capture_output=True)
