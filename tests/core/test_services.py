@@ -4,7 +4,12 @@ import pytest
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
-from morse.core.exceptions import MorseMethodNotFoundError, MorseRPCNbArgsError, MorseServiceAlreadyRunningError
+from morse.core.exceptions import (
+    MorseMethodNotFoundError,
+    MorseRPCNbArgsError,
+    MorseRPCTypeError,
+    MorseServiceAlreadyRunningError,
+)
 from morse.core.request_manager import MorseServices, RequestManager
 from morse.core.services import async_service, interruptible, noninterruptible, service
 
@@ -141,3 +146,59 @@ def test_unknown_names_get_the_nearest(manager):
         manager.on_incoming_request("arm", "moves", [])
     with pytest.raises(MorseMethodNotFoundError, match="did you mean 'arm'"):
         manager.on_incoming_request("armm", "move", [])
+
+
+class Typed(AbstractObject):
+    def name(self):
+        return "typed"
+
+    @service
+    def take(
+        self, number: float, whole: int = 1, text: str | None = None, anything=None, many: list[float] | None = None
+    ):
+        return [number, whole, text]
+
+    @interruptible
+    @async_service
+    def later(self, number: float):
+        pass
+
+
+@pytest.fixture
+def typed():
+    services = MorseServices()
+    made = Manager()
+    services.add_request_manager(made)
+    services.register_request_manager_mapping("typed", made.classpath)
+    services.register_object("typed", Typed())
+    return made
+
+
+@pytest.mark.parametrize(
+    "arguments", [[1], [1.5, 2], [float("inf"), 2, None], [1, 2, "x", {"a": 1}], [1, 2, "x", None, [1.0]]]
+)
+def test_arguments_of_the_right_type_are_taken(typed, arguments):
+    assert typed.on_incoming_request("typed", "take", arguments)[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["a"], "'number' is a number, not 'a'"),
+        ([float("nan")], "'number' is a number, not nan"),
+        ([True], "'number' is a number"),
+        ([None], "'number' is a number"),
+        ([1, 1.5], "'whole' is an integer"),
+        ([1, 1, 5], "'text' is a text"),
+        ([1, 1, None, None, "no list"], "'many' is a list"),
+    ],
+)
+def test_arguments_of_the_wrong_type_are_refused(typed, arguments, complaint):
+    with pytest.raises(MorseRPCTypeError, match=complaint):
+        typed.on_incoming_request("typed", "take", arguments)
+
+
+def test_types_of_asynchronous_services_are_checked_too(typed):
+    with pytest.raises(MorseRPCTypeError, match="'number' is a number"):
+        typed.on_incoming_request("typed", "later", ["x"])
+    assert typed.on_incoming_request("typed", "later", [1])[0] is False

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pexpect
-import pymorse
 import pytest
 from eyes_in_pixels import eyes
 from steps import block, wait_for
 
 import morse
+import pymorse
 
 pytestmark = [pytest.mark.browser, pytest.mark.blender]
 

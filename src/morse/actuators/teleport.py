@@ -18,12 +18,12 @@ class Teleport(Actuator):
     _name = "Teleport"
     _short_desc = "Motion controller which changes instantly the pose of the robot"
 
-    add_data("x", "initial robot X position", "float", "X in the world", unit="m")
-    add_data("y", "initial robot Y position", "float", "Y in the world", unit="m")
-    add_data("z", "initial robot Z position", "float", "Z in the world", unit="m")
-    add_data("yaw", "initial robot yaw", "float", "Rotation about Z", unit="rad")
-    add_data("pitch", "initial robot pitch", "float", "Rotation about Y", unit="rad")
-    add_data("roll", "initial robot roll", "float", "Rotation about X", unit="rad")
+    add_data("x", 0.0, "float", "X in the world; at first that of the robot", unit="m")
+    add_data("y", 0.0, "float", "Y in the world; at first that of the robot", unit="m")
+    add_data("z", 0.0, "float", "Z in the world; at first that of the robot", unit="m")
+    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", unit="rad")
+    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", unit="rad")
+    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", unit="rad")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import logging
 import uuid
 from abc import ABC, abstractmethod
@@ -10,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
+from morse.core.arguments import Arguments
 from morse.core.exceptions import (
     MorseMethodNotFoundError,
     MorseRPCInvokationError,
-    MorseRPCNbArgsError,
     MorseServiceError,
 )
-from morse.core.services import signature_of
 from morse.core.values import nearest
 
 if TYPE_CHECKING:
@@ -44,7 +42,7 @@ class RequestManager(ABC):
 
     def __init__(self, context: Context | None = None) -> None:
         self.context = context
-        self._services: dict[tuple[str, str], tuple[Callable[..., Any], bool]] = {}
+        self._services: dict[tuple[str, str], tuple[Callable[..., Any], bool, Arguments]] = {}
         self._running: dict[uuid.UUID, AbstractObject | None] = {}
         self._arrivals: list[tuple[uuid.UUID, Outcome]] = []
         if not self.classpath:
@@ -93,7 +91,7 @@ class RequestManager(ABC):
         if not callable(callback):
             raise MorseServiceError(f"'{name}' of {component} is not callable, it cannot be a service")
         if self.post_registration(component, name, is_async):
-            self._services[component, name] = (callback, is_async)
+            self._services[component, name] = (callback, is_async, Arguments(callback, name))
 
     def unregister(self, component_name: str) -> None:
         """Stop offering the services of a component."""
@@ -119,9 +117,9 @@ class RequestManager(ABC):
         entry = self._services.get((component, service))
         if entry is None:
             raise MorseMethodNotFoundError(self._unknown(component, service))
-        callback, is_async = entry
+        callback, is_async, accepted = entry
         arguments = list(params or [])
-        check_arity(callback, service, arguments)
+        accepted.check(arguments)
         if not is_async:
             return True, (status.SUCCESS, callback(*arguments))
         request_id = uuid.uuid4()
@@ -161,23 +159,6 @@ class RequestManager(ABC):
 
 
 _GONE: Any = object()
-
-
-def check_arity(callback: Callable[..., Any], service: str, arguments: list[Any]) -> None:
-    """Raise `MorseRPCNbArgsError` if the arguments do not fit the signature of a service."""
-    try:
-        signature = signature_of(callback)
-    except (TypeError, ValueError):
-        return
-    try:
-        signature.bind(*arguments)
-    except TypeError:
-        named = [p.name for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_POSITIONAL]
-        if not arguments:
-            message = f"some parameters are expected: {service}{signature}"
-        else:
-            message = f"wrong # of parameters for service. {service} takes ({', '.join(named)}), got {len(arguments)}"
-        raise MorseRPCNbArgsError(message) from None
 
 
 class MorseServices:
@@ -235,4 +216,4 @@ class MorseServices:
             manager.finalization()
 
 
-__all__ = ["MorseRPCInvokationError", "MorseServices", "Outcome", "RequestManager", "check_arity"]
+__all__ = ["MorseRPCInvokationError", "MorseServices", "Outcome", "RequestManager"]
