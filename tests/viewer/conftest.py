@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from view_pages import until
-from view_worlds import CircleDriver, playground
+from view_simulation import CircleDriver
+from view_worlds import playground
 
 from morse.core.network import Network
 from morse.viewer.server import ViewServer
@@ -65,7 +66,9 @@ def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]
     server, url = served
     scene, moving = playground()
     server.set_scene(scene, moving)
-    with CircleDriver(server, moving) as driver:
+    driver = CircleDriver(server, moving)
+    server.send(driver.tree())
+    with driver:
         yield driver, url
 
 

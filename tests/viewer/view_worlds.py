@@ -1,24 +1,15 @@
-"""Worlds for the tests of the live view, and something that moves in them."""
+"""Worlds for the tests of the live view."""
 
 from __future__ import annotations
 
 import io
 import math
-import threading
-import time
-from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image as Picture
 
 from morse.scene import Camera, ComponentDeclaration, Image, Light, Material, Mesh, Node, NodeKind, Scene
-from morse.viewer.page_messages import Pause, Play, Reset, SetSpeed, Step
-from morse.viewer.snapshot import MovingNode, Snapshot
-
-if TYPE_CHECKING:
-    from morse.viewer.server import ViewServer
-
-TICK = 1.0 / 60.0
+from morse.viewer.snapshot import MovingNode
 
 
 def box(name: str, *materials: Material, size: float = 1.0, uvs: bool = False) -> Mesh:
@@ -114,72 +105,3 @@ def with_lamp(scene: Scene) -> Scene:
     """The scene with a lamp over it."""
     scene.roots.append(Node("lamp", NodeKind.LIGHT, location=[2, 2, 6], light=Light("POINT", energy=1.0)))
     return scene
-
-
-class CircleDriver:
-    """Stands for the simulation: robots run in circles, and obey the arrow keys of the page."""
-
-    def __init__(self, server: ViewServer, moving: list[MovingNode]) -> None:
-        self.server = server
-        self.moving = moving
-        self.events: list[object] = []
-        self.keys: list[frozenset[str]] = []
-        self.x, self.time, self.tick = 0.0, 0.0, 0
-        self.running, self.steps, self.speed = True, 0, 1.0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-
-    def __enter__(self) -> CircleDriver:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join(5)
-
-    def poses(self) -> np.ndarray:
-        """Robots on circles around the origin, heads that turn."""
-        poses = np.zeros((len(self.moving), 7), dtype=np.float32)
-        poses[:, 3] = 1.0
-        for i in range(len(self.moving) // 2):
-            angle = self.time * 0.4 + i * 2.1
-            heading = angle + math.pi / 2
-            radius = 2.0 + i
-            poses[2 * i] = (
-                radius * math.cos(angle) + self.x, radius * math.sin(angle), 0.25,
-                math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2),
-            )  # fmt: skip
-            poses[2 * i + 1] = (0.2, 0, 0.4, math.cos(self.time), 0, 0, math.sin(self.time))
-        return poses
-
-    def _handle(self, event: object) -> None:
-        match event:
-            case Play():
-                self.running = True
-            case Pause():
-                self.running = False
-            case Step():
-                self.steps += event.count
-            case Reset():
-                self.time, self.x = 0.0, 0.0
-            case SetSpeed():
-                self.speed = math.inf if event.factor is None else event.factor
-
-    def _run(self) -> None:
-        due = time.monotonic()
-        while not self._stop.is_set():
-            for event in self.server.take_events():
-                self.events.append(event)
-                self._handle(event)
-            keys = self.server.held_keys()
-            if not self.keys or self.keys[-1] != keys:
-                self.keys.append(keys)
-            if self.running or self.steps:
-                self.steps = max(0, self.steps - 1) if not self.running else 0
-                self.tick, self.time = self.tick + 1, self.time + TICK
-                self.x += 0.05 * (("ArrowUp" in keys) - ("ArrowDown" in keys))
-            if self.server.watched:
-                status = "running" if self.running else "paused"
-                self.server.publish(Snapshot(self.tick, self.time, 1, self.poses(), status, self.speed, 1.0))
-            due = max(due + TICK, time.monotonic())
-            self._stop.wait(max(0.0, due - time.monotonic()))

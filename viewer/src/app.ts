@@ -1,21 +1,22 @@
 import { Connection } from "./connection/connection";
 import type { PoseFrame } from "./connection/frames";
 import type { SceneDescription } from "./generated/protocol";
+import { Pad } from "./input/gamepad";
 import { Keyboard } from "./input/keyboard";
 import { Shortcuts } from "./input/shortcuts";
+import { Components } from "./model/components";
+import { Watching } from "./model/watching";
 import { Clock } from "./panels/clock";
-import { Help } from "./panels/help";
-import { LinkBanner } from "./panels/link";
 import { Listener } from "./panels/listener";
 import { SeatPanel } from "./panels/seat";
 import { Toasts } from "./panels/toasts";
-import { h, iconButton } from "./ui/dom";
-import { icons } from "./ui/icons";
+import { Panels } from "./panels/panels";
 import { Shell } from "./ui/shell";
 import { Signal } from "./ui/signal";
-import { theme, toggleTheme } from "./ui/theme";
 import { Follow } from "./view/follow";
+import { CameraMemory } from "./view/memory";
 import { Navigation } from "./view/navigation";
+import { pick } from "./view/pick";
 import { Stage } from "./view/stage";
 import { World } from "./world/world";
 
@@ -28,19 +29,25 @@ export class App {
   readonly shortcuts = new Shortcuts();
   readonly navigation = new Navigation(this.stage, this.keyboard);
   readonly follow = new Follow(this.stage);
+  readonly memory = new CameraMemory(this.stage);
   readonly toasts = new Toasts();
-  readonly help = new Help(this.shortcuts);
   readonly clock = new Clock(this.connection);
   readonly seat = new SeatPanel(this.connection);
   readonly listener = new Listener(this.connection);
+  readonly components = new Components(this.connection);
+  readonly watching = new Watching(this.connection);
   readonly world = new Signal<World | null>(null);
   readonly poses = new Signal<PoseFrame | null>(null);
+  readonly panels = new Panels(this);
+  readonly pad = new Pad(this.connection);
   private loading = Promise.resolve();
 
   constructor() {
-    this.build();
-    this.addShortcuts();
-    this.navigation.onTaken = () => this.follow.release();
+    this.navigation.onTaken = () => {
+      this.follow.release();
+      this.memory.take();
+    };
+    this.navigation.onClick = (x, y) => this.select(x, y);
     this.seat.drives.watch((drives) => {
       this.clock.enable(drives);
       this.listener.enable(drives);
@@ -61,37 +68,14 @@ export class App {
     this.stage.start();
   }
 
-  private build(): void {
-    const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
-    theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
-    const brand = h("div", { class: "brand" }, h("span", { class: "mark" }), h("b", {}, "MORSE"), h("span", { class: "scene" }));
-    this.shell.header.append(
-      brand,
-      this.clock.element,
-      h("div", { class: "space" }),
-      this.listener.element,
-      this.seat.element,
-      themeButton,
-      iconButton(icons.help, "Keys", () => this.help.toggle(), "h"),
-    );
-    this.shell.view.append(new LinkBanner(this.connection).element, this.toasts.element);
-    document.body.append(this.help.element);
-  }
-
-  private addShortcuts(): void {
-    const { shortcuts, clock, follow, connection } = this;
-    shortcuts.add("Time", ["p", "P"], "P", "play, pause", () => clock.toggle());
-    shortcuts.add("Time", ["."], ".", "one tick", () => clock.step());
-    shortcuts.add("Time", ["F11"], "F11", "reset everything", () => clock.reset());
-    shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => connection.send({ type: "toggle_capturing" }));
-    shortcuts.add("View", ["F7"], "F7", "stand near the next robot", () => this.tell(follow.nextRobot()?.name ?? "There is no robot."));
-    shortcuts.add("View", ["F8"], "F8", "where the script put the camera", () => follow.goHome());
-    shortcuts.add("View", ["F9"], "F9", "next camera of the world", () => this.tell(`Camera: ${follow.nextCamera()}`));
-    shortcuts.add("Page", ["h", "H", "?"], "h", "this list", () => this.help.toggle());
-  }
-
   tell(text: string): void {
     this.toasts.show(text);
+  }
+
+  private select(x: number, y: number): void {
+    const hit = pick(this.stage, x, y);
+    const owner = hit?.node.find(({ description }) => description.kind !== "");
+    this.components.selected.set(owner?.name ?? hit?.node.name ?? null);
   }
 
   private take(frame: PoseFrame): void {
@@ -113,13 +97,11 @@ export class App {
     if (unlit.length > 0) this.tell(`${unlit.length} lamps are not shown: ${unlit.slice(0, 5).join(", ")}`);
     if (first) this.setCamera(description, world);
     if (this.poses.value) world.apply(this.poses.value);
-    const scene = this.shell.header.querySelector(".scene");
-    if (scene) scene.textContent = description.environment;
     this.world.set(world);
     this.stage.invalidate();
   }
 
-  private setCamera({ view }: SceneDescription, world: World): void {
+  private setCamera({ view, key }: SceneDescription, world: World): void {
     const bounds = world.bounds();
     // what the script made too short for its own world is drawn all the same
     const far = Math.max(view.camera_clip[1], 4 * (bounds.radius + bounds.center.length()), 400);
@@ -128,5 +110,7 @@ export class App {
     this.stage.view.setRotation(view.camera_rotation);
     this.navigation.speed = view.camera_speed;
     this.follow.setHome();
+    const kept = this.memory.recall(key);
+    if (kept) this.stage.view.pose = kept;
   }
 }

@@ -23,6 +23,7 @@ export const icons = {
   people: draw('<circle cx="7" cy="7" r="2.8"/><path d="M1.8 16.5c0-3 2.2-5 5.2-5s5.2 2 5.2 5"/><path d="M13 4.4a2.8 2.8 0 0 1 0 5.2M14.6 11.8c2.2.5 3.6 2.3 3.6 4.7"/>'),
   warn: draw('<path d="M10 3l8 14H2z"/><path d="M10 8.5v3.5M10 14.4v.1"/>'),
   copy: draw('<rect x="6.5" y="6.5" width="10" height="10" rx="2"/><path d="M13.5 6.5v-1a2 2 0 0 0-2-2h-6a2 2 0 0 0-2 2v6a2 2 0 0 0 2 2h1"/>'),
+  move: draw('<path d="M10 2.5v15M2.5 10h15M7.5 5L10 2.5 12.5 5M7.5 15l2.5 2.5 2.5-2.5M5 7.5L2.5 10 5 12.5M15 7.5l2.5 2.5-2.5 2.5"/>'),
   focus: draw('<circle cx="10" cy="10" r="2.5"/><path d="M3 7V3h4M13 3h4v4M17 13v4h-4M7 17H3v-4"/>'),
   robot: draw('<rect x="3.5" y="7" width="13" height="9" rx="2.5"/><path d="M10 7V4M10 3.5v.1M7.5 11v1M12.5 11v1M1.5 10.5v2.5M18.5 10.5v2.5"/>'),
   sensor: draw('<path d="M10 16a6 6 0 0 0-6-6M10 16a6 6 0 0 1 6-6M10 16V9" opacity=".001"/><circle cx="10" cy="14.5" r="1.6"/><path d="M6.5 11a5 5 0 0 1 7 0M3.8 8a9 9 0 0 1 12.4 0"/>'),

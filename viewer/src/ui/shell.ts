@@ -1,16 +1,64 @@
-import { h } from "./dom";
+import { h, iconButton } from "./dom";
+import { icons } from "./icons";
+
+const KEY = "morse.panels";
+const NARROW = 900; // pixels: less has no room for panels beside the view
+
+export type Place = "left" | "right" | "bottom";
 
 /** The places of the page that panels are put into. */
 export class Shell {
   readonly header = h("header", { class: "bar" });
-  readonly left = h("aside", { class: "left", hidden: true });
-  readonly right = h("aside", { class: "right", hidden: true });
-  readonly bottom = h("section", { class: "bottom", hidden: true });
+  readonly left = h("aside", { class: "left", "aria-label": "robots and components" });
+  readonly right = h("aside", { class: "right", "aria-label": "details" });
+  readonly bottom = h("section", { class: "bottom", "aria-label": "plots and messages" });
   readonly view = h("main", { class: "view", "aria-label": "the simulated world" });
   readonly corner = h("div", { class: "corner" });
+  /** the user wants details of what is selected */
+  private wanted: boolean;
+  readonly toggles: Record<Place, HTMLButtonElement>;
 
   constructor() {
+    this.toggles = {
+      left: iconButton(icons.tree, "Robots and components", () => this.toggle("left")),
+      right: iconButton(icons.panel, "Details", () => this.toggle("right")),
+      bottom: iconButton(icons.plot, "Plots and messages", () => this.toggle("bottom")),
+    };
     this.view.append(this.corner);
     document.body.append(h("div", { class: "shell" }, this.header, this.left, this.view, this.right, this.bottom));
+    const kept = JSON.parse(localStorage.getItem(KEY) ?? "null") as Place[] | null;
+    const open = innerWidth < NARROW ? [] : (kept ?? ["left", "right"]);
+    this.wanted = open.includes("right");
+    for (const place of ["left", "bottom"] as const) this.set(place, open.includes(place));
+    this.set("right", false);
+  }
+
+  get narrow(): boolean {
+    return innerWidth < NARROW;
+  }
+
+  toggle(place: Place): void {
+    this.set(place, this[place].hidden !== false);
+    if (this.narrow) return;
+    if (place === "right") this.wanted = !this.right.hidden;
+    const open = (["left", "right", "bottom"] as const).filter((one) => (one === "right" ? this.wanted : !this[one].hidden));
+    localStorage.setItem(KEY, JSON.stringify(open));
+  }
+
+  /** Whether there is anything to show at the right: without, the room goes to the view. */
+  fill(something: boolean): void {
+    if (this.narrow) this.set("right", something && !this.right.hidden);
+    else this.set("right", something && this.wanted);
+  }
+
+  open(place: Place): void {
+    if (this[place].hidden) this.toggle(place);
+  }
+
+  private set(place: Place, open: boolean): void {
+    this[place].hidden = !open;
+    this.toggles[place].setAttribute("aria-pressed", String(open));
+    // one drawer at a time where they lie over the view
+    if (open && this.narrow) for (const other of ["left", "right", "bottom"] as const) if (other !== place && !this[other].hidden) this.set(other, false);
   }
 }

@@ -22,10 +22,13 @@ export class Quality {
   private previous = 0;
   private times: number[] = [];
 
-  constructor(private readonly apply: (level: Level) => void) {
+  constructor(
+    software: boolean,
+    private readonly apply: (level: Level) => void,
+  ) {
     const asked = new URLSearchParams(location.search).get("quality");
     this.fixed = asked !== null;
-    this.level = asked === "high" ? 0 : asked === "low" ? LEVELS.length - 1 : 1;
+    this.level = asked === "high" ? 0 : asked === "low" || software ? LEVELS.length - 1 : 1;
     this.use();
   }
 
@@ -47,4 +50,10 @@ export class Quality {
   private use(): void {
     this.apply(LEVELS[this.level] as Level);
   }
+}
+
+/** Whether the processor stands in for a graphics card. */
+export function isSoftware(context: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  return names !== null && /swiftshader|llvmpipe|software/i.test(String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)));
 }

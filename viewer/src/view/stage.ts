@@ -7,7 +7,7 @@ import { Lights } from "../world/lights";
 import { Sky } from "../world/sky";
 import type { World } from "../world/world";
 import { ViewCamera } from "./camera";
-import { Quality } from "./quality";
+import { isSoftware, Quality } from "./quality";
 
 /** The canvas: draws the world whenever something has changed. */
 export class Stage {
@@ -24,6 +24,7 @@ export class Stage {
   frames = 0;
   private stale = true;
   private readonly steps: ((seconds: number) => boolean)[] = [];
+  private readonly before: (() => void)[] = [];
   private readonly drawn: (() => void)[] = [];
 
   constructor(readonly element: HTMLElement) {
@@ -37,7 +38,7 @@ export class Stage {
     this.ground = new Ground(this.scene);
     this.lights = new Lights(this.scene);
     this.sky = new Sky(this.scene);
-    this.quality = new Quality((level) => {
+    this.quality = new Quality(isSoftware(this.renderer.getContext()), (level) => {
       this.renderer.setPixelRatio(Math.min(devicePixelRatio, level.pixels));
       this.lights.setShadowSize(level.shadows);
       this.invalidate();
@@ -54,6 +55,11 @@ export class Stage {
   /** Have something done before each frame; it says whether it changed anything. */
   onStep(step: (seconds: number) => boolean): void {
     this.steps.push(step);
+  }
+
+  /** Have something brought in line just before each frame, when the camera is where it will be. */
+  onDraw(prepare: () => void): void {
+    this.before.push(prepare);
   }
 
   onDrawn(done: () => void): void {
@@ -88,6 +94,7 @@ export class Stage {
     this.stale = false;
     const began = performance.now();
     this.view.update();
+    for (const prepare of this.before) prepare();
     this.lights.follow(this.target, this.view.position.distanceTo(this.target));
     this.renderer.render(this.scene, this.view.camera);
     this.frames += 1;

@@ -79,25 +79,25 @@ export class World {
 
   /** A sphere around all that is drawn. */
   bounds(): Sphere {
+    const box = this.boxOf(this.nodes);
+    return box.isEmpty() ? new Sphere(new Vector3(), 5) : box.getBoundingSphere(new Sphere());
+  }
+
+  /** A box around a node and what belongs to it, along the axes of the world; empty if nothing is drawn. */
+  boxOf(nodes: Iterable<WorldNode>): Box3 {
     const box = new Box3();
     const part = new Box3();
-    for (const node of this.nodes) {
+    for (const node of nodes) {
       const mesh = this.meshes[node.description.mesh];
       if (!mesh?.boundingBox || !node.visible) continue;
       box.union(part.copy(mesh.boundingBox).applyMatrix4(node.stretch).applyMatrix4(node.frame.matrixWorld));
     }
-    return box.isEmpty() ? new Sphere(new Vector3(), 5) : box.getBoundingSphere(new Sphere());
+    return box;
   }
 
   /** A sphere around a node and what belongs to it. */
   boundsOf(node: WorldNode): Sphere {
-    const box = new Box3();
-    const part = new Box3();
-    for (const below of node.walk()) {
-      const mesh = this.meshes[below.description.mesh];
-      if (!mesh?.boundingBox || !below.visible) continue;
-      box.union(part.copy(mesh.boundingBox).applyMatrix4(below.stretch).applyMatrix4(below.frame.matrixWorld));
-    }
+    const box = this.boxOf(node.walk());
     if (box.isEmpty()) return new Sphere(node.frame.getWorldPosition(new Vector3()), 0.5);
     return box.getBoundingSphere(new Sphere());
   }

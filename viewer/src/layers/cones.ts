@@ -1,0 +1,71 @@
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, SphereGeometry, DoubleSide } from "three";
+import type { Connection } from "../connection/connection";
+import type { Cone } from "../generated/protocol";
+import type { Surroundings } from "./layer";
+import { Layer, discard } from "./layer";
+
+const LINES = new LineBasicMaterial({ color: 0x2f7fc2, transparent: true, opacity: 0.9, toneMapped: false });
+const SEEING = new LineBasicMaterial({ color: 0xd9660c, transparent: true, opacity: 0.9, toneMapped: false });
+const BODY = new MeshBasicMaterial({ color: 0x4f9fe2, transparent: true, opacity: 0.09, depthWrite: false, side: DoubleSide, toneMapped: false });
+
+/** The space that proximity sensors and semantic cameras watch. */
+export class Cones extends Layer {
+  private readonly known = new Map<string, Cone>();
+  private around: Surroundings | null = null;
+
+  constructor(connection: Connection, changed: () => void) {
+    super("cones", "cones of proximity and semantic cameras");
+    connection.on("cone", (cone) => {
+      this.known.set(cone.component, cone);
+      if (this.on && this.around) this.draw(cone, this.around);
+      changed();
+    });
+  }
+
+  override build(around: Surroundings): void {
+    this.around = around;
+    for (const cone of this.known.values()) this.draw(cone, around);
+  }
+
+  override update({ world }: Surroundings): void {
+    for (const child of this.root.children) {
+      const node = world.find(child.name);
+      if (!node) continue;
+      child.matrix.copy(node.frame.matrixWorld);
+      child.matrixWorldNeedsUpdate = true;
+    }
+  }
+
+  private draw(cone: Cone, { world }: Surroundings): void {
+    for (const child of [...this.root.children]) if (child.name === cone.component) discard(child);
+    if (!world.find(cone.component)) return;
+    const material = cone.seen.length > 0 ? SEEING : LINES;
+    const half = Math.min(cone.angle / 2, Math.PI);
+    const lines = new LineSegments(outline(cone.reach, half), material);
+    lines.name = cone.component;
+    lines.matrixAutoUpdate = false;
+    // a sphere's cap around Y, turned to look along X
+    const body = new Mesh(new SphereGeometry(cone.reach, 32, 12, 0, Math.PI * 2, 0, half).rotateZ(-Math.PI / 2), BODY);
+    lines.add(body);
+    lines.traverse((object) => (object.raycast = () => {}));
+    this.root.add(lines);
+  }
+}
+
+/** The rim of a cone around X, and lines from its tip to the rim. */
+function outline(reach: number, half: number): BufferGeometry {
+  const at = (angle: number): number[] => [
+    reach * Math.cos(half),
+    reach * Math.sin(half) * Math.cos(angle),
+    reach * Math.sin(half) * Math.sin(angle),
+  ];
+  const points: number[] = [];
+  const steps = 48;
+  for (let i = 0; i < steps; i++) {
+    points.push(...at((i * 2 * Math.PI) / steps), ...at(((i + 1) * 2 * Math.PI) / steps));
+    if (i % 12 === 0) points.push(0, 0, 0, ...at((i * 2 * Math.PI) / steps));
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+  return geometry;
+}

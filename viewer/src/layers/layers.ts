@@ -1,0 +1,108 @@
+import type { Connection } from "../connection/connection";
+import type { Components } from "../model/components";
+import type { Watching } from "../model/watching";
+import { h } from "../ui/dom";
+import type { Signal } from "../ui/signal";
+import type { Stage } from "../view/stage";
+import type { World } from "../world/world";
+import { Cones } from "./cones";
+import { Contacts } from "./contacts";
+import { Frames } from "./frames";
+import type { Layer, Surroundings } from "./layer";
+import { Masses } from "./masses";
+import { Names } from "./names";
+import { Rays } from "./rays";
+import { Shapes } from "./shapes";
+import { Trails } from "./trails";
+
+const KEY = "morse.layers";
+const CONTACTS = "contacts";
+/** With more robots, only the rays of the selected one are shown. */
+const ALL_ROBOTS = 8;
+
+/** What can be drawn over the world, and the menu that switches it. */
+export class Layers {
+  readonly element = h("fieldset", { class: "layers" }, h("legend", {}, "show"));
+  readonly names: Names;
+  readonly list: Layer[];
+  private readonly rays: Rays;
+  private readonly boxes = new Map<string, HTMLInputElement>();
+
+  constructor(
+    connection: Connection,
+    private readonly stage: Stage,
+    private readonly components: Components,
+    private readonly watching: Watching,
+    world: Signal<World | null>,
+  ) {
+    this.names = new Names(stage);
+    this.rays = new Rays(connection, stage.invalidate);
+    this.list = [
+      this.rays,
+      new Cones(connection, stage.invalidate),
+      new Trails(),
+      this.names,
+      new Frames(),
+      new Contacts(connection, stage.invalidate),
+      new Masses(connection),
+      new Shapes(),
+    ];
+    const kept = new Set(JSON.parse(localStorage.getItem(KEY) ?? "[]") as string[]);
+    for (const layer of this.list) {
+      layer.install(stage.scene);
+      layer.switch(kept.has(layer.id), null);
+      this.addBox(layer.id, layer.label, layer.on, (on) => this.switch(layer.id, on));
+    }
+    this.addBox("grid", "grid", true, (on) => {
+      stage.ground.mesh.visible = on;
+      stage.invalidate();
+    });
+    world.watch((now) => now && this.rebuild(now));
+    components.all.watch(() => this.tell());
+    components.selected.watch(() => this.tell());
+    stage.onDraw(() => this.update());
+  }
+
+  switch(id: string, on: boolean): void {
+    const layer = this.list.find((one) => one.id === id);
+    if (!layer) return;
+    layer.switch(on, this.around());
+    const box = this.boxes.get(id);
+    if (box) box.checked = on;
+    localStorage.setItem(KEY, JSON.stringify(this.list.filter((one) => one.on).map((one) => one.id)));
+    this.tell();
+    this.stage.invalidate();
+  }
+
+  private rebuild(world: World): void {
+    if (world.description.view.show_physics && !this.list.some(({ id, on }) => id === "shapes" && on)) this.switch("shapes", true);
+    for (const layer of this.list) if (layer.on) layer.switch(true, this.around());
+  }
+
+  private update(): void {
+    const around = this.around();
+    if (around) for (const layer of this.list) if (layer.on) layer.update(around);
+  }
+
+  private around(): Surroundings | null {
+    return this.stage.world && { world: this.stage.world, components: this.components };
+  }
+
+  /** Rays and cones of the selected robot, or of all where there are few. */
+  private tell(): void {
+    const on = (id: string): boolean => this.list.some((layer) => layer.id === id && layer.on);
+    const all = this.components.all.value;
+    const chosen = this.components.robotOf(this.components.selected.value);
+    const robots = all.filter(({ kind }) => kind.includes("robot")).length;
+    const shown = all.filter(({ kind, robot }) => kind === "sensor" && (robots <= ALL_ROBOTS || robot === chosen)).map(({ name }) => name);
+    const sensors = on("rays") || on("cones") ? shown : [];
+    this.rays.keep(on("rays") ? shown : []);
+    this.watching.set("overlays", "layers", on(CONTACTS) ? [...sensors, CONTACTS] : sensors);
+  }
+
+  private addBox(id: string, label: string, checked: boolean, run: (on: boolean) => void): void {
+    const box = h("input", { type: "checkbox", checked, onchange: () => run(box.checked) });
+    this.boxes.set(id, box);
+    this.element.append(h("label", { class: "switch" }, box, label));
+  }
+}

@@ -1,0 +1,60 @@
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
+import type { Connection } from "../connection/connection";
+import { Layer, discard } from "./layer";
+
+const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.35, depthWrite: false, toneMapped: false });
+const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
+
+interface Drawn {
+  beams: LineSegments;
+  hits: Points;
+}
+
+/** What laser scanners and the like measure: a line for each ray, a dot where it hits. */
+export class Rays extends Layer {
+  private readonly drawn = new Map<string, Drawn>();
+
+  constructor(connection: Connection, changed: () => void) {
+    super("rays", "laser rays and hits");
+    connection.on("rays", ({ component, payload }) => {
+      if (!this.on) return;
+      this.show(component, new Float32Array(payload));
+      changed();
+    });
+  }
+
+  /** Forget the rays of sensors that are no longer shown. */
+  keep(components: string[]): void {
+    for (const [name, { beams, hits }] of this.drawn) {
+      if (components.includes(name)) continue;
+      discard(beams);
+      discard(hits);
+      this.drawn.delete(name);
+    }
+  }
+
+  override clear(): void {
+    this.keep([]);
+  }
+
+  private show(component: string, numbers: Float32Array): void {
+    const count = Math.floor(numbers.length / 7);
+    const ends = new Float32Array(count * 6);
+    const hits: number[] = [];
+    for (let i = 0; i < count; i++) {
+      ends.set(numbers.subarray(i * 7, i * 7 + 6), i * 6);
+      if (numbers[i * 7 + 6]) hits.push(...numbers.subarray(i * 7 + 3, i * 7 + 6));
+    }
+    const drawn = this.drawn.get(component) ?? this.make(component);
+    drawn.beams.geometry.setAttribute("position", new BufferAttribute(ends, 3));
+    drawn.hits.geometry.setAttribute("position", new BufferAttribute(new Float32Array(hits), 3));
+  }
+
+  private make(component: string): Drawn {
+    const drawn = { beams: new LineSegments(new BufferGeometry(), BEAM), hits: new Points(new BufferGeometry(), HIT) };
+    drawn.beams.frustumCulled = drawn.hits.frustumCulled = false;
+    this.root.add(drawn.beams, drawn.hits);
+    this.drawn.set(component, drawn);
+    return drawn;
+  }
+}

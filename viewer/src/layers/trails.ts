@@ -1,0 +1,70 @@
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Line, LineBasicMaterial, Vector3 } from "three";
+import type { WorldNode } from "../world/node";
+import type { Surroundings } from "./layer";
+import { Layer } from "./layer";
+
+const LENGTH = 3000;
+const STEP = 0.03; // metres
+const LEAP = 2; // metres between two frames: it was moved, not driven
+const MOST = 200;
+const COLORS = [0xd9660c, 0x2f7fc2, 0x3a9a4a, 0xb14cc0, 0xc23b4a, 0x0f9a9a];
+
+interface Trail {
+  node: WorldNode;
+  line: Line;
+  count: number;
+  last: Vector3;
+}
+
+/** Where robots have been. */
+export class Trails extends Layer {
+  private trails: Trail[] = [];
+  private readonly place = new Vector3();
+
+  constructor() {
+    super("trails", "trails of robots");
+  }
+
+  override build({ world }: Surroundings): void {
+    const robots = world.nodes.filter((node) => node.description.kind.includes("robot")).slice(0, MOST);
+    this.trails = robots.map((node, i) => {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute("position", new BufferAttribute(new Float32Array(LENGTH * 3), 3).setUsage(DynamicDrawUsage));
+      geometry.setDrawRange(0, 0);
+      const line = new Line(geometry, new LineBasicMaterial({ color: COLORS[i % COLORS.length] as number, toneMapped: false }));
+      line.frustumCulled = false;
+      line.raycast = () => {};
+      this.root.add(line);
+      return { node, line, count: 0, last: new Vector3(Infinity, 0, 0) };
+    });
+  }
+
+  override clear(): void {
+    super.clear();
+    this.trails = [];
+  }
+
+  override update(): void {
+    for (const trail of this.trails) {
+      trail.node.frame.getWorldPosition(this.place);
+      const way = this.place.distanceTo(trail.last);
+      if (way < STEP) continue;
+      if (way > LEAP) trail.count = 0;
+      this.extend(trail);
+    }
+  }
+
+  private extend(trail: Trail): void {
+    const { geometry } = trail.line;
+    const points = geometry.getAttribute("position") as BufferAttribute;
+    if (trail.count === LENGTH) {
+      points.array.copyWithin(0, 3); // the oldest point goes
+      trail.count -= 1;
+    }
+    points.setXYZ(trail.count, this.place.x, this.place.y, this.place.z + 0.02);
+    points.needsUpdate = true;
+    trail.count += 1;
+    trail.last.copy(this.place);
+    geometry.setDrawRange(0, trail.count);
+  }
+}

@@ -1,0 +1,67 @@
+import type { Connection } from "../connection/connection";
+import type { ComponentDescription } from "../generated/protocol";
+import { Signal } from "../ui/signal";
+
+export interface Live {
+  time: number;
+  data: Record<string, unknown>;
+}
+
+/** The components of the simulation, their values, and the one that is selected. */
+export class Components {
+  readonly all = new Signal<ComponentDescription[]>([]);
+  /** name of a component or of an object of the world */
+  readonly selected = new Signal<string | null>(null);
+  private readonly live = new Map<string, Live>();
+  private readonly listeners = new Set<(name: string, live: Live) => void>();
+  private readonly changed = new Set<(component: ComponentDescription) => void>();
+
+  constructor(connection: Connection) {
+    connection.on("tree", ({ components }) => this.all.set(components));
+    connection.on("values", ({ component, time, data }) => {
+      const live = { time, data };
+      this.live.set(component, live);
+      for (const listener of this.listeners) listener(component, live);
+    });
+    connection.on("property_value", ({ component, name, value }) => {
+      this.patch(component, (one) => ({
+        ...one,
+        properties: one.properties.map((property) => (property.name === name ? { ...property, value } : property)),
+      }));
+    });
+    connection.on("activity", ({ component, active }) => this.patch(component, (one) => ({ ...one, active })));
+  }
+
+  find(name: string | null): ComponentDescription | null {
+    return this.all.value.find((component) => component.name === name) ?? null;
+  }
+
+  /** The robot that a component belongs to. */
+  robotOf(name: string | null): string | null {
+    const component = this.find(name);
+    return component ? component.robot || null : null;
+  }
+
+  valuesOf(name: string): Live | null {
+    return this.live.get(name) ?? null;
+  }
+
+  onValues(listener: (name: string, live: Live) => void): void {
+    this.listeners.add(listener);
+  }
+
+  /** A property or the activity of a component changed. */
+  onChange(listener: (component: ComponentDescription) => void): void {
+    this.changed.add(listener);
+  }
+
+  private patch(name: string, change: (component: ComponentDescription) => ComponentDescription): void {
+    const index = this.all.value.findIndex((component) => component.name === name);
+    const old = this.all.value[index];
+    if (!old) return;
+    const changed = change(old);
+    // in place: the tree is drawn anew only when components come or go
+    this.all.value[index] = changed;
+    for (const listener of this.changed) listener(changed);
+  }
+}

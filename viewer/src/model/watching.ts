@@ -1,0 +1,31 @@
+import type { Connection } from "../connection/connection";
+
+type Kind = "values" | "overlays" | "images";
+
+/** Tells the simulation what this page shows, so that nothing else is sent. */
+export class Watching {
+  private readonly wanted: Record<Kind, Map<string, string[]>> = { values: new Map(), overlays: new Map(), images: new Map() };
+  private told = "";
+
+  constructor(private readonly connection: Connection) {
+    connection.on("welcome", () => {
+      this.told = "";
+      this.tell();
+    });
+  }
+
+  /** What one part of the page shows, replacing what it showed before. */
+  set(kind: Kind, part: string, names: string[]): void {
+    this.wanted[kind].set(part, names);
+    this.tell();
+  }
+
+  private tell(): void {
+    const all = (kind: Kind): string[] => [...new Set([...this.wanted[kind].values()].flat())].sort().slice(0, 1000);
+    const message = { type: "watch" as const, values: all("values"), overlays: all("overlays"), images: all("images").slice(0, 100) };
+    const text = JSON.stringify(message);
+    if (text === this.told) return;
+    this.told = text;
+    this.connection.send(message);
+  }
+}

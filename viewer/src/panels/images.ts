@@ -1,0 +1,94 @@
+import type { Connection } from "../connection/connection";
+import type { Picture } from "../generated/protocol";
+import type { Components } from "../model/components";
+import type { Watching } from "../model/watching";
+import { h, iconButton } from "../ui/dom";
+import { fileName, save } from "../ui/files";
+import { icons } from "../ui/icons";
+
+interface Panel {
+  element: HTMLElement;
+  canvas: HTMLCanvasElement;
+}
+
+/** What cameras see, one small panel each. */
+export class Images {
+  readonly element = h("div", { class: "images" });
+  private readonly panels = new Map<string, Panel>();
+  /** shown by a single key */
+  private preferred: string | null = null;
+
+  constructor(
+    connection: Connection,
+    private readonly components: Components,
+    private readonly watching: Watching,
+  ) {
+    connection.on("picture", (picture) => void this.show(picture));
+    connection.on("capturing", ({ active }) => this.element.classList.toggle("stopped", !active));
+  }
+
+  /** The camera that the script chose for display. */
+  prefer(camera: string | null): void {
+    this.preferred = camera;
+  }
+
+  isOpen(camera: string): boolean {
+    return this.panels.has(camera);
+  }
+
+  /** Show or hide what a camera sees; without a name, the one that was chosen, or the first. */
+  toggle(camera: string | null = null): string | null {
+    const name = camera ?? this.preferred ?? this.components.all.value.find(isCamera)?.name ?? null;
+    if (name === null) return null;
+    if (this.panels.has(name)) this.close(name);
+    else this.open(name);
+    return name;
+  }
+
+  private open(camera: string): void {
+    const canvas = h("canvas", { width: 160, height: 120, role: "img", "aria-label": `what ${camera} sees` });
+    const element = h(
+      "figure",
+      { class: "image" },
+      canvas,
+      h(
+        "figcaption",
+        {},
+        h("span", {}, camera),
+        iconButton(icons.shot, "Save the picture", () => canvas.toBlob((blob) => blob && save(blob, fileName(camera, "png")))),
+        iconButton(icons.close, "Close", () => this.close(camera)),
+      ),
+    );
+    this.panels.set(camera, { element, canvas });
+    this.element.append(element);
+    this.tell();
+  }
+
+  private close(camera: string): void {
+    this.panels.get(camera)?.element.remove();
+    this.panels.delete(camera);
+    this.tell();
+  }
+
+  private tell(): void {
+    this.watching.set("images", "images", [...this.panels.keys()]);
+  }
+
+  private async show({ camera, width, height, mime, payload }: Picture): Promise<void> {
+    const panel = this.panels.get(camera);
+    if (!panel) return;
+    const { canvas } = panel;
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    const context = canvas.getContext("2d");
+    if (mime === "image/x-rgba") context?.putImageData(new ImageData(new Uint8ClampedArray(payload), width, height), 0, 0);
+    else {
+      const bitmap = await createImageBitmap(new Blob([payload], { type: mime }));
+      context?.drawImage(bitmap, 0, 0, width, height);
+      bitmap.close();
+    }
+  }
+}
+
+function isCamera({ kind, data }: { kind: string; data: { name: string }[] }): boolean {
+  return kind === "sensor" && data.some(({ name }) => name === "image");
+}

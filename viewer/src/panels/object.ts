@@ -1,0 +1,103 @@
+import { Euler, Quaternion, Vector3 } from "three";
+import type { Connection } from "../connection/connection";
+import type { Images } from "./images";
+import type { Toasts } from "./toasts";
+import { h, iconButton } from "../ui/dom";
+import { icons } from "../ui/icons";
+import type { Follow } from "../view/follow";
+import type { Stage } from "../view/stage";
+import type { WorldNode } from "../world/node";
+
+/** Where the selected object is, and what can be done with it. */
+export class ObjectPanel {
+  private readonly place = h("td", { class: "value" });
+  private readonly angles = h("td", { class: "value" });
+  private node: WorldNode | null = null;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly follow: Follow,
+    private readonly images: Images,
+    private readonly toasts: Toasts,
+    private readonly connection: Connection,
+    private readonly onMove: (node: WorldNode) => void,
+  ) {
+    stage.onDrawn(() => this.update());
+  }
+
+  /** The panel for what has that name, or nothing if it is nowhere in the world. */
+  show(name: string, camera: boolean): HTMLElement | null {
+    this.node = this.stage.world?.find(name) ?? null;
+    const node = this.node;
+    if (!node) return null;
+    this.update();
+    const button = (icon: string, label: string, run: () => void, keys = ""): HTMLElement => iconButton(icon, label, run, keys);
+    return h(
+      "div",
+      { class: "object" },
+      h(
+        "table",
+        { class: "data" },
+        h("tr", {}, h("th", { scope: "row" }, "position"), this.place, h("td", { class: "unit" }, "m")),
+        h("tr", { title: "roll, pitch, yaw" }, h("th", { scope: "row" }, "rotation"), this.angles, h("td", { class: "unit" }, "rad")),
+      ),
+      h(
+        "div",
+        { class: "tools" },
+        button(icons.focus, "Focus", () => this.follow.frameNode(node), "C"),
+        button(icons.eye, "Follow", () => this.follow.start("third", node)),
+        button(icons.move, "Move", () => this.onMove(node), "M"),
+        button(icons.copy, "Copy the pose as builder code", () => void this.copy()),
+        camera && button(icons.camera, "What it sees", () => this.images.toggle(name), "v"),
+      ),
+    );
+  }
+
+  /** The pose of a node as lines of a scene script. */
+  code(node: WorldNode): string {
+    const { position, angles } = poseOf(node);
+    const variable = node.name.replace(/\W+/g, "_").replace(/^(?=\d)/, "_");
+    const list = (numbers: number[]): string => numbers.map((number) => trim(number)).join(", ");
+    return `${variable}.translate(${list(position)})\n${variable}.rotate(${list(angles)})\n`;
+  }
+
+  private async copy(): Promise<void> {
+    if (!this.node) return;
+    const code = this.code(this.node);
+    try {
+      await navigator.clipboard.writeText(code);
+      this.toasts.show("The pose is on the clipboard.");
+    } catch {
+      // without a secure connection browsers keep the clipboard to themselves
+      this.toasts.show(code);
+    }
+  }
+
+  private update(): void {
+    if (!this.node || !this.place.isConnected) return;
+    const { position, angles } = poseOf(this.node);
+    this.place.textContent = position.map((value) => value.toFixed(3)).join(", ");
+    this.angles.textContent = angles.map((value) => value.toFixed(3)).join(", ");
+  }
+
+  /** Put a node somewhere, as a client would. */
+  async teleport(node: WorldNode, position: Vector3, turn: Quaternion): Promise<void> {
+    const answer = await this.connection.request({
+      type: "teleport",
+      node: node.name,
+      position: position.toArray(),
+      quaternion: [turn.w, turn.x, turn.y, turn.z],
+    });
+    if (!answer.ok) this.toasts.show(answer.error, "error");
+  }
+}
+
+function poseOf(node: WorldNode): { position: number[]; angles: number[] } {
+  const position = node.frame.getWorldPosition(new Vector3()).toArray();
+  const angles = new Euler().setFromQuaternion(node.frame.getWorldQuaternion(new Quaternion()), "ZYX");
+  return { position, angles: [angles.x, angles.y, angles.z] };
+}
+
+function trim(value: number): string {
+  return String(Number(value.toFixed(4)));
+}

@@ -1,0 +1,157 @@
+import type { App } from "../app";
+import { Layers } from "../layers/layers";
+import { h, iconButton } from "../ui/dom";
+import { icons } from "../ui/icons";
+import { theme, toggleTheme } from "../ui/theme";
+import { Highlight } from "../view/highlight";
+import { Mover } from "../view/mover";
+import type { WorldNode } from "../world/node";
+import { Capture } from "./capture";
+import { Help } from "./help";
+import { Images } from "./images";
+import { Inspector } from "./inspector";
+import { LinkBanner } from "./link";
+import { LogPanel } from "./log";
+import { ObjectPanel } from "./object";
+import { PlotsPanel } from "./plots";
+import { TreePanel } from "./tree";
+import { ViewMenu } from "./viewmenu";
+
+/** All panels, each in its place, and the keys that belong to them. */
+export class Panels {
+  readonly help: Help;
+  readonly capture: Capture;
+  readonly layers: Layers;
+  readonly images: Images;
+  readonly plots: PlotsPanel;
+  readonly object: ObjectPanel;
+  readonly mover: Mover;
+  readonly viewMenu: ViewMenu;
+  private readonly highlight: Highlight;
+
+  constructor(private readonly app: App) {
+    const { connection, stage, components, watching, follow, toasts, shell } = app;
+    this.help = new Help(app.shortcuts);
+    this.capture = new Capture(stage, toasts);
+    this.layers = new Layers(connection, stage, components, watching, app.world);
+    this.images = new Images(connection, components, watching);
+    this.plots = new PlotsPanel(components, watching, () => shell.open("bottom"));
+    this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
+    this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
+    this.mover.running = () => app.poses.value?.running ?? false;
+    app.navigation.claims = (event) => this.mover.claims(event);
+    this.viewMenu = new ViewMenu(stage, follow, components, this.layers);
+    this.highlight = new Highlight(stage);
+    const tree = new TreePanel(components, app.world, (name) => this.focus(name));
+    const inspector = new Inspector(
+      connection,
+      components,
+      watching,
+      app.seat.drives,
+      (name) => this.object.show(name, components.find(name)?.data.some((field) => field.name === "image") ?? false),
+      (component, field) => this.plots.plot(component, field),
+    );
+    shell.left.append(tree.element);
+    shell.right.append(inspector.element);
+    shell.bottom.append(this.plots.element, new LogPanel(connection, toasts).element);
+    shell.corner.append(this.images.element);
+    this.fillHeader();
+    shell.view.append(this.layers.names.element, new LinkBanner(connection).element, toasts.element);
+    document.body.append(this.help.element);
+    components.selected.watch((name) => shell.fill(name !== null));
+    components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
+    app.world.watch((world) => {
+      if (!world) return;
+      this.images.prefer(world.description.view.display_camera);
+      this.highlight.show(world.find(components.selected.value ?? ""));
+      this.mover.toggle(null);
+    });
+    this.addShortcuts();
+  }
+
+  private fillHeader(): void {
+    const { shell, clock, listener, seat, world } = this.app;
+    const scene = h("span", { class: "scene" });
+    world.watch((now) => (scene.textContent = now?.description.environment ?? ""));
+    const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
+    theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
+    shell.header.append(
+      shell.toggles.left,
+      h("div", { class: "brand" }, h("span", { class: "mark" }), h("b", {}, "MORSE"), scene),
+      clock.element,
+      h("div", { class: "space" }),
+      listener.element,
+      seat.element,
+      h(
+        "div",
+        { class: "tools" },
+        this.viewMenu.element,
+        ...this.capture.element.children,
+        shell.toggles.bottom,
+        themeButton,
+        iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
+        shell.toggles.right,
+      ),
+    );
+  }
+
+  private addShortcuts(): void {
+    const { app } = this;
+    const { shortcuts, clock, follow, connection } = app;
+    shortcuts.add("Time", ["p", "P"], "P", "play, pause", () => clock.toggle());
+    shortcuts.add("Time", ["."], ".", "one tick", () => clock.step());
+    shortcuts.add("Time", ["F11"], "F11", "reset everything", () => clock.reset());
+    shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => connection.send({ type: "toggle_capturing" }));
+    shortcuts.add("View", ["F7"], "F7", "stand near the next robot", () => this.nextRobot());
+    shortcuts.add("View", ["F8"], "F8", "where the script put the camera", () => this.goHome());
+    shortcuts.add("View", ["F9"], "F9", "next camera of the world", () => app.tell(`Camera: ${follow.nextCamera()}`));
+    shortcuts.add("View", ["1"], "1", "follow from behind", () => this.viewMenu.start("third"));
+    shortcuts.add("View", ["2"], "2", "ride on board", () => this.viewMenu.start("first"));
+    shortcuts.add("View", ["3"], "3", "follow from above", () => this.viewMenu.start("top"));
+    shortcuts.add("View", ["0"], "0", "stop following", () => this.viewMenu.start("free"));
+    shortcuts.add("View", ["c", "C"], "C", "bring what is selected into the picture", () => this.focus(app.components.selected.value));
+    shortcuts.add("View", ["v", "V"], "V", "what a robot's camera sees", () => this.toggleImage());
+    shortcuts.add("Page", ["m", "M"], "M", "move what is selected, or stop", () => this.move(this.selectedNode()));
+    shortcuts.add("Page", ["n", "N"], "N", "move: shift or turn", () => this.mover.turn());
+    shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
+    shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());
+    shortcuts.add("Page", ["h", "H", "?"], "H", "this list", () => this.help.toggle());
+  }
+
+  private selectedNode(): WorldNode | null {
+    return this.app.stage.world?.find(this.app.components.selected.value ?? "") ?? null;
+  }
+
+  private move(node: WorldNode | null): void {
+    if (!node && !this.mover.node.value) this.app.tell("Select something first: click it.");
+    else if (!this.app.seat.drives.value) this.app.tell("Only the page that drives can move things.");
+    else this.mover.toggle(node);
+  }
+
+  private focus(name: string | null): void {
+    const node = this.app.stage.world?.find(name ?? "");
+    this.app.follow.release();
+    if (node) this.app.follow.frameNode(node);
+  }
+
+  private nextRobot(): void {
+    const robot = this.app.follow.nextRobot();
+    this.app.tell(robot?.name ?? "There is no robot.");
+  }
+
+  private goHome(): void {
+    this.app.memory.forget();
+    this.app.follow.goHome();
+  }
+
+  private toggleImage(): void {
+    const selected = this.app.components.find(this.app.components.selected.value);
+    const camera = selected?.data.some(({ name }) => name === "image") ? selected.name : null;
+    if (this.images.toggle(camera) === null) this.app.tell("No robot has a camera.");
+  }
+
+  private escape(): void {
+    if (this.mover.node.value) this.mover.toggle(null);
+    else this.app.components.selected.set(null);
+  }
+}

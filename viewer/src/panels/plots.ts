@@ -1,0 +1,80 @@
+import "uplot/dist/uPlot.min.css";
+import type { Components } from "../model/components";
+import type { Watching } from "../model/watching";
+import { h } from "../ui/dom";
+import { FIELD } from "./inspector";
+import type { Curve } from "./plot";
+import { Plot } from "./plot";
+import { numbersIn } from "./values";
+
+/** The plots, side by side; a field that is dropped makes a new one or joins one. */
+export class PlotsPanel {
+  readonly element = h("section", { class: "plots", "aria-label": "plots" });
+  readonly plots: Plot[] = [];
+  private readonly hint = h("p", { class: "drop quiet" }, "Drop a field of the inspector here to plot it.");
+
+  constructor(
+    private readonly components: Components,
+    private readonly watching: Watching,
+    private readonly onFirst: () => void,
+  ) {
+    this.element.append(this.hint);
+    this.accept(this.element, null);
+    components.onValues((name, { time, data }) => {
+      for (const plot of this.plots) plot.take(name, time, data);
+    });
+    setInterval(() => {
+      for (const plot of this.plots) plot.draw();
+    }, 100);
+  }
+
+  /** Plot all numbers of a field, in a plot of its own or in one that is there. */
+  plot(component: string, field: string, into: Plot | null = null): void {
+    const curves = this.curvesOf(component, field);
+    if (curves.length === 0) return;
+    const plot = into ?? this.create();
+    for (const curve of curves) plot.add(curve);
+    this.tell();
+    this.onFirst();
+  }
+
+  private create(): Plot {
+    const plot = new Plot();
+    plot.onEmpty = () => {
+      plot.dispose();
+      this.plots.splice(this.plots.indexOf(plot), 1);
+      this.tell();
+    };
+    this.accept(plot.element, plot);
+    this.plots.push(plot);
+    this.element.insertBefore(plot.element, this.hint);
+    return plot;
+  }
+
+  private curvesOf(component: string, field: string): Curve[] {
+    const data = this.components.valuesOf(component)?.data;
+    const unit = this.components.find(component)?.data.find(({ name }) => name === field)?.unit ?? "";
+    return numbersIn(data?.[field], [field]).map(([path]) => ({ component, path, unit }));
+  }
+
+  private accept(element: HTMLElement, plot: Plot | null): void {
+    element.addEventListener("dragover", (event) => {
+      if (!event.dataTransfer?.types.includes(FIELD)) return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
+    element.addEventListener("drop", (event) => {
+      const dropped = event.dataTransfer?.getData(FIELD);
+      if (!dropped) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const [component, field] = JSON.parse(dropped) as [string, string];
+      this.plot(component, field, plot);
+    });
+  }
+
+  private tell(): void {
+    this.hint.hidden = this.plots.length > 0;
+    this.watching.set("values", "plots", [...new Set(this.plots.flatMap(({ curves }) => curves.map(({ component }) => component)))]);
+  }
+}

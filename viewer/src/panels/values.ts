@@ -1,0 +1,63 @@
+/** A value as people read it; numbers to the precision that matters. */
+export function format(value: unknown): string {
+  if (typeof value === "number") return formatNumber(value);
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (value === null || value === undefined) return "–";
+  if (typeof value === "string") return value;
+  if (Array.isArray(value)) {
+    if (value.length > 8) return `${value.length} values`;
+    return value.map(format).join(", ");
+  }
+  if (typeof value === "object") {
+    const entries = Object.entries(value);
+    return entries.length > 6 ? `${entries.length} entries` : entries.map(([name, part]) => `${name}: ${format(part)}`).join(", ");
+  }
+  return String(value);
+}
+
+function formatNumber(value: number): string {
+  if (Number.isInteger(value)) return String(value);
+  const size = Math.abs(value);
+  return size !== 0 && (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
+}
+
+/** The numbers in a value, each with its place in it: x, 0, position.1 */
+export function numbersIn(value: unknown, path: string[] = []): [string, number][] {
+  if (typeof value === "number") return [[path.join("."), value]];
+  if (typeof value === "boolean") return [[path.join("."), value ? 1 : 0]];
+  if (value === null || typeof value !== "object" || path.length > 3) return [];
+  const entries = Object.entries(value);
+  return entries.length > 16 ? [] : entries.flatMap(([name, part]) => numbersIn(part, [...path, name]));
+}
+
+/** The number at a place in a value. */
+export function numberAt(value: unknown, path: string): number | null {
+  let part: unknown = value;
+  for (const name of path.split(".")) {
+    if (part === null || typeof part !== "object") return null;
+    part = Reflect.get(part, name);
+  }
+  return typeof part === "number" ? part : typeof part === "boolean" ? Number(part) : null;
+}
+
+/** What a person typed, as the type that a component declares it to have; a wrong one is refused there. */
+export function parse(text: string, type: string): unknown {
+  const trimmed = text.trim();
+  if (/^str/.test(type)) return text;
+  const python = trimmed.replace(/\bTrue\b/g, "true").replace(/\bFalse\b/g, "false").replace(/\bNone\b/g, "null");
+  try {
+    return JSON.parse(python);
+  } catch {
+    try {
+      // tuples and quotes as Python writes them
+      return JSON.parse(python.replace(/'/g, '"').replace(/\(/g, "[").replace(/\)/g, "]"));
+    } catch {
+      return text;
+    }
+  }
+}
+
+/** A value as it is typed. */
+export function write(value: unknown): string {
+  return typeof value === "string" ? value : JSON.stringify(value);
+}

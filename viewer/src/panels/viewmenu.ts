@@ -1,0 +1,75 @@
+import type { Layers } from "../layers/layers";
+import type { Components } from "../model/components";
+import { h } from "../ui/dom";
+import { icons } from "../ui/icons";
+import type { Follow, FollowMode, Preset } from "../view/follow";
+import type { Stage } from "../view/stage";
+import type { WorldNode } from "../world/node";
+
+const MODES: [FollowMode, string, string][] = [
+  ["free", "free", "0"],
+  ["third", "behind", "1"],
+  ["first", "on board", "2"],
+  ["top", "from above", "3"],
+];
+const SIDES: [Preset, string][] = [
+  ["front", "front"],
+  ["side", "side"],
+  ["top", "top"],
+  ["corner", "corner"],
+];
+
+/** Where the view is from, and what is drawn over the world. */
+export class ViewMenu {
+  readonly element: HTMLDetailsElement;
+  private readonly modes = new Map<FollowMode, HTMLButtonElement>();
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly follow: Follow,
+    private readonly components: Components,
+    layers: Layers,
+  ) {
+    const summary = h("summary", { title: "view", "aria-label": "view" });
+    summary.innerHTML = icons.eye;
+    const modes = MODES.map(([mode, label, key]) => {
+      const button = h("button", { type: "button", title: key, onclick: () => this.start(mode) }, label);
+      this.modes.set(mode, button);
+      return button;
+    });
+    const sides = SIDES.map(([preset, label]) => h("button", { type: "button", onclick: () => this.look(preset) }, label));
+    const popup = h(
+      "div",
+      { class: "popup" },
+      h("fieldset", {}, h("legend", {}, "follow"), h("div", { class: "choice" }, ...modes)),
+      h("fieldset", {}, h("legend", {}, "look from"), h("div", { class: "choice" }, ...sides)),
+      layers.element,
+    );
+    this.element = h("details", { class: "menu" }, summary, popup);
+    follow.mode.watch((now) => this.modes.forEach((button, mode) => button.setAttribute("aria-pressed", String(mode === now))));
+    addEventListener("pointerdown", (event) => !this.element.contains(event.target as Node) && (this.element.open = false));
+    this.element.addEventListener("keydown", (event) => event.key === "Escape" && (this.element.open = false));
+  }
+
+  /** Follow the selected object, or else a robot. */
+  start(mode: FollowMode): void {
+    const node = this.node();
+    if (mode === "free" || !node) this.follow.release();
+    else this.follow.start(mode, node);
+  }
+
+  look(preset: Preset): void {
+    const node = this.node();
+    this.follow.release();
+    if (node) this.follow.frameNode(node, preset);
+  }
+
+  private node(): WorldNode | null {
+    const { world } = this.stage;
+    const selected = this.components.selected.value;
+    const robot = this.components.robotOf(selected);
+    return (
+      world?.find(robot ?? selected ?? "") ?? world?.nodes.find(({ description }) => description.kind.includes("robot")) ?? world?.nodes[0] ?? null
+    );
+  }
+}
