@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 DATA = Path(morse.__file__).parent / "data"
 #: bounding boxes are those of 1.4 to a centimetre; the recorded positions have three digits
 SIZE, PLACE, ANGLE = 0.011, 0.006, 0.006
+#: names of shapes that only physics sees
+COLLIDER = re.compile(r"_bb|^BB_|_bound|_collision$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -131,10 +134,10 @@ def test_file_is_complete_and_says_nothing_of_its_maker(name: str) -> None:
 def test_hidden_shapes_are_only_those_for_collisions(name: str) -> None:
     hidden = [node for node in nodes(name).values() if not node.visible]
     for node in hidden:
-        assert "_bb" in node.name or node.name.endswith(("_collision", "_bound", "_COLLISION")), node.name
+        assert COLLIDER.search(node.name), node.name
         assert node.body.collides
     for node in nodes(name).values():
-        if node.mesh is not None and "_bb" in node.name:
+        if node.mesh is not None and COLLIDER.search(node.name):
             assert not node.visible, f"{node.name} would be seen"
 
 

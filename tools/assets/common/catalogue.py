@@ -203,6 +203,14 @@ PIECES: dict[str, Any] = {
 }  # fmt: skip
 
 
+#: pieces that collide as one simple shape; the boards of the others are shapes of their own
+SOLID = {
+    "box": ("IKEA_carpet", "IKEA_chest", "IKEA_cupboard", "cupboard", "office_drawer_block"),
+    "convex": ("IKEA_sofa", "IKEA_armchair", "IKEA_bed", "IKEA_Plant", "IKEA_chair_PELLO",
+        "IKEA_lamp", "IKEA_RUTBO", "basic_pillow"),
+}  # fmt: skip
+
+
 def catalogue_stock() -> Stock:
     """A stock with the materials that only the catalogue uses."""
     stock = Stock()
@@ -225,8 +233,10 @@ def furniture(
 
     Args:
         size: of the bounding box in the object's own frame, as is ``centre``.
-        collision: without one, the pieces that it is made of collide.
+        collision: its shape; the catalogue decides if it is not given.
     """
+    if not collision:
+        collision = next((shape for shape, stems in SOLID.items() if name.startswith(stems)), "")
     stem = max((stem for stem in PIECES if name.startswith(stem)), key=len)
     tilted = bool(turned[0] or turned[1])
     frame = np.abs(rotation(*np.degrees(turned))) if tilted else np.eye(3)

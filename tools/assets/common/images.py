@@ -26,5 +26,5 @@ def packed(name: str, pixels: np.ndarray) -> bpy.types.Image:
         image.reload()
         image.pack()
     # the file must not remember the machine that made it
-    image.filepath = image.packed_files[0].filepath = f"//textures/{name}"
+    image.filepath_raw = image.packed_files[0].filepath = f"//textures/{name}"
     return image

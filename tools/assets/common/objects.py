@@ -34,6 +34,15 @@ def empty(name: str, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: ob
     return _place(result, at, turned, **options)
 
 
+def instance(
+    source: bpy.types.Collection, name: str, at: Triple, turned: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
+    """An empty that stands for all objects of a collection."""
+    result = bpy.data.objects.new(name, None)
+    result.instance_type, result.instance_collection = "COLLECTION", source
+    return _place(result, at, turned, **options)
+
+
 def solid(
     name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object
 ) -> bpy.types.Object:
@@ -55,6 +64,13 @@ def solid(
     if mesh.validate():
         raise ValueError(f"the mesh of '{name}' has degenerate or double faces")
     return _place(bpy.data.objects.new(name, mesh), at, turned, **options)
+
+
+def twin(
+    original: bpy.types.Object, name: str, at: Triple, turned: Triple = ORIGIN, **options: object
+) -> bpy.types.Object:
+    """Another object that shows the same mesh."""
+    return _place(bpy.data.objects.new(name, original.data), at, turned, **options)
 
 
 def hidden_shape(

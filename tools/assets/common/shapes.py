@@ -179,7 +179,13 @@ def tube(
         side /= np.linalg.norm(side)
         up = np.cross(tangent, side)
         rings.append(centre + max(r, 0.0) * (np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * up))
-    return welded(np.concatenate(rings), _tube_faces(len(rings), columns))
+    part = welded(np.concatenate(rings), _tube_faces(len(rings), columns))
+    if round_ends:
+        return part
+    # flat ends with corners of their own, so that the edge stays sharp
+    count = len(part.vertices)
+    ends = [tuple(range(count + columns - 1, count - 1, -1)), tuple(range(count + columns, count + 2 * columns))]
+    return Part(np.concatenate([part.vertices, rings[0], rings[-1]]), [*part.faces, *ends])
 
 
 def prism(outline: Sequence[tuple[float, float]], height: float) -> Part:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from common.parts import Part
-from common.shapes import box, cylinder, lathe, torus, tube
+from common.shapes import box, cylinder, lathe, tube
 
 if TYPE_CHECKING:
     from common.stock import Stock
@@ -128,17 +128,21 @@ def drawer_block(stock: Stock, w: float, d: float, h: float, rows: int = 3) -> l
 
 
 def bin_of_pieces(stock: Stock, radius: float, height: float, paint: str, segments: int = 12) -> list[Part]:
-    """An open bin; each piece of its wall is convex, so that things really fall in."""
-    half = np.pi / segments
-    parts = [
-        lathe([(0, 0), (radius * 0.82, 0.0), (radius * 0.83, 0.012), (0, 0.012)], segments * 2).painted(stock[paint])
-    ]
-    for k in range(segments):
-        corners = []
-        for z, outer in ((0.0, 0.82), (height, 1.0)):
-            for r in (outer * radius, (outer - 0.06) * radius):
-                corners += [(r * np.cos(a), r * np.sin(a), z) for a in (-half, half)]
-        faces = [(0, 1, 5, 4), (3, 2, 6, 7), (4, 5, 7, 6), (1, 0, 2, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-        parts.append(Part(np.array(corners), faces, stock[paint], smooth=False).turned(z=360 * k / segments))
-    rim = torus(radius * 0.985, radius * 0.035, segments * 2, 6).moved(z=height - radius * 0.035)
-    return [*parts, rim.painted(stock["white"])]
+    """An open bin with a white rim; each piece of its wall is convex, so that things really fall in."""
+    floor = [(0, 0), (radius * 0.82, 0.0), (radius * 0.83, 0.012), (0, 0.012)]
+    parts = [lathe(floor, segments * 2).painted(stock[paint])]
+    for low, high, color in ((0.0, 0.9, paint), (0.9, 1.0, "white")):
+        piece = wall_piece(radius, height, low, high, np.pi / segments).painted(stock[color])
+        parts += [piece.turned(z=360 * k / segments) for k in range(segments)]
+    return parts
+
+
+def wall_piece(radius: float, height: float, low: float, high: float, half_angle: float) -> Part:
+    """A sector of the wall of a bin that widens upwards, between two shares of its height."""
+    corners = []
+    for share in (low, high):
+        outer = (0.82 + 0.18 * share) * radius
+        for r in (outer, outer - 0.06 * radius):
+            corners += [(r * np.cos(a), r * np.sin(a), share * height) for a in (-half_angle, half_angle)]
+    faces = [(0, 1, 5, 4), (3, 2, 6, 7), (4, 5, 7, 6), (1, 0, 2, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return Part(np.array(corners), faces, smooth=False)

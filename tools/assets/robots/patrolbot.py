@@ -88,14 +88,22 @@ def casters(root, rubber, steel, rigid) -> None:
         fork = [box(0.03, 0.004, 0.07, 0.001).moved(0, s * 0.0195, 0) for s in (1, -1)]
         fork.append(cylinder(0.025, 0.012, 0.002, 20).moved(z=0.034))
         swivels[name] = exact(
-            name, [p.painted(steel) for p in fork], (0.05, 0.043, 0.081), centre, at, parent=root, **rigid
+            name,
+            [p.painted(steel) for p in fork],
+            (0.05, 0.043, 0.081),
+            centre,
+            at,
+            parent=root,
+            collision="convex",
+            **rigid,
         )
-    for name, parent, at, size, shape in (
-        ("CasterWheel", root, (0.17, 0.005, 0.032), (0.072, 0.072, 0.029), {"collision": "cylinder"}),
-        ("CasterWheel_L", swivels["Swivel_R"], (-0.193, 0.163, 0.037), (0.075, 0.075, 0.03), {}),
-        ("CasterWheel_R", swivels["Swivel_L"], (-0.194, -0.164, 0.036), (0.076, 0.076, 0.03), {}),
+    for name, parent, at, size in (
+        ("CasterWheel", root, (0.17, 0.005, 0.032), (0.072, 0.072, 0.029)),
+        ("CasterWheel_L", swivels["Swivel_R"], (-0.193, 0.163, 0.037), (0.075, 0.075, 0.03)),
+        ("CasterWheel_R", swivels["Swivel_L"], (-0.194, -0.164, 0.036), (0.076, 0.076, 0.03)),
     ):
-        exact(name, caster(0.037, 0.029, rubber, steel), size, (0, 0, 0), at, AXLE, parent=parent, **rigid, **shape)
+        wheel = caster(0.037, 0.029, rubber, steel)
+        exact(name, wheel, size, (0, 0, 0), at, AXLE, parent=parent, collision="cylinder", **rigid)
 
 
 def body(cream, black) -> list:

@@ -50,6 +50,7 @@ def build() -> None:
             at,
             parent=root,
             physics_type="STATIC",
+            collision="box",
         )
     boom = [
         cylinder(0.005, 0.6, 0.001, 12).painted(steel),

@@ -1,0 +1,62 @@
+"""What the outdoor worlds share: the ground and the town."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from common.images import packed
+from common.materials import material
+from common.objects import empty, exact
+from common.parts import rotation
+from common.terrain import Terrain
+from common.textures import speckle
+from common.town import Masonry, house
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from common.objects import Triple
+
+GROUND_AT = (0.02, -0.551, 0.0)
+TOWN_TURN = -1.11
+CELL = 6.0  # metres
+
+
+def ground(level: Sequence[Triple], dip: float, rise: float, town_level: float, town_at: Triple, seed: int) -> Terrain:
+    """Land of 121 x 148 m, ``dip`` to ``rise`` high, that reaches the given heights and carries the town."""
+    low, high = np.array([-60.458, -74.524]), np.array([60.542, 73.476])
+    frame = rotation(0, 0, np.degrees(TOWN_TURN))[:2, :2]
+    corners = [(x, y) for x in (-21, -14, -7, 0, 7, 14, 21) for y in (-34, -28, -21, -14, -7, 0, 7, 14, 21, 28, 34)]
+    below = [(*(frame @ np.array(c) + np.array(town_at[:2])), town_level + 0.08) for c in corners]
+    here = [p for p in below if all(np.hypot(p[0] - q[0], p[1] - q[1]) > 7 for q in level)]
+    terrain = Terrain(low, high, rise, [*level, *here], seed)
+    picture = packed("grass.jpg", speckle(512, "#6c9a4b", "#93b866", 61, coarse=4.0))
+    paint = material("Grass", "#83ac5b", 0.95, image=picture)
+    land = terrain.part(CELL, paint, 7.0).moved(-GROUND_AT[0], -GROUND_AT[1])
+    heights = land.vertices[:, 2]
+    heights[np.argmax(heights)] = rise
+    away = np.where(heights == 0.0, np.hypot(land.vertices[:, 0], land.vertices[:, 1]), 0.0)
+    heights[np.argmax(away)] = dip  # one hollow, far from everything
+    size, middle = (121.0, 148.0, rise - dip), (0.022, 0.027, (rise + dip) / 2)
+    exact("Ground", [land], size, middle, GROUND_AT, physics_type="STATIC", collision="mesh")
+    return terrain
+
+
+def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: Sequence[Triple]) -> None:
+    """Houses along two streets; none stands where a tree does, or where the land falls away below it."""
+    still = {"physics_type": "STATIC"}
+    root = empty("Buildings", (10.2, 0.867, -10.3), **still)
+    masonry = Masonry.make()
+    frame, foot = rotation(0, 0, np.degrees(TOWN_TURN))[:2, :2], at[2] + centre[2] - size[2] / 2
+    trees = [frame.T @ (np.array(place[:2]) - np.array(at[:2])) for place in keep_free]
+    parts = []
+    for number, (x, y) in enumerate((x, y) for x in (-15.0, 15.0) for y in (-28.0, -14.0, 0.0, 14.0, 28.0)):
+        width, depth = 12.0, 12.0 if number % 5 in (0, 4) else 9.0
+        corners = np.array([(x + u * width / 2, y + v * depth / 2) for u in (-1, 1) for v in (-1, 1)])
+        land = terrain(corners @ frame.T + np.array(at[:2]))
+        free = all(abs(u - x) > width / 2 + 2.3 or abs(v - y) > depth / 2 + 2.3 for u, v in trees)
+        if free and land.min() > foot - 0.1:
+            parts += [p.moved(x, y) for p in house(masonry, width, depth, 2 + number % 2, number)]
+    exact("City.3", parts, size, centre, at, (0, 0, TOWN_TURN), parent=root, collision="mesh", **still)

@@ -1,0 +1,88 @@
+"""A small town of plain houses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from common.colors import srgb
+from common.images import packed
+from common.materials import material
+from common.parts import Part
+from common.shapes import box
+from common.textures import speckle
+
+if TYPE_CHECKING:
+    import bpy
+
+STOREY = 3.0  # metres: one picture covers one window, so wide and so high
+FACADES = (
+    ("Facade Cream", "#efe3c6"),
+    ("Facade Rose", "#e0a08c"),
+    ("Facade Blue", "#9fbdd0"),
+    ("Facade Sand", "#dcc08a"),
+)
+
+
+@dataclass
+class Masonry:
+    facades: list[bpy.types.Material]
+    roof: bpy.types.Material
+    chimney: bpy.types.Material
+
+    @classmethod
+    def make(cls) -> Masonry:
+        facades = [
+            material(name, color, 0.9, image=packed(f"{name.lower().replace(' ', '_')}.png", facade(color)))
+            for name, color in FACADES
+        ]
+        return cls(facades, material("Roof", "#a5503a", 0.85), material("Chimney", "#6d5a52", 0.9))
+
+
+def facade(color: str, size: int = 128) -> np.ndarray:
+    """A wall with one window."""
+    picture = speckle(size, color, color, 3) * 0.0 + srgb(color)
+    picture = picture * (1 + 0.03 * np.sin(np.arange(size) * 0.8))[:, None, None]
+    top, bottom, left, right = (int(size * f) for f in (0.25, 0.72, 0.30, 0.70))
+    picture[top - 4 : bottom + 6, left - 4 : right + 4] = srgb("#fbf8ef")
+    sky = np.linspace(0.0, 1.0, bottom - top)[:, None, None]
+    picture[top:bottom, left:right] = srgb("#5d7f96") * (1 - sky) + srgb("#35505f") * sky
+    middle = (left + right) // 2
+    picture[top:bottom, middle - 1 : middle + 2] = picture[
+        (top + bottom) // 2 - 1 : (top + bottom) // 2 + 2, left:right
+    ] = srgb("#fbf8ef")
+    picture[bottom + 2 : bottom + 7, left - 8 : right + 8] = srgb("#c9bfa8")
+    return np.round(picture * 40) / 40
+
+
+def house(masonry: Masonry, x: float, y: float, storeys: int, look: int) -> list[Part]:
+    """A house of about x times y metres on z=0 with a gable roof along its longer side."""
+    x, y = (max(round(v / STOREY), 2) * STOREY for v in (x, y))
+    height = storeys * STOREY
+    walls = wall_box(x, y, height).painted(masonry.facades[look % len(masonry.facades)])
+    along = x >= y
+    span, run = (y, x) if along else (x, y)
+    rise, eave = span * 0.30, 0.5
+    ridge = [(-run / 2 - eave, 0, rise), (run / 2 + eave, 0, rise)]
+    foot = -eave * rise / (span / 2)
+    low = [(s * (run / 2 + eave), t * (span / 2 + eave), foot) for t in (-1, 1) for s in (-1, 1)]
+    vertices = np.array([*ridge, *low])
+    roof = Part(vertices, [(2, 3, 1, 0), (5, 4, 0, 1), (4, 2, 0), (3, 5, 1), (2, 4, 5, 3)], masonry.roof, smooth=False)
+    chimney = box(0.7, 0.7, 1.6).moved(run * 0.25, span * 0.18, rise * 0.85).painted(masonry.chimney)
+    top = [p if along else p.turned(z=90) for p in (roof, chimney)]
+    return [walls, *(p.moved(z=height) for p in top)]
+
+
+def wall_box(x: float, y: float, height: float) -> Part:
+    """A box on z=0 whose pictures start at the corners of each wall."""
+    part = box(x, y, height).moved(z=height / 2)
+    uvs = []
+    for face in part.faces:
+        corners = part.vertices[list(face)]
+        extent = np.ptp(corners, axis=0)
+        along = 0 if extent[0] > 1e-6 else 1
+        uv = np.column_stack([corners[:, along] - corners[:, along].min(), corners[:, 2]])
+        uvs.append(np.zeros_like(uv) if extent[2] < 1e-6 else uv / STOREY)
+    return Part(part.vertices, part.faces, uvs=uvs, smooth=False)
