@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import logging
+import os
 import threading
 import time as _time
 import weakref
@@ -27,6 +28,7 @@ logger = logging.getLogger("pymorse")
 
 PORTS = range(4000, 4010)
 """Where simulations offer their services: the first takes the first of these, the second the second, ..."""
+_PORT_VARIABLE = "MORSE_SOCKET_PORT"
 _PARTING_TIMEOUT = 1.0
 
 
@@ -42,7 +44,8 @@ class Morse:
 
     Args:
         host: name or address of the machine of the simulation.
-        port: TCP port of its services; the simulation prints it when it is not 4000.
+        port: TCP port of its services, which the simulation prints; if it is not given, the
+            environment variable ``MORSE_SOCKET_PORT`` tells it to both sides, or it is 4000.
 
     Attributes:
         robots: names of the robots.
@@ -51,9 +54,9 @@ class Morse:
         ConnectionError: no simulation there.
     """
 
-    def __init__(self, host: str = "localhost", port: int = PORTS[0]) -> None:
+    def __init__(self, host: str = "localhost", port: int | None = None) -> None:
         self.host = host
-        self.port = port
+        self.port = port = _default_port() if port is None else port
         self.robots: list[str] = []
         self._robots: dict[str, Robot] = {}
         self._closed = False
@@ -261,6 +264,13 @@ class Morse:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close(cancel_async_services=kind is not None)
+
+
+def _default_port() -> int:
+    text = os.environ.get(_PORT_VARIABLE, "")
+    if not text.isdecimal():
+        return PORTS[0]
+    return int(text) or PORTS[0]
 
 
 def _greet(host: str, port: int, poller: Poller) -> ServiceConnection:

@@ -146,8 +146,17 @@ def test_any_message_leaves_the_data_of_the_right_kind(message: dict[str, object
     assert len(data["target"]) >= 3
 
 
-def test_the_kinds_of_a_component_are_those_it_declares(bench: Bench) -> None:
+def test_a_field_that_holds_nothing_yet_takes_what_it_declares(bench: Bench) -> None:
     motion = bench.actuator(port=0)
     motion.local_data["v"] = None
     with pytest.raises(WrongMessage):
         Fields(motion).merge({"v": "fast"})
+
+
+def test_what_a_field_holds_counts_more_than_its_default(bench: Bench) -> None:
+    motion = bench.actuator(port=0)
+    motion.local_data["mode"] = 1.5
+    Fields(motion).merge({"mode": 2.5})
+    assert motion.local_data["mode"] == 2.5
+    with pytest.raises(WrongMessage):
+        Fields(motion).merge({"mode": "fast"})

@@ -42,7 +42,11 @@ class Fields:
     def __init__(self, component: Object) -> None:
         self._component = component
         declared = {name: field.default for name, field in data_fields(type(component)).items()}
-        self._checks = {name: _check_for(declared.get(name, value)) for name, value in component.local_data.items()}
+        # what a field holds says more than its default, which may be a text such as "initial position"
+        self._checks = {
+            name: _check_for(declared.get(name) if value is None else value)
+            for name, value in component.local_data.items()
+        }
         self._extra: set[str] = set()
 
     def merge(self, message: Any) -> str | None:

@@ -55,7 +55,8 @@ class TimeSync:
                 if not self._released:
                     self._state.wait(_SLICE)
                 if self._released:
-                    break
+                    self._released = False
+                    return
             self._context.services.process()
         with self._state:
             self._released = False

@@ -1,0 +1,120 @@
+"""Reads the log of a simulation while it is being written."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections import deque
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+    from typing import TextIO
+
+INITIALIZED = "SCENE INITIALIZED"
+EXITING = "EXITING SIMULATION"
+ERROR = "[ERROR][MORSE]"
+FAILED = "INITIALIZATION ERROR"
+_PORT = re.compile(r"services are on port (\d+)")
+_PERIOD = 0.02
+_TAIL = 40
+
+
+def _never() -> bool:
+    return False
+
+
+def follow(file: TextIO, ended: Callable[[], bool] = _never) -> Iterator[str]:
+    """The lines of a file, as they are written to it.
+
+    Args:
+        ended: whether nothing more will be written; without it, the lines never end.
+    """
+    partial = ""
+    while True:
+        last = ended()
+        if chunk := file.readline():
+            partial += chunk
+            if partial.endswith("\n"):
+                yield partial
+                partial = ""
+        elif last:
+            if partial:
+                yield partial
+            return
+        else:
+            time.sleep(_PERIOD)
+
+
+class LogWatch(threading.Thread):
+    """Follows the log of a simulation and takes note of what it says.
+
+    Args:
+        path: of the log.
+        ended: whether the process has ended.
+        on_error: called with the first line that reports an error after the start.
+
+    Attributes:
+        pid: process id of the simulation, once it has said so.
+        port: of its services, once it has said so.
+        error: the first line that reports an error.
+        initialized: it has begun to run.
+        tail: the last lines.
+    """
+
+    def __init__(self, path: Path, ended: Callable[[], bool], on_error: Callable[[str], None]) -> None:
+        super().__init__(name=f"log of {path.name}", daemon=True)
+        self._path = path
+        self._ended = ended
+        self._on_error = on_error
+        self._change = threading.Condition()
+        self.pid: int | None = None
+        self.port: int | None = None
+        self.error: str | None = None
+        self.initialized = False
+        self.over = False
+        self.tail: deque[str] = deque(maxlen=_TAIL)
+
+    def run(self) -> None:
+        """Read until the process has ended and everything it wrote has been read."""
+        with self._path.open(encoding="utf-8", errors="replace") as log:
+            for line in follow(log, self._ended):
+                self._read(line.rstrip("\n"))
+        with self._change:
+            self.over = True
+            self._change.notify_all()
+
+    def _read(self, line: str) -> None:
+        with self._change:
+            self.tail.append(line)
+            if self.pid is None and "PID" in line:
+                last = line.split()[-1]
+                self.pid = int(last) if last.isdecimal() else None
+            if match := _PORT.search(line):
+                self.port = int(match[1])
+            if INITIALIZED in line:
+                self.initialized = True
+            is_error = self.error is None and (ERROR in line or FAILED in line)
+            if is_error:
+                self.error = line
+            running = self.initialized
+            self._change.notify_all()
+        if is_error and running:
+            self._on_error(line)
+
+    def wait(self, condition: Callable[[], bool], timeout: float) -> bool:
+        """Wait until ``condition()``, or until there is nothing more to wait for; its last value."""
+        deadline = time.monotonic() + timeout
+        with self._change:
+            while not condition() and not self.over:
+                left = deadline - time.monotonic()
+                if left <= 0:
+                    break
+                self._change.wait(min(left, 0.5))
+            return condition()
+
+    def excerpt(self) -> str:
+        """The last lines of the log, indented."""
+        return "\n".join(f"    {line}" for line in self.tail) or "    (the log is empty)"

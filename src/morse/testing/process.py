@@ -1,0 +1,169 @@
+"""Runs a simulation in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.testing.exceptions import MorseTestingError
+from morse.testing.follow import EXITING, LogWatch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+#: the environment variable by which simulations and clients agree on a port
+PORT_VARIABLE = "MORSE_SOCKET_PORT"
+START_TIMEOUT = 30.0
+_END_TIMEOUT = 10.0
+_KILL_TIMEOUT = 5.0
+_SOURCES = Path(__file__).resolve().parents[2]
+
+
+def _ignore(_: str) -> None: ...
+
+
+class SimulationProcess:
+    """A simulation that runs a scene script, and writes its log to a file.
+
+    Args:
+        script: path of the scene script.
+        log: path of the log; overwritten.
+        port: wanted for its services; 0 for any free one.
+        options: of ``morse run``.
+        on_error: called with the line if the log reports an error while the simulation runs.
+    """
+
+    def __init__(
+        self,
+        script: Path,
+        log: Path,
+        *,
+        port: int = 0,
+        options: Sequence[str] = ("--headless",),
+        on_error: Callable[[str], None] = _ignore,
+    ) -> None:
+        self.log = log
+        environment = {**os.environ, PORT_VARIABLE: str(port)}
+        # the tests may run from a source tree that is not installed
+        paths = [str(_SOURCES), *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment["PYTHONPATH"] = os.pathsep.join(paths)
+        with log.open("wb") as output:
+            self._process = subprocess.Popen(
+                [*_morse(), "run", *options, str(script)],
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=environment,
+            )
+        self.watch = LogWatch(log, lambda: self._process.poll() is not None, on_error)
+        self.watch.start()
+
+    @property
+    def pid(self) -> int:
+        """Process id of the simulation."""
+        return self.watch.pid or self._process.pid
+
+    @property
+    def port(self) -> int:
+        """TCP port of its services.
+
+        Raises:
+            MorseTestingError: it has not said so.
+        """
+        if self.watch.port is None:
+            raise MorseTestingError(f"the simulation did not say on which port its services are ({self.log})")
+        return self.watch.port
+
+    def wait_initialized(self, timeout: float = START_TIMEOUT) -> None:
+        """Wait until it runs.
+
+        Raises:
+            MorseTestingError: it reported an error, ended, or takes too long; it is stopped then.
+        """
+        if self.watch.wait(lambda: self.watch.initialized or self.watch.error is not None, timeout):
+            if self.watch.error is None:
+                return
+            what = f"the simulation did not start: {self.watch.error}"
+        elif self._process.poll() is not None:
+            what = f"the simulation ended while it was loaded, with status {self._process.returncode}"
+        else:
+            what = f"the simulation did not start within {timeout:g} s"
+        self.kill()
+        raise self._failure(what)
+
+    def wait_refused(self, timeout: float = START_TIMEOUT) -> str:
+        """Wait until it reports an error in its scene, and return that line.
+
+        Raises:
+            MorseTestingError: it started, ended without an error, or takes too long.
+        """
+        self.watch.wait(lambda: self.watch.initialized or self.watch.error is not None, timeout)
+        if self.watch.error is None:
+            self.kill()
+            raise self._failure("an error in the scene was expected, and none was reported")
+        self.watch.join(_END_TIMEOUT)
+        self.kill()
+        return self.watch.error
+
+    def stop(self) -> None:
+        """End it, by its service if that answers, and wait for the end.
+
+        Raises:
+            MorseTestingError: it had to be killed, or it had failed.
+        """
+        asked = self._process.poll() is not None or self._ask_to_quit()
+        if asked:
+            self.watch.join(_END_TIMEOUT)
+        if self._process.poll() is None:
+            self.kill()
+            raise self._failure("the simulation did not end when it was told to, and was killed")
+        status = self._process.returncode
+        ended_well = any(EXITING in line for line in self.watch.tail)
+        if status or not ended_well:
+            raise self._failure(f"the simulation broke off, with status {status}")
+
+    def _ask_to_quit(self) -> bool:
+        try:
+            with socket.create_connection(("127.0.0.1", self.port), timeout=_KILL_TIMEOUT) as connection:
+                connection.sendall(b"id1 simulation quit\n")
+        except (OSError, MorseTestingError):
+            return False
+        return True
+
+    def kill(self) -> None:
+        """End it by force, gently at first."""
+        for end in (self._process.terminate, self._process.kill):
+            if self._process.poll() is None:
+                end()
+                try:
+                    self._process.wait(_KILL_TIMEOUT)
+                except subprocess.TimeoutExpired:
+                    continue
+        self.watch.join(_KILL_TIMEOUT)
+
+    def _failure(self, what: str) -> MorseTestingError:
+        return MorseTestingError(f"{what}\nThe end of {self.log}:\n{self.watch.excerpt()}")
+
+
+def _morse() -> list[str]:
+    root = os.environ.get("MORSE_ROOT")
+    if root is not None and (command := Path(root) / "bin" / "morse").is_file():
+        return [str(command)]
+    return [sys.executable, "-c", "from morse.cli import main; main()"]
+
+
+def preferred_port(wanted: int) -> int:
+    """``wanted`` if nothing listens on it, else 0, which stands for any free port."""
+    with socket.socket() as probe:
+        if os.name == "posix":
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", wanted))
+            probe.listen()
+        except OSError:
+            return 0
+    return wanted

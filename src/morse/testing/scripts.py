@@ -1,0 +1,87 @@
+"""Scene scripts from the functions of tests."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import sys
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.testing.exceptions import MorseTestingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_IMPORTS = """\
+from morse.builder import *
+from morse.builder.actuators import *
+from morse.builder.sensors import *
+from morse.builder.blenderobjects import *
+
+class MyEnv():
+"""
+
+
+def script_of_method(method: Callable[..., Any], time_strategy: str) -> str:
+    """A scene script from a method that builds a scene in terms of ``morse.builder``.
+
+    The source of the method is taken word for word: it knows the names of the builder, and none of
+    the module it stands in. It has to leave the environment in a variable ``env``.
+
+    Args:
+        time_strategy: ``BestEffort`` or ``FixedSimulationStep``.
+
+    Raises:
+        MorseTestingError: there is no source.
+    """
+    try:
+        source = inspect.getsource(method)
+    except (OSError, TypeError) as error:
+        raise MorseTestingError(f"{method.__qualname__} has no source to make a scene of: {error}") from None
+    if not source[0].isspace():
+        source = textwrap.indent(source, "    ")
+    text = _IMPORTS + source.rstrip() + "\n"
+    setting = f"env.set_time_strategy(TimeStrategies.{time_strategy})"
+    return f"{text}{_indentation(text)}{setting}\n\n{_instance(method)}\n"
+
+
+def _instance(method: Callable[..., Any]) -> str:
+    return f"MyEnv().{method.__name__}()"
+
+
+def _indentation(text: str) -> str:
+    """The blanks before the statements of the only method of the only class."""
+    (cls,) = (node for node in ast.parse(text).body if isinstance(node, ast.ClassDef))
+    method = cls.body[0]
+    assert isinstance(method, ast.FunctionDef)
+    first = method.body[0]
+    line = text.splitlines()[first.lineno - 1]
+    blanks = line[: len(line) - len(line.lstrip())]
+    if first.lineno == method.lineno:
+        raise MorseTestingError(f"{method.name} has to be written in several lines, the last of which knows 'env'")
+    return blanks
+
+
+def script_of_function(function: Callable[[], Any]) -> str:
+    """A scene script that imports the module of a function and calls it.
+
+    Raises:
+        MorseTestingError: the function cannot be imported: it is nested in another one, or in no file.
+    """
+    module = sys.modules.get(function.__module__)
+    file = getattr(module, "__file__", None)
+    if file is None or "<locals>" in function.__qualname__ or "<lambda>" in function.__qualname__:
+        raise MorseTestingError(
+            f"{function.__qualname__} cannot be run in another process: define the scene as a function of a module"
+        )
+    return (
+        "import importlib.util\nimport sys\n"
+        f"sys.path += [path for path in {sys.path!r} if path not in sys.path]\n"
+        f"spec = importlib.util.spec_from_file_location({function.__module__!r}, {str(Path(file).resolve())!r})\n"
+        "module = importlib.util.module_from_spec(spec)\n"
+        "sys.modules[spec.name] = module\n"
+        "spec.loader.exec_module(module)\n"
+        f"module.{function.__qualname__}()\n"
+    )

@@ -1,0 +1,200 @@
+"""Test cases that run in a simulation."""
+
+from __future__ import annotations
+
+import _thread
+import logging
+import math
+import os
+import signal
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.testing.exceptions import MorseTestingError
+from morse.testing.process import PORT_VARIABLE, SimulationProcess, preferred_port
+from morse.testing.scripts import script_of_method
+from pymorse.pymorse import PORTS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from pymorse import Robot
+
+testlogger = logging.getLogger("morsetesting.general")
+
+BEST_EFFORT = "BestEffort"
+FIXED_STEP = "FixedSimulationStep"
+
+
+class MorseTestCase(unittest.TestCase):
+    """Runs the scene that `setUpEnv` describes during each test.
+
+    The log of the simulation goes to ``<name of the class>.log`` in the working directory. If it
+    reports an error, the test fails at once. Services are on port 4000 if nobody else is there;
+    ``Morse()`` finds them in any case.
+
+    Attributes:
+        time_mode: ``BestEffort`` or ``FixedSimulationStep``, see `main`.
+        simulation: the process that runs.
+    """
+
+    time_mode = BEST_EFFORT
+    simulation: SimulationProcess | None = None
+
+    def setUpMw(self) -> None:  # noqa: N802
+        """Start what else the test needs, such as a middleware; called before the simulation starts."""
+
+    def tearDownMw(self) -> None:  # noqa: N802
+        """Stop what `setUpMw` started; called after the simulation has ended."""
+
+    def setUpEnv(self) -> None:  # noqa: N802
+        """Build the scene.
+
+        The source of this method is run by the simulation, in another process: it may use the names
+        of ``morse.builder`` without importing them, and nothing of its own module. It has to leave the
+        environment in a variable ``env``.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no scene: define setUpEnv(self)")
+
+    def setUp(self) -> None:
+        """Start the simulation."""
+        self.addCleanup(self.tearDownMw)
+        self.setUpMw()
+        self._interruption = threading.Lock()
+        self._interruptible = self._reported = False
+        self._previous_port = os.environ.get(PORT_VARIABLE)
+        self.addCleanup(self._restore_port)
+        self.launch_simulator()
+
+    def tearDown(self) -> None:
+        """End the simulation."""
+        simulation, self.simulation = self.simulation, None
+        if simulation is not None:
+            simulation.stop()
+            if simulation.watch.error is not None and not self._reported:
+                raise MorseTestingError(f"the simulation reported an error: {simulation.watch.error}")
+
+    def launch_simulator(self) -> None:
+        """Write the scene script, start the simulation and wait until it runs."""
+        if type(self).setUpEnv is MorseTestCase.setUpEnv:
+            MorseTestCase.setUpEnv(self)
+        scene = script_of_method(self.setUpEnv, self.time_mode)
+        directory = tempfile.TemporaryDirectory(prefix="morse_")
+        self.addCleanup(directory.cleanup)
+        script = Path(directory.name) / "scene"
+        script.write_text(scene, encoding="utf-8")
+        testlogger.info("%s: starting a simulation (%s)", self.id(), self.time_mode)
+        wanted = int(self._previous_port) if self._previous_port else preferred_port(PORTS[0])
+        log = Path(f"{type(self).__name__}.log")
+        self.simulation = SimulationProcess(script, log, port=wanted, on_error=self._on_error)
+        try:
+            self.wait_initialization()
+        except BaseException:
+            self.simulation.kill()
+            raise
+
+    def wait_initialization(self) -> None:
+        """Wait until the simulation runs; clients find it from then on."""
+        assert self.simulation is not None
+        self.simulation.wait_initialized()
+        os.environ[PORT_VARIABLE] = str(self.simulation.port)
+
+    def _restore_port(self) -> None:
+        if self._previous_port is None:
+            os.environ.pop(PORT_VARIABLE, None)
+        else:
+            os.environ[PORT_VARIABLE] = self._previous_port
+
+    def _on_error(self, line: str) -> None:
+        testlogger.error("%s: %s", self.id(), line)
+        with self._interruption:
+            if self._interruptible:
+                # the test may be waiting for an answer that will never come
+                _interrupt_main_thread()
+
+    def _callTestMethod(self, method: Callable[[], Any]) -> None:  # noqa: N802 (of unittest)
+        self._interruptible = True
+        try:
+            try:
+                method()
+            finally:
+                # an interruption is either over or will not come: it must not hit what follows the test
+                with self._interruption:
+                    self._interruptible = False
+        except KeyboardInterrupt:
+            if self.simulation is None or self.simulation.watch.error is None:
+                raise
+            self._reported = True
+            raise MorseTestingError(f"the simulation reported an error: {self.simulation.watch.error}") from None
+
+
+def _interrupt_main_thread() -> None:
+    if hasattr(signal, "pthread_kill"):
+        # unlike interrupt_main, this also ends a sleep
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
+
+
+class MorseMoveTestCase(MorseTestCase):
+    """Tests of robots that move; a robot has a ``pose``, a ``motion`` and a ``teleport`` component."""
+
+    def assertAlmostEqualPosition(  # noqa: N802
+        self, robot: Robot, expected_pose: Sequence[float], precision: float
+    ) -> None:
+        """Check where a robot is.
+
+        Args:
+            expected_pose: x, y, z (m), yaw, pitch, roll (rad).
+            precision: the largest difference, m and rad.
+        """
+        pose = robot.pose.get()
+        for name, expected in zip(("x", "y", "z", "yaw", "pitch", "roll"), expected_pose, strict=False):
+            difference = pose[name] - expected
+            if name in ("yaw", "pitch", "roll"):
+                difference = math.remainder(difference, 2.0 * math.pi)
+            if not abs(difference) <= precision:
+                self.fail(f"{name} is {pose[name]:g}, expected {expected:g} within {precision:g}; the pose is {pose}")
+
+    def assertAlmostEqualPositionThenFix(  # noqa: N802
+        self, robot: Robot, expected_pose: Sequence[float], precision: float
+    ) -> None:
+        """Check where a robot is, and put it exactly there, 1 cm above the ground, so that errors do not add up.
+
+        Args:
+            expected_pose: x, y, z (m), yaw, pitch, roll (rad).
+            precision: the largest difference, m and rad.
+        """
+        self.assertAlmostEqualPosition(robot, expected_pose, precision)
+        simulation = robot._morse
+        simulation.deactivate(robot.motion)
+        simulation.activate(robot.teleport)
+        x, y, z, yaw, pitch, roll = expected_pose
+        robot.teleport.publish({"x": x, "y": y, "z": z + 0.01, "yaw": yaw, "pitch": pitch, "roll": roll})
+        time.sleep(0.1)
+        simulation.deactivate(robot.teleport)
+        simulation.activate(robot.motion)
+        time.sleep(0.1)
+
+
+class MorseBuilderFailureTestCase(MorseTestCase):
+    """Tests that a scene is refused: `setUpEnv` has to make the simulation report an error.
+
+    Attributes:
+        refusal: the line of the log that says why.
+    """
+
+    refusal = ""
+
+    def wait_initialization(self) -> None:
+        """Wait until the simulation reports an error."""
+        assert self.simulation is not None
+        self.refusal = self.simulation.wait_refused()
+
+    def tearDown(self) -> None:
+        """Nothing runs any more."""
+        self.simulation = None

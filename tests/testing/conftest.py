@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from morse.testing.fixtures import simulate
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["simulate"]
+
+SOURCE = Path(__file__).parents[2] / "src"
+
+
+@pytest.fixture(autouse=True)
+def _own_ports(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ports that no other simulation of this machine is likely to have."""
+    monkeypatch.delenv("MORSE_SOCKET_PORT", raising=False)
+
+
+@pytest.fixture
+def fake_morse(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Install a ``morse`` whose program is the given Python text."""
+
+    def install(program: str) -> None:
+        command = tmp_path / "root" / "bin" / "morse"
+        command.parent.mkdir(parents=True)
+        command.write_text(f"#!{sys.executable}\nimport os, sys, time, socket\n{program}\n")
+        command.chmod(0o755)
+        monkeypatch.setenv("MORSE_ROOT", str(tmp_path / "root"))
+
+    return install
