@@ -81,6 +81,11 @@ class View:
             page.Teleport: self._requests.teleport,
         }
 
+    @property
+    def url(self) -> str:
+        """The address to open in a browser."""
+        return self._url
+
     def announce(self) -> None:
         """The simulation is ready: describe it, say where to look, open a browser."""
         self._describe()
