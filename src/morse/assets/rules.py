@@ -149,7 +149,7 @@ class _Settings:
         for known in choices:
             if isinstance(value, str) and value.casefold() == known.casefold():
                 return known
-        close = difflib.get_close_matches(str(value).upper(), [known.upper() for known in choices], 1)
+        close = difflib.get_close_matches(str(value).upper(), [known.upper() for known in choices], 1, 0.5)
         hint = next((f"; did you mean '{known}'?" for known in choices if close and known.upper() == close[0]), "")
         self._warn(key, value, f"one of {', '.join(choices)}{hint}")
         return None

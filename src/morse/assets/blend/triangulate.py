@@ -10,17 +10,19 @@ import numpy as np
 if TYPE_CHECKING:
     from morse.assets.blend.polygons import Floats, Ints, Polygons
 
-#: clipping the ears of a polygon takes time with the square of its corners
-_MAX_EARCUT = 5000
+#: clipping the ears of a polygon takes up to 10 ns times the square of its corners; a mesh gets 5 s
+_CLIP_BUDGET = 500_000_000
 
 
 def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
     """Corners (T, 3) and polygon (T,) of the triangles, in the order of the polygons."""
     triangles: list[Ints] = []
     owners: list[Ints] = []
-    for size in np.unique(polygons.sizes):
+    budget = _CLIP_BUDGET
+    for size in np.unique(polygons.sizes).tolist():
         chosen = np.flatnonzero(polygons.sizes == size)
-        pieces = _split(polygons, chosen, int(size))
+        pieces, spent = _split(polygons, chosen, size, budget)
+        budget -= spent
         triangles.append(pieces.reshape(-1, 3))
         owners.append(np.repeat(chosen, size - 2))
     if not triangles:
@@ -30,13 +32,14 @@ def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _split(polygons: Polygons, chosen: Ints, size: int) -> Ints:
-    """(N, size - 2, 3) corners of the triangles of N polygons of equal size."""
+def _split(polygons: Polygons, chosen: Ints, size: int, budget: int) -> tuple[Ints, int]:
+    """Corners (N, size - 2, 3) of the triangles of N polygons of equal size, and what they cost of the budget."""
+    spent = 0
     corners = polygons.starts[chosen, None] + np.arange(size)
     fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
     result = corners[:, fan]
     if size == 3:
-        return result
+        return result, spent
     points = polygons.vertices[polygons.corners[corners]]
     normals = polygons.normals[chosen]
     ahead = np.roll(points, -1, axis=1) - points
@@ -47,11 +50,12 @@ def _split(polygons: Polygons, chosen: Ints, size: int) -> Ints:
         if size == 4:
             dent = int(np.argmin(turns[polygon]))
             result[polygon] = corners[polygon][(fan + dent) % 4]
-        elif size <= _MAX_EARCUT:
+        elif spent + size * size <= budget:
+            spent += size * size
             ears = _clip(points[polygon], normals[polygon])
             if len(ears) == size - 2:
                 result[polygon] = corners[polygon][ears]
-    return result
+    return result, spent
 
 
 def _clip(points: Floats, normal: Floats) -> Ints:

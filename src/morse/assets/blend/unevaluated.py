@@ -25,7 +25,8 @@ _HARMLESS = frozenset(
 )  # fmt: skip
 _SMOOTH_BY_ANGLE = "Smooth by Angle"
 _FROM_ANGLE = 1 << 1
-_MUTED_CONSTRAINT = 1 << 4
+#: switched off, or without a target
+_MUTED_CONSTRAINT = 1 << 9 | 1 << 2
 _MUTED_KEY = 1 << 0
 
 
