@@ -33,6 +33,9 @@ try:
     assert simu.robot1.motion.echo("a").result() == "a"
     assert simu.robot1.motion.nothing().result() is None
     going = simu.robot1.motion.goto(1, 2, 3)
+    # it sends the request from another thread, and the cancellation at once
+    while simu.rpc("robot1.motion", "running") != "goto":
+        pass
     going.cancel()
     try:
         going.result(5)
@@ -74,6 +77,7 @@ def ticking() -> Iterator[Bench]:
     bench.sensor("robot1.pose", port=0)
     bench.actuator("robot1.motion", port=0)
     bench.requests.register_service("simulation", lambda: DETAILS, "details")
+    bench.requests.register_service("robot1.motion", lambda: bench.arm.running_service, "running")
     pause = threading.Event()
 
     def run() -> None:
@@ -92,6 +96,6 @@ def ticking() -> Iterator[Bench]:
 def test_a_session(original: Path, ticking: Bench) -> None:
     words = [sys.executable, "-c", SESSION, str(ticking.requests.port)]
     environment = {**os.environ, "PYTHONPATH": str(original)}
-    ran = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    ran = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=30, check=False)
     assert (ran.returncode, ran.stdout) == (0, "done\n"), ran.stderr
     assert ticking.components[1].local_data["v"] == 1.5

@@ -55,8 +55,8 @@ _encoder = msgspec.json.Encoder(enc_hook=plain)
 
 
 @lru_cache(maxsize=4096)
-def _is_simple(key: object) -> bool:
-    return isinstance(key, str) and key.isidentifier() and key.isascii() and key != "null"
+def _are_simple(keys: tuple[object, ...]) -> bool:
+    return all(isinstance(key, str) and key.isidentifier() and key.isascii() and "null" not in key for key in keys)
 
 
 def to_json(value: Any) -> bytes:
@@ -70,7 +70,7 @@ def to_json(value: Any) -> bytes:
     # Where there are no strings but the keys, all that is missing are the blanks.
     if isinstance(value, dict):
         quotes = 2 * len(value)
-        if not all(map(_is_simple, value)):
+        if not _are_simple(tuple(value)):
             return _slowly(value)
     else:
         quotes = 0
