@@ -16,55 +16,70 @@ _CLIP_BUDGET = 500_000_000
 
 def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
     """Corners (T, 3) and polygon (T,) of the triangles, in the order of the polygons."""
-    triangles: list[Ints] = []
-    owners: list[Ints] = []
+    triangles: list[Ints] = [np.zeros((0, 3), np.int64)]
+    owners: list[Ints] = [np.zeros(0, np.int64)]
     budget = _CLIP_BUDGET
     for size in np.unique(polygons.sizes).tolist():
         chosen = np.flatnonzero(polygons.sizes == size)
-        pieces, spent = _split(polygons, chosen, size, budget)
-        budget -= spent
-        triangles.append(pieces.reshape(-1, 3))
-        owners.append(np.repeat(chosen, size - 2))
-    if not triangles:
-        return np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
+        corners = polygons.starts[chosen, None] + np.arange(size)
+        fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
+        fans = corners[:, fan]
+        simple = np.ones(len(chosen), np.bool_)
+        for number, dent in _dents(polygons, chosen, corners):
+            if size == 4:
+                # a fan from the dent stays inside
+                fans[number] = corners[number][(fan + dent) % 4]
+            elif size * size <= budget:
+                budget -= size * size
+                ears = _clip(polygons.vertices[polygons.corners[corners[number]]], polygons.normals[chosen[number]])
+                if ears is not None:
+                    simple[number] = False
+                    triangles.append(corners[number][ears])
+                    owners.append(np.full(len(ears), chosen[number]))
+        triangles.append(fans[simple].reshape(-1, 3))
+        owners.append(np.repeat(chosen[simple], size - 2))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _split(polygons: Polygons, chosen: Ints, size: int, budget: int) -> tuple[Ints, int]:
-    """Corners (N, size - 2, 3) of the triangles of N polygons of equal size, and what they cost of the budget."""
-    spent = 0
-    corners = polygons.starts[chosen, None] + np.arange(size)
-    fan = np.stack([np.zeros(size - 2, np.int64), np.arange(1, size - 1), np.arange(2, size)], axis=1)
-    result = corners[:, fan]
-    if size == 3:
-        return result, spent
+def _dents(polygons: Polygons, chosen: Ints, corners: Ints) -> list[tuple[int, int]]:
+    """Which of N polygons of equal size are concave, and at which corner most so.
+
+    Args:
+        polygons: the mesh.
+        chosen: (N,) indices of polygons.
+        corners: (N, size) their corners.
+    """
+    if corners.shape[1] == 3:
+        return []
     points = polygons.vertices[polygons.corners[corners]]
-    normals = polygons.normals[chosen]
     ahead = np.roll(points, -1, axis=1) - points
-    turns = np.einsum("nkj,nj->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), normals)
+    turns = np.einsum("nkj,nj->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), polygons.normals[chosen])
     # a little slack: rounding bends the straight sides of flat polygons both ways
     concave = np.flatnonzero((turns < -1e-6 * np.abs(turns).max(axis=1, keepdims=True)).any(axis=1))
-    for polygon in concave:
-        if size == 4:
-            dent = int(np.argmin(turns[polygon]))
-            result[polygon] = corners[polygon][(fan + dent) % 4]
-        elif spent + size * size <= budget:
-            spent += size * size
-            ears = _clip(points[polygon], normals[polygon])
-            if len(ears) == size - 2:
-                result[polygon] = corners[polygon][ears]
-    return result, spent
+    return list(zip(concave.tolist(), turns[concave].argmin(axis=1).tolist(), strict=True))
 
 
-def _clip(points: Floats, normal: Floats) -> Ints:
-    """(T, 3) indices of the triangles of one polygon, wound as it is."""
+def _clip(points: Floats, normal: Floats) -> Ints | None:
+    """(T, 3) indices of the triangles of one polygon, wound as it is; None if they do not cover it (it crosses itself).
+
+    Corners on straight sides may be left out.
+    """
     drop = int(np.argmax(np.abs(normal)))
     kept = [axis for axis in range(3) if axis != drop]
     flat = np.ascontiguousarray(points[:, kept])
     ears = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).astype(np.int64).reshape(-1, 3)
-    a, b, c = (points[ears[:, i]] for i in range(3))
-    backward = np.einsum("nj,j->n", np.cross(b - a, c - a), normal) < 0.0
+    areas = _cross(flat[ears[:, 1]] - flat[ears[:, 0]], flat[ears[:, 2]] - flat[ears[:, 0]])
+    whole = _cross(flat - flat[0], np.roll(flat, -1, axis=0) - flat[0]).sum()
+    if abs(np.abs(areas).sum() - abs(whole)) > 1e-3 * abs(whole):
+        return None
+    backward = areas * whole < 0.0
     ears[backward] = ears[backward][:, ::-1]
     return ears
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """(N,) cross products of vectors in the plane."""
+    product: Floats = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return product
