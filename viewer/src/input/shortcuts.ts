@@ -18,6 +18,7 @@ export class Shortcuts {
     addEventListener("keydown", (event) => {
       if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
       if (event.target instanceof HTMLButtonElement && (event.code === "Space" || event.code === "Enter")) return;
+      if (event.key === "Escape" && document.querySelector("dialog[open]")) return;
       const shortcut = this.list.find(({ keys }) => keys.includes(event.key) || keys.includes(event.code));
       if (!shortcut) return;
       event.preventDefault();

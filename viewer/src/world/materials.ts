@@ -43,7 +43,7 @@ export class MaterialStore {
       shadowSide: description.double_sided ? DoubleSide : FrontSide,
     };
     if (description.shadeless) {
-      const material = new MeshBasicMaterial(common);
+      const material = new MeshBasicMaterial({ ...common, toneMapped: false });
       material.color.setRGB(r, g, b);
       return material;
     }

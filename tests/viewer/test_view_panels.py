@@ -1,0 +1,520 @@
+"""The page in a real browser: components, plots, overlays, moving, keeping."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from view_pages import until
+from view_worlds import box, mesh_node
+
+from morse.scene import CollisionShape, Scene, ShapeKind
+from morse.viewer.page_messages import Activate, CallService, Drag, DragEnd, SetProperty, Teleport, ToggleCapturing
+from morse.viewer.view_messages import Capturing, Cone, Log, MassCentre
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.browser
+
+WIDE = {"width": 1200, "height": 700}
+
+
+def select(page: Page, robot: str = "robot0", part: str = "lidar") -> None:
+    page.locator(f'[data-name="{robot}.{part}"]').click()
+    page.get_by_role("heading", name=f"{robot}.{part}").wait_for()
+
+
+def events(driver: Any, kind: type) -> list[Any]:
+    return [event for event in driver.events if isinstance(event, kind)]
+
+
+def place_of(page: Page, name: str) -> tuple[float, float]:
+    x, y = page.evaluate(
+        """(name) => { const p = morse.world.value.find(name).frame.position.clone().project(morse.stage.view.camera);
+        const b = morse.stage.element.getBoundingClientRect();
+        return [b.left + (p.x + 1) / 2 * b.width, b.top + (1 - p.y) / 2 * b.height] }""",
+        name,
+    )
+    return x, y
+
+
+# tree and inspector --------------------------------------------------------------------------------------
+
+
+def test_the_tree_lists_robots_components_and_objects(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, **WIDE)
+    items = page.get_by_role("treeitem")
+    assert [item.strip() for item in items.all_inner_texts()] == [
+        "robot0",
+        "lidar",
+        "robot1",
+        "lidar",
+        "robot2",
+        "lidar",
+        "objects",
+    ]
+    page.get_by_label("find in the tree").fill("robot1")
+    assert [item.strip() for item in items.all_inner_texts()] == ["robot1", "lidar"]
+    page.get_by_label("find in the tree").fill("crate7")
+    until(lambda: [item.strip() for item in items.all_inner_texts()] == ["objects", "crate7"])
+    page.get_by_label("find in the tree").fill("nonsense")
+    assert page.get_by_text("Nothing of that name.").is_visible()
+
+
+def test_the_tree_is_walked_by_keyboard(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    page.get_by_role("tree").focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    until(lambda: page.evaluate("morse.components.selected.value") == "robot0.lidar")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowLeft")
+    until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 0)
+    page.keyboard.press("ArrowRight")
+    until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 1)
+    assert not any(driver.keys)  # none of it drove a robot
+
+
+def test_values_are_shown_live_with_their_units(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    assert "Measures distances" in page.get_by_label("inspector").inner_text()
+    until(lambda: driver.server.wishes.values == {"robot0.lidar"})
+    rows = page.locator("table.data tr")
+    x = rows.filter(has=page.get_by_role("rowheader", name="x", exact=True)).last
+    assert x.locator(".unit").inner_text() == "m"
+    seen = set()
+    until(lambda: seen.add(x.locator(".value").inner_text()) or len(seen - {"–"}) > 3)
+    assert all(abs(float(value)) <= 1.0 for value in seen - {"–"})
+    texts = page.get_by_label("inspector").inner_text()
+    assert "20 values" in texts
+    assert "fine" in texts
+    page.keyboard.press("Escape")
+    until(lambda: driver.server.wishes.values == frozenset())
+
+
+def test_a_click_in_the_view_selects(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    driver.running, driver.time = False, 0.0
+    until(lambda: page.evaluate("morse.poses.value?.running === false"))
+    until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    page.mouse.click(*place_of(page, "crate3"))
+    until(lambda: page.evaluate("morse.components.selected.value") == "crate3")
+    assert page.get_by_role("heading", name="crate3").is_visible()
+    for robot in ("robot0", "robot1"):
+
+        def hit(robot: str = robot) -> bool:
+            page.mouse.click(*place_of(page, robot))  # the view gets smaller when details open beside it
+            return str(page.evaluate("morse.components.selected.value")).startswith(robot)
+
+        until(hit)
+
+
+def test_properties_are_edited_and_wrong_ones_refused(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    field = page.get_by_label("scan_window")
+    field.fill("90.5")
+    field.press("Enter")
+    until(
+        lambda: (
+            [(e.component, e.name, e.value) for e in events(driver, SetProperty)]
+            == [("robot0.lidar", "scan_window", 90.5)]
+        )
+    )
+    field.fill("wide")
+    field.press("Enter")
+    until(lambda: page.get_by_role("alert").filter(has_text="given 'wide'").is_visible())
+    assert field.get_attribute("aria-invalid") == "true"
+    field.fill("30")
+    field.press("Enter")
+    until(lambda: field.get_attribute("aria-invalid") == "false")
+    assert not any(driver.keys)  # typing does not drive
+
+
+def test_services_are_called_with_arguments_and_their_results_shown(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    add = page.locator("form.service").filter(has_text="add")
+    add.get_by_label("a", exact=True).fill("2")
+    add.get_by_label("b", exact=True).fill("0.5")
+    add.get_by_role("button", name="call").click()
+    until(lambda: add.locator(".result").inner_text() == "2.500")
+    assert events(driver, CallService)[0].arguments == [2, 0.5]
+    add.get_by_label("b", exact=True).fill("")
+    add.get_by_role("button", name="call").click()
+    until(lambda: add.locator(".result").inner_text() == "2")  # left empty, it takes its default
+    fail = page.locator("form.service").filter(has_text="fail")
+    fail.get_by_role("button", name="call").click()
+    until(lambda: "no power" in fail.locator(".result").inner_text())
+    goto = page.locator("form.service").filter(has_text="goto")
+    goto.get_by_role("button", name="call").click()
+    goto.get_by_role("button", name="stop").click()
+    until(lambda: goto.locator(".result").inner_text() == "PREEMPTED")
+    page.get_by_label("active").uncheck()
+    until(lambda: [(e.component, e.active) for e in events(driver, Activate)] == [("robot0.lidar", False)])
+    until(lambda: "asleep" in (page.locator('[data-name="robot0.lidar"]').get_attribute("class") or ""))
+
+
+# plots ---------------------------------------------------------------------------------------------------
+
+
+def test_fields_are_dragged_into_plots_and_kept_as_files(running, open_page, tmp_path) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    page.get_by_role("button", name="Plots and messages").click()
+    until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
+    source = page.get_by_role("rowheader", name="x", exact=True)
+    source.drag_to(page.get_by_label("plots", exact=True))
+    until(lambda: page.locator("figure.plot").count() == 1)
+    page.get_by_role("rowheader", name="position", exact=True).last.drag_to(page.locator("figure.plot"))
+    until(lambda: page.locator(".legend li").count() == 4)
+    select(page, "robot1")  # plotted values keep coming
+    until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
+    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 40)
+    page.get_by_role("button", name="Hold").click()
+    with page.expect_download() as table:
+        page.get_by_role("button", name="CSV").click()
+    table.value.save_as(tmp_path / "plot.csv")
+    rows = list(csv.DictReader((tmp_path / "plot.csv").open(encoding="utf-8")))
+    assert list(rows[0]) == ["time (s)", "robot0.lidar.x (m)", *(f"robot0.lidar.position.{i} (m)" for i in range(3))]
+    for row in rows[1:]:
+        assert float(row["robot0.lidar.x (m)"]) == pytest.approx(math.cos(float(row["time (s)"])))
+    assert [float(row["time (s)"]) for row in rows] == sorted(float(row["time (s)"]) for row in rows)
+    with page.expect_download() as picture:
+        page.get_by_role("button", name="PNG").click()
+    picture.value.save_as(tmp_path / "plot.png")
+    assert Image.open(tmp_path / "plot.png").width > 100
+    page.locator("figure.plot").get_by_role("button", name="Close").click()
+    until(lambda: driver.server.wishes.values == {"robot1.lidar"})
+
+
+# what sensors see ----------------------------------------------------------------------------------------
+
+
+def layer(page: Page, name: str) -> None:
+    page.evaluate("name => morse.panels.layers.switch(name, true)", name)
+
+
+def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    assert driver.server.wishes.overlays == frozenset()
+    page.locator("summary[title=view]").click()
+    page.get_by_label("laser rays and hits").check()
+    until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot1.lidar", "robot2.lidar"})
+    rays = "morse.panels.layers.list.find(l => l.id === 'rays').drawn.get('robot1.lidar')"
+    until(lambda: page.evaluate(f"!!{rays}"))
+    ends = np.array(page.evaluate(f"[...{rays}.beams.geometry.attributes.position.array]")).reshape(61, 2, 3)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    assert lengths == pytest.approx(3.0 + np.sin(np.arange(61) * 0.7), abs=1e-3)
+    assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
+    assert page.evaluate(f"{rays}.hits.geometry.attributes.position.count") == 30
+    page.get_by_label("laser rays and hits").uncheck()
+    until(lambda: driver.server.wishes.overlays == frozenset())
+    assert page.evaluate("morse.panels.layers.list.find(l => l.id === 'rays').root.children.length") == 0
+
+
+def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Cone("robot1.lidar", 3.0, 1.2, ["ball"]))
+    driver.server.send(MassCentre("robot0", 10.0, (0.0, 0.0, 1.0)))
+    page = open_page(url, **WIDE)
+    for name in ("contacts", "cones", "frames", "names", "trails", "masses"):
+        layer(page, name)
+    until(lambda: "contacts" in driver.server.wishes.overlays)
+    part = "morse.panels.layers.list.find(l => l.id === '{}').root.children".format
+    until(lambda: page.evaluate(part("contacts") + "[0].geometry.attributes.position.count") == 1)
+    assert page.evaluate(part("cones") + "[0].name") == "robot1.lidar"
+    assert page.evaluate(part("frames") + ".length") == 6
+    assert page.locator(".names span").all_inner_texts() == ["robot0", "robot1", "robot2"]
+    until(lambda: page.evaluate(part("trails") + "[0].geometry.drawRange.count") > 5)
+    trail = np.array(
+        page.evaluate(f"[...{part('trails')}[0].geometry.attributes.position.array.slice(0, 15)]")
+    ).reshape(5, 3)
+    assert np.hypot(trail[:, 0], trail[:, 1]) == pytest.approx(2.0, abs=1e-3)
+    until(lambda: page.evaluate(part("masses") + "[0].position.z") == pytest.approx(1.25))
+    page.reload()
+    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    until(lambda: page.evaluate(part("frames") + ".length") == 6)  # remembered
+
+
+def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -> None:
+    server, url = served
+    quarter = (0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    shapes = [
+        CollisionShape(ShapeKind.BOX, (1.0, 0.5, 0.25), (0.0, 0.0, 1.0), quarter),
+        CollisionShape(ShapeKind.SPHERE, (0.5,)),
+        CollisionShape(ShapeKind.CYLINDER, (0.5, 1.0)),
+        CollisionShape(ShapeKind.CAPSULE, (0.5, 1.0)),
+        CollisionShape(ShapeKind.ELLIPSOID, (0.5, 1.0, 2.0)),
+        CollisionShape(ShapeKind.CONVEX, (), vertices=corners),
+    ]
+    scene = Scene("s", roots=[mesh_node("box", box("b"), (5, 0, 0), shapes=shapes)])
+    scene.settings.view.show_physics = True
+    server.set_scene(scene, [])
+    page = open_page(url)
+    until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'shapes').root.children.length") == 6)
+    sizes = page.evaluate(
+        """morse.panels.layers.list.find(l => l.id === 'shapes').root.children.map(c => { c.updateMatrixWorld(true);
+        c.geometry.computeBoundingBox(); const b = c.geometry.boundingBox.clone().applyMatrix4(c.matrixWorld);
+        return [...b.min.toArray(), ...b.max.toArray()] })"""
+    )
+    assert sizes[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25])
+    assert sizes[1] == pytest.approx([4.5, -0.5, -0.5, 5.5, 0.5, 0.5], abs=0.01)
+    assert sizes[2] == pytest.approx([4.5, -0.5, -1, 5.5, 0.5, 1], abs=0.01)
+    assert sizes[3] == pytest.approx([4.5, -0.5, -1.5, 5.5, 0.5, 1.5], abs=0.01)
+    assert sizes[4] == pytest.approx([4.5, -1, -2, 5.5, 1, 2], abs=0.01)
+    assert sizes[5] == pytest.approx([5, 0, 0, 6, 1, 1], abs=0.01)
+
+
+def test_what_a_camera_sees(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    page.keyboard.press("v")
+    until(lambda: driver.server.wishes.images == {"robot0.lidar"})
+    pixel = "[...document.querySelector('.image canvas').getContext('2d').getImageData({}, {}, 1, 1).data]".format
+    until(lambda: page.evaluate(pixel(63, 47))[:2] == [252, 235])
+    assert page.evaluate(pixel(0, 0))[:2] == [0, 0]
+    assert page.evaluate(pixel(10, 20))[:2] == [40, 100]
+    driver.server.send(Capturing(False))
+    until(lambda: "stopped" in (page.locator(".images").get_attribute("class") or ""))
+    page.keyboard.press("Space")
+    until(lambda: events(driver, ToggleCapturing))
+    page.keyboard.press("v")
+    until(lambda: driver.server.wishes.images == frozenset())
+
+
+# the point of view ---------------------------------------------------------------------------------------
+
+
+def test_following_a_robot(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, **WIDE)
+    page.locator('[data-name="robot1"]').click()
+    apart = "morse.stage.view.position.distanceTo(morse.world.value.find('robot1').frame.position)"
+    ahead = """(() => { const n = morse.world.value.find('robot1').frame; const v = n.position.clone().set(1, 0, 0);
+        return v.transformDirection(n.matrixWorld).dot(morse.stage.view.ahead) })()"""
+    page.keyboard.press("1")
+    until(lambda: page.evaluate("morse.follow.mode.value") == "third")
+    until(lambda: page.evaluate(apart) < 7 and page.evaluate(ahead) > 0.7)
+    page.keyboard.press("2")
+    until(lambda: page.evaluate(apart) < 1.5 and page.evaluate(ahead) > 0.98)
+    page.keyboard.press("3")
+    until(lambda: page.evaluate("morse.stage.view.pitch") < -1.4)
+    page.keyboard.down("w")
+    until(lambda: page.evaluate("morse.follow.mode.value") == "free")
+    page.keyboard.up("w")
+    page.locator("summary[title=view]").click()
+    page.get_by_role("button", name="side").click()
+    until(lambda: page.evaluate(apart) < 12)
+    assert abs(page.evaluate(ahead)) < 0.4
+
+
+def test_the_camera_is_remembered_and_forgotten(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, **WIDE)
+    page.keyboard.down("r")
+    until(lambda: page.evaluate("morse.stage.view.position.z") > 9)
+    page.keyboard.up("r")
+    until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
+    height = page.evaluate("morse.stage.view.position.z")
+    page.reload()
+    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    assert page.evaluate("morse.stage.view.position.z") == pytest.approx(height)
+    page.keyboard.press("F8")
+    until(lambda: page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0))
+    page.reload()
+    until(lambda: page.evaluate("!!window.morse?.world.value"))
+    assert page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0)
+
+
+# moving and keeping --------------------------------------------------------------------------------------
+
+
+def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    driver.speed = 1.0
+    page.locator('[data-name="robot2"]').click()
+    driver.time = 0.0
+    driver.running = False
+    until(lambda: page.evaluate("morse.poses.value?.running === false"))
+    page.keyboard.press("c")
+    page.keyboard.press("m")
+    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot2")
+    page.evaluate("morse.panels.mover.handles.detach()")  # its handles lie over the robot
+    x, y = place_of(page, "robot2")
+    page.mouse.move(x + 12, y + 6)
+    page.mouse.down()
+    page.mouse.move(x + 80, y - 30, steps=5)
+    page.mouse.up()
+    until(lambda: events(driver, Teleport))
+    last = events(driver, Teleport)[-1]
+    assert last.node == "robot2"
+    assert np.linalg.norm(last.quaternion) == pytest.approx(1.0, abs=1e-4)
+    assert not events(driver, Drag)
+    driver.running = True
+    until(lambda: page.evaluate("morse.poses.value?.running"))
+    count = len(events(driver, Teleport))
+    driver.time = 0.0
+    page.keyboard.press("3")
+    page.keyboard.press("0")
+    for _ in range(5):
+        x, y = place_of(page, "robot2")
+        page.mouse.move(x, y)
+        page.mouse.down()
+        if page.evaluate("morse.panels.mover.held !== null"):
+            break
+        page.mouse.up()
+    page.mouse.move(x + 60, y, steps=4)
+    until(lambda: events(driver, Drag))
+    page.mouse.up()
+    until(lambda: events(driver, DragEnd))
+    assert len(events(driver, Teleport)) == count
+    assert np.linalg.norm(events(driver, Drag)[0].anchor) < 1.0
+
+
+def test_handles_put_things_somewhere(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    page.locator('[data-name="robot0"]').click()
+    page.keyboard.press("m")
+    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot0")
+    page.evaluate(
+        """() => { const m = morse.panels.mover; m.handles.dragging = true; m.proxy.position.set(1, 2, 3);
+        m.handles.dispatchEvent({type: 'mouseUp'}); m.handles.dragging = false }"""
+    )
+    until(lambda: events(driver, Teleport))
+    assert events(driver, Teleport)[0].position == pytest.approx((1.0, 2.0, 3.0))
+    page.keyboard.press("Escape")
+    until(lambda: page.evaluate("morse.panels.mover.node.value") is None)
+
+
+def test_screenshot_film_and_pose_as_code(running, open_page, tmp_path) -> None:
+    _, url = running
+    page = open_page(url, permissions=["clipboard-read", "clipboard-write"], **WIDE)
+    with page.expect_download() as shot:
+        page.keyboard.press("x")
+    shot.value.save_as(tmp_path / "view.png")
+    pixels = np.asarray(Image.open(tmp_path / "view.png").convert("RGB"))
+    assert pixels.std() > 10  # a picture, not a blank
+    page.get_by_role("button", name="Film the view").click()
+    until(lambda: page.evaluate("morse.panels.capture.recorder !== null"))
+    frames = page.evaluate("morse.stage.frames")
+    until(lambda: page.evaluate("morse.stage.frames") > frames + 5)
+    with page.expect_download() as film:
+        page.get_by_role("button", name="Film the view").click()
+    film.value.save_as(tmp_path / "view.webm")
+    assert Path(tmp_path / "view.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, what WebM is made of
+    until(lambda: page.locator('[data-name="robot0"]').count() == 1)
+    code = page.evaluate("morse.panels.object.code(morse.world.value.find('ball'))")
+    assert code == "ball.translate(-2, 1.5, 0.7)\nball.rotate(0, 0, 0)\n"
+
+
+def test_the_gamepad_is_told(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    page.evaluate(
+        "navigator.getGamepads = () => [{axes: [0.03, -0.5], buttons: [{pressed: true}]}];"
+        "document.hasFocus = () => true"
+    )
+    until(lambda: driver.server.gamepad() == ((0.0, -0.5), (True,)))
+    page.evaluate("navigator.getGamepads = () => [{axes: [0, 0], buttons: [{pressed: false}]}]")
+    until(lambda: driver.server.gamepad() == ((0.0, 0.0), (False,)))
+
+
+# readable by everybody -----------------------------------------------------------------------------------
+
+
+def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    page.get_by_role("button", name="Plots and messages").click()
+    driver.server.send(Log("info", "wheels are on", "robot0", 1.5))
+    driver.server.send(Log("error", "wheels came off", "robot0", 2.5))
+    until(lambda: "1.50 robot0 wheels are on" in page.get_by_role("log").inner_text())
+    until(lambda: page.locator(".toast.error").inner_text() == "wheels came off")
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 780), (640, 360)])
+def test_small_screens_scroll_nowhere_and_keep_the_view(running, open_page, width, height) -> None:
+    _, url = running
+    page = open_page(url, width=width, height=height)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    view = page.locator("main").bounding_box()
+    assert view is not None
+    assert view["width"] == width
+    assert view["height"] > height * 0.6
+    page.get_by_role("button", name="Robots and components").click()
+    until(lambda: page.locator('[data-name="robot0"]').is_visible())
+    page.get_by_role("button", name="Plots and messages").click()
+    until(lambda: not page.locator('[data-name="robot0"]').is_visible())
+
+
+def test_every_control_has_a_name_and_is_reached_by_tab(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    nameless = page.evaluate(
+        """[...document.querySelectorAll('button, select, input, summary')].filter(e => e.checkVisibility() && !(
+        e.ariaLabel || e.innerText?.trim() || e.labels?.length)).map(e => e.outerHTML)"""
+    )
+    assert nameless == []
+    page.evaluate("document.activeElement?.blur()")
+    reached = set()
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("document.activeElement.ariaLabel || document.activeElement.innerText || ''"))
+    for name in (
+        "Pause",
+        "One tick",
+        "Reset",
+        "speed",
+        "view",
+        "Screenshot",
+        "Keys",
+        "find in the tree",
+        "scan_window",
+        "call",
+    ):
+        assert name in reached, name
+
+
+def test_twice_the_text_size_still_fits(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1280, height=800)
+    page.evaluate("document.documentElement.style.fontSize = '28px'")
+    until(lambda: page.evaluate("document.documentElement.scrollWidth") <= 1280)
+    view = page.locator("main").bounding_box()
+    assert view is not None
+    assert view["width"] > 400
+    assert view["height"] > 300
+    page.keyboard.press("h")
+    box_of = page.get_by_role("dialog").bounding_box()
+    assert box_of is not None
+    assert box_of["height"] <= 800
+
+
+def test_the_bundle_stays_small() -> None:
+    import gzip
+
+    from morse.viewer.site import STATIC
+
+    packed = sum(len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file())
+    assert packed <= 350_000
