@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from morse.simulation.schedule import Schedule
 
 
-def acting(frequency, base, ticks):
-    component = SimpleNamespace(frequency=frequency)
+def acting(frequency, base, ticks, phase=0.0):
+    component = SimpleNamespace(frequency=frequency, phase=phase)
     schedule = Schedule([component], base)
     return [tick for tick in range(ticks) if schedule.due(tick)]
 
@@ -35,6 +35,39 @@ def test_gaps_differ_by_one_tick_at_most(frequency, base):
 
 
 def test_the_order_is_that_of_the_scene():
-    fast, slow = SimpleNamespace(frequency=60), SimpleNamespace(frequency=10)
+    fast, slow = SimpleNamespace(frequency=60, phase=0.0), SimpleNamespace(frequency=10, phase=0.0)
     assert Schedule([slow, fast], 60).due(0) == [slow, fast]
     assert Schedule([slow, fast], 60).due(1) == [fast]
+
+
+@pytest.mark.parametrize(
+    ("phase", "expected"), [(0.05, [3, 9, 15]), (0.1, [6, 12, 18]), (0.04, [3, 9, 15]), (0.25, [15, 21, 27])]
+)
+def test_a_component_acts_first_when_its_phase_has_passed(phase, expected):
+    assert acting(10, 60, 30, phase)[:3] == expected
+
+
+def test_components_of_other_phases_share_the_work():
+    components = [SimpleNamespace(frequency=10, phase=i / 60) for i in range(6)]
+    schedule = Schedule(components, 60)
+    assert [schedule.due(tick) for tick in range(60, 66)] == [[component] for component in components]
+
+
+@given(st.integers(1, 240), st.integers(1, 240), st.floats(0.0, 2.0))
+def test_a_phase_changes_nothing_but_the_beginning(frequency, base, phase):
+    late = acting(frequency, base, 6 * base, phase)
+    assert min(late) >= phase * base - 1e-6 * base
+    assert min(late) < phase * base + 1 + 1e-6 * base
+    gaps = {b - a for a, b in itertools.pairwise(late)}
+    assert max(gaps) - min(gaps) <= 1
+    share = min(frequency, base) * (6 - phase)
+    assert abs(len(late) - share) <= 2
+
+
+@given(st.lists(st.tuples(st.integers(1, 60), st.floats(0.0, 0.5)), min_size=1, max_size=5), st.integers(0, 1000))
+def test_what_is_due_does_not_depend_on_what_was_asked_before(rates, tick):
+    components = [SimpleNamespace(frequency=rate, phase=phase) for rate, phase in rates]
+    asked = Schedule(components, 60)
+    for before in range(0, tick, 7):
+        asked.due(before)
+    assert asked.due(tick) == Schedule(components, 60).due(tick)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from morse.builder import checks, shapes, workspace
 from morse.builder.component import Component, new_object
 from morse.builder.objects import SceneObject
+from morse.builder.realism import RealisticSensor
 from morse.core import declarations
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
@@ -108,7 +109,7 @@ class ComponentCreator(Component):
         workspace.current().attach(self.scene_node, marker)
 
 
-class SensorCreator(ComponentCreator):
+class SensorCreator(RealisticSensor, ComponentCreator):
     """A sensor; subclasses say which class runs (``_classpath``)."""
 
     _kind = "sensor"

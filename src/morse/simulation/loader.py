@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
+from morse.core.realism import Realism
 from morse.core.robot import Robot
+from morse.scene.realism import RealismModel
 from morse.simulation.faults import describe
 
 if TYPE_CHECKING:
@@ -84,7 +86,12 @@ def _make(context: Context, declaration: ComponentDeclaration, robot: Robot | No
     try:
         cls = load_class(declaration.classpath)
         cls = _class_of_level(cls, declaration.level)
-        return cls(obj, robot)
+        component = cls(obj, robot)
+        realism = declaration.options.get("realism")
+        if isinstance(realism, RealismModel):
+            component.phase = realism.phase
+            component.realism = Realism(component, realism)
+        return component
     except MorseError as error:
         raise LoadError(f"{_where(declaration)}: {error}") from None
     except Exception as error:

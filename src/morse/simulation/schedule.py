@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
@@ -11,31 +12,52 @@ if TYPE_CHECKING:
 
 class _Periodic(Protocol):
     frequency: float
+    phase: float
 
 
 _C = TypeVar("_C", bound=_Periodic)
+
+#: patterns of more ticks are worked out anew each time
+_LONGEST_PATTERN = 3600
 
 
 class Schedule(Generic[_C]):
     """Components by their rates, in their order.
 
-    A component of rate ``f`` in a simulation of rate ``b`` acts in tick ``k`` (from 0) if
-    ``floor(k f/b)`` differs from ``floor((k-1) f/b)``: as evenly as ticks allow, exactly ``f``
-    times a second on average, and from integers alone, so that it never drifts.
+    A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not
+    before ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow,
+    exactly ``f`` times a second on average, and from integers alone, so that it never drifts.
     """
 
     def __init__(self, components: Iterable[_C], frequency: float) -> None:
-        self._entries: list[tuple[_C, int, int]] = []
+        base = _fraction(frequency)
+        self._entries: list[tuple[_C, int, int, int]] = []
+        self._first, pattern = 0, 1
         for component in components:
-            ratio = Fraction(component.frequency).limit_denominator(10**6) / Fraction(frequency).limit_denominator(
-                10**6
-            )
-            self._entries.append((component, ratio.numerator, ratio.denominator))
-        self._always = all(n >= d for _, n, d in self._entries)
-        self._all = [component for component, _, _ in self._entries]
+            rate, late = _fraction(component.frequency) / base, _fraction(component.phase) * base
+            # over a common denominator: floor((k n - s) / d)
+            shift = late * rate
+            common = math.lcm(rate.denominator, shift.denominator)
+            n, s = rate * common, shift * common
+            self._entries.append((component, int(n), int(s), common))
+            self._first = max(self._first, math.ceil(late))
+            pattern = math.lcm(pattern, rate.denominator)
+        self._pattern = pattern if pattern <= _LONGEST_PATTERN else 0
+        self._known: dict[int, list[_C]] = {}
 
     def due(self, tick: int) -> list[_C]:
-        """The components that act in a tick, counted from 0."""
-        if self._always:
-            return self._all
-        return [c for c, n, d in self._entries if n >= d or tick * n // d != (tick - 1) * n // d]
+        """The components that act in a tick, counted from 0; not to be changed."""
+        if not self._pattern or tick < self._first:
+            return self._due(tick)
+        place = tick % self._pattern
+        known = self._known.get(place)
+        if known is None:
+            known = self._known[place] = self._due(tick)
+        return known
+
+    def _due(self, tick: int) -> list[_C]:
+        return [c for c, n, s, d in self._entries if tick * n >= s and (tick * n - s) // d != ((tick - 1) * n - s) // d]
+
+
+def _fraction(value: float) -> Fraction:
+    return Fraction(value).limit_denominator(10**6)

@@ -10,6 +10,7 @@ import time
 import webbrowser
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from morse.simulation.view_rays import ViewRays
 from morse.simulation.view_requests import ViewRequests
 from morse.simulation.view_tree import component_tree, keyboard_robots
 from morse.viewer import page_messages as page
@@ -63,6 +64,7 @@ class View:
         self._shown = self._told = 0.0
         self._listening: str | None = None
         self._requests = ViewRequests(simulation.context, self._server)
+        self._rays = ViewRays(simulation.context, self._server)
         simulation.context.held_keys = self._server.held_keys
         simulation.context.listening_robot = lambda: self._listening
         self._url = self._server.start()
@@ -141,6 +143,7 @@ class View:
         if now - self._told >= _VALUES_INTERVAL:
             self._told = now
             self._send_values()
+            self._rays.update()
 
     def _send_values(self) -> None:
         context = self._simulation.context

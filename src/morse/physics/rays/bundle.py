@@ -49,7 +49,8 @@ class Scan:
         """(B, N, 3) metres in the frame of each sensor, null for none."""
         if self._points is None:
             length = np.where(self.solids >= 0, self.distances, 0.0)[..., None]
-            self._points = self._bundle.directions * length
+            # no -0.0: clients read these numbers
+            self._points = self._bundle.directions * length + 0.0
             if self._bundle.origins is not None:
                 self._points += np.where(length > 0.0, self._bundle.origins, 0.0)
         return self._points
@@ -63,6 +64,7 @@ class RayBundle:
         origins: (N, 3) metres in the frame of the object, or None if all rays start at its origin.
         directions: (N, 3) unit vectors in the frame of the object; do not write into the array.
         reach: metres; what is farther away is not seen.
+        upright: whether they turn with the object, or are along the axes of the world.
         owner: the group of solids that the rays pass through.
         starts: (N,) metres from which on each ray has left the body that the sensor is mounted on.
         clearance: the largest of these.
@@ -77,6 +79,7 @@ class RayBundle:
         reach: float,
         origins: NDArray[np.float64] | None,
         owner: int,
+        upright: bool,
     ) -> None:
         self._rays = rays
         self.obj = obj
@@ -84,6 +87,7 @@ class RayBundle:
         self.reach = reach
         self.origins = origins
         self.owner = owner
+        self.upright = upright
         self.stamp = -1
         self._row = 0
         self.starts, self.clearance = np.zeros(len(directions)), 0.0
@@ -97,12 +101,14 @@ class RayBundle:
         return len(self.directions)
 
     @property
-    def shape(self) -> tuple[int, int, float]:
+    def shape(self) -> tuple[int, int, float, bool]:
         """Equal for bundles that can be worked on together."""
-        return id(self.directions), id(self.origins), self.reach
+        return id(self.directions), id(self.origins), self.reach, self.upright
 
     def mount(self, solids: Solids, grain: float) -> None:
         """Find out where the rays leave what the sensor is mounted on, if that has changed."""
+        if self.upright:
+            return
         offset = self.obj.offset
         mounting = (solids.arrangement, grain, id(self.directions), *offset)
         if self._mounting != mounting:
@@ -160,7 +166,7 @@ class RayBundle:
     def segments(self) -> NDArray[np.float32]:
         """(N, 7) origin, end (metres, world frame) and 1 where something was hit, 0 elsewhere."""
         position, rotation = self.obj.world_pose()
-        turn: Any = np.reshape(rotation, (3, 3)).T
+        turn = np.eye(3) if self.upright else np.reshape(rotation, (3, 3)).T
         result = np.empty((len(self), 7), dtype=np.float32)
         origins = np.zeros((len(self), 3)) if self.origins is None else self.origins
         result[:, 0:3] = origins @ turn + position

@@ -123,4 +123,3 @@ class Caster:
             else:
                 result[met] = self._solids.remissions[solid] if mesh is None else mesh.remissions[faces[met]]
         return result
-

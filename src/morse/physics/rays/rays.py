@@ -46,7 +46,13 @@ class Rays:
     # -- bundles ---------------------------------------------------------------------------
 
     def bundle(
-        self, obj: GameObject, directions: ArrayLike, reach: float, origins: ArrayLike | None = None
+        self,
+        obj: GameObject,
+        directions: ArrayLike,
+        reach: float,
+        origins: ArrayLike | None = None,
+        *,
+        upright: bool = False,
     ) -> RayBundle:
         """The rays of a sensor.
 
@@ -55,6 +61,7 @@ class Rays:
             directions: (N, 3) vectors in its frame, of any length but zero.
             reach: metres; may be infinite.
             origins: (N, 3) metres in its frame; None if all rays start at its origin.
+            upright: directions and origins are along the axes of the world, however the sensor is turned.
 
         Raises:
             ValueError: arrays of another shape, numbers that are not finite, no reach.
@@ -65,7 +72,7 @@ class Rays:
         starts = None if origins is None else self._kept(_rows_of_three(origins, "origins"))
         if starts is not None and len(starts) != len(checked):
             raise ValueError(f"there are {len(checked)} directions, but {len(starts)} origins")
-        return RayBundle(self, obj, checked, float(reach), starts, owner(self._world, obj.slot))
+        return RayBundle(self, obj, checked, float(reach), starts, owner(self._world, obj.slot), upright)
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
         """Directions (N, 3) as unit vectors; equal ones are one array, so that they can be turned together."""
@@ -84,7 +91,7 @@ class Rays:
 
     def cast(self, bundles: Sequence[RayBundle]) -> None:
         """Cast the rays of some sensors, from where these are now."""
-        groups: dict[tuple[int, int, float], list[RayBundle]] = {}
+        groups: dict[tuple[int, int, float, bool], list[RayBundle]] = {}
         for bundle in bundles:
             if len(bundle):
                 groups.setdefault(bundle.shape, []).append(bundle)
@@ -197,7 +204,10 @@ def _rays_of(group: list[RayBundle]) -> tuple[Any, ...]:
     first, count = group[0], len(group[0])
     poses = [bundle.obj.world_pose() for bundle in group]
     positions = np.array([pose[0] for pose in poses], dtype=np.float64)
-    rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3).transpose(0, 2, 1)
+    if first.upright:
+        rotations = np.tile(np.eye(3), (len(group), 1, 1))
+    else:
+        rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3).transpose(0, 2, 1)
     owners = np.array([bundle.owner for bundle in group], dtype=np.intp)
     directions = (first.directions @ rotations).reshape(-1, 3)
     distances = np.full(len(directions), min(first.reach, _FARTHEST))

@@ -1,0 +1,85 @@
+"""What keeps the data of a real sensor from being true at once: delay and noise."""
+
+from __future__ import annotations
+
+from collections import deque
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any
+
+from morse.core.noise import Noise
+
+if TYPE_CHECKING:
+    from morse.core.sensor import Sensor
+    from morse.scene.realism import NoiseModel, RealismModel
+
+
+class Realism:
+    """Measures for a sensor that is not ideal.
+
+    The errors are added to what is published, never to what the sensor works with: a sensor that adds up what
+    it measures does not add up its noise.
+    """
+
+    def __init__(self, sensor: Sensor, model: RealismModel) -> None:
+        self._sensor = sensor
+        self.delay = model.delay
+        random = sensor.context.random
+        fields: dict[str, NoiseModel] = {}
+        for name, noise in model.noise.items():
+            fields.update(dict.fromkeys([name] if name else sensor.noisy_fields(), noise))
+        self._noises = {
+            name: Noise(noise, random(f"{sensor.name()}/noise/{name}"))
+            for name, noise in fields.items()
+            if name in sensor.local_data
+        }
+        kept = sensor.local_data if self.delay else self._noises
+        self._truth = {name: copied(sensor.local_data[name]) for name in kept}
+        self._last: float | None = None
+        self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
+
+    def act(self) -> None:
+        """One measurement: as `Sensor.action`, with errors and delay."""
+        sensor = self._sensor
+        data = sensor.local_data
+        shown = copied(data) if self.delay else dict(data)
+        data.update(self._truth)
+        sensor.sensor_setup()
+        sensor.default_action()
+        self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
+        self._add_noise(shown)
+        for modifier in sensor.output_modifiers:
+            modifier.modify()
+        if not self.delay:
+            sensor.publish()
+            return
+        self._waiting.append((sensor.clock.time + self.delay, copied(data)))
+        data.clear()
+        data.update(shown)
+
+    def _add_noise(self, shown: dict[str, Any]) -> None:
+        now = self._sensor.clock.time
+        passed = 0.0 if self._last is None else now - self._last
+        self._last = now
+        for name, noise in self._noises.items():
+            noise.pass_time(passed)
+            self._sensor.add_noise(name, noise, shown[name])
+
+    def release(self) -> None:
+        """Publish the measurements whose time has come; called every tick."""
+        now = self._sensor.clock.time + 1e-9
+        while self._waiting and self._waiting[0][0] <= now:
+            data = self._sensor.local_data
+            data.clear()
+            data.update(self._waiting.popleft()[1])
+            self._sensor.publish()
+
+
+def copied(value: Any) -> Any:
+    """A copy that shares nothing which could be changed."""
+    if isinstance(value, (float, int, str, bytes, bool)) or value is None:
+        return value
+    if type(value) is list:
+        return [item if type(item) is float else copied(item) for item in value]
+    if type(value) is dict:
+        return {key: copied(item) for key, item in value.items()}
+    return deepcopy(value)

@@ -1,0 +1,63 @@
+"""Fans of directions, as laser scanners have them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: no scanner has more rays than this
+MOST_RAYS = 1_000_000
+
+
+def fan(
+    window: float, resolution: float, layers: float = 1, separation: float = 0.0, offset: float = 0.0
+) -> NDArray[np.float64]:
+    """Unit vectors (N, 3) around the X axis, Y left, Z up.
+
+    From ``-window / 2`` (right) to ``window / 2`` (left) in steps of ``resolution``, both ends included; layer by
+    layer from the uppermost, every other layer turned by ``offset``, beginning with the first. A single layer is
+    not turned.
+
+    Args:
+        window: degrees, 0 to 360.
+        resolution: degrees.
+        layers: a whole number.
+        separation: degrees between two layers.
+        offset: degrees.
+
+    Raises:
+        ValueError: for values that make no fan, or more than `MOST_RAYS`.
+    """
+    if not 0.0 <= window <= 360.0:
+        raise ValueError(f"scan_window takes degrees from 0 to 360, got {window!r}")
+    if not 0.0 < resolution < math.inf:
+        raise ValueError(f"resolution takes degrees greater than 0, got {resolution!r}")
+    if not (1 <= layers < math.inf and layers == int(layers)):
+        raise ValueError(f"layers takes a whole number from 1 upward, got {layers!r}")
+    if not (math.isfinite(separation) and abs(separation) * (layers - 1) <= 180.0):
+        raise ValueError(f"{layers:g} layers {separation!r} degrees apart (layer_separation) do not fit in 180 degrees")
+    if not math.isfinite(offset):
+        raise ValueError(f"layer_offset takes degrees, got {offset!r}")
+    steps = window / resolution
+    if (steps + 1) * layers > MOST_RAYS:
+        raise ValueError(f"{window:g} degrees (scan_window) in steps of {resolution:g} (resolution) are too many rays")
+    # 31.5 / 0.1 is a little less than 315
+    angles = np.radians(np.arange(math.floor(steps * (1.0 + 1e-12) + 1e-9) + 1) * resolution - window / 2)
+    heights = np.radians((layers - 1) / 2 * separation - np.arange(int(layers)) * separation)
+    turns = np.zeros(int(layers))
+    if layers > 1:
+        turns[::2] = math.radians(offset)
+    azimuth = angles + turns[:, None]
+    return np.stack(
+        [
+            np.cos(azimuth) * np.cos(heights)[:, None],
+            np.sin(azimuth) * np.cos(heights)[:, None],
+            np.broadcast_to(np.sin(heights)[:, None], azimuth.shape),
+        ],
+        axis=2,
+    ).reshape(-1, 3)
