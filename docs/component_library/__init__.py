@@ -1,0 +1,41 @@
+"""A Sphinx extension that writes the component library from what the components declare of themselves.
+
+The pages go to ``docs/library/`` whenever the documentation is built; nobody edits them.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from component_library import component_pages, index_page, model_pages, robot_pages, service_pages
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+FOLDER = "library"
+
+
+def write(folder: Path) -> list[Path]:
+    """Write all pages into a folder, which is emptied first, and return their paths."""
+    shutil.rmtree(folder, ignore_errors=True)
+    pages = {
+        **robot_pages.pages(),
+        **component_pages.pages("sensors"),
+        **component_pages.pages("actuators"),
+        **model_pages.pages(),
+        **service_pages.pages(),
+    }
+    pages["index"] = index_page.page(list(pages))
+    for name, text in pages.items():
+        path = folder / f"{name}.md"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return [folder / f"{name}.md" for name in pages]
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register with Sphinx."""
+    app.connect("builder-inited", lambda app: write(Path(app.srcdir) / FOLDER))
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

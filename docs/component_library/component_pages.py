@@ -1,0 +1,112 @@
+"""A page for each sensor and each actuator that scene scripts can make."""
+
+from __future__ import annotations
+
+import inspect
+from importlib import import_module
+from typing import Any
+
+from component_library import scenes
+from component_library.declared import data_table, level_table, own_services, property_table, service_list
+from component_library.markdown import block, code, page, prose, section, table
+from morse.builder import workspace
+from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
+from morse.core.declarations import data_fields
+from morse.middleware import registry
+
+
+def builder_classes(kind: str) -> dict[str, type[ComponentCreator]]:
+    """The classes of scene scripts for ``sensors`` or ``actuators`` by name, sorted."""
+    module = import_module(f"morse.builder.{kind}")
+    found = {name: getattr(module, name) for name in module.__all__}
+    return {
+        name: cls
+        for name, cls in sorted(found.items())
+        if inspect.isclass(cls) and issubclass(cls, ComponentCreator) and cls not in (SensorCreator, ActuatorCreator)
+    }
+
+
+def pages(kind: str) -> dict[str, str]:
+    """Name of a page, below the folder of the library, to its text."""
+    return {f"{kind}/{name.lower()}": _page(name, cls, kind) for name, cls in builder_classes(kind).items()}
+
+
+def short_description(builder: type[ComponentCreator]) -> str:
+    """What a component is, in one sentence."""
+    workspace.reset()
+    cls = builder().component_class()
+    own = inspect.getdoc(builder) if builder.__module__ != f"morse.builder.{builder._kind}s" else None
+    text = own or getattr(cls, "_short_desc", "") or inspect.getdoc(cls) or ""
+    return prose(text).split("\n\n")[0].rstrip(".") + "."
+
+
+def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
+    workspace.reset()
+    component = builder()
+    cls = component.component_class()
+    assert cls is not None, f"{name} does not say which class runs"
+    sensor = kind == "sensors"
+    fields = bool(data_fields(cls))
+    interfaces = _interfaces(cls, "OUT" if sensor else "IN") if component.is_exportable() else ""
+    use = [block("python", scenes.component_scene(name, sensor=sensor, fields=fields))]
+    if interfaces:
+        use += ["Its client:\n", block("python", scenes.client(name, cls, sensor=sensor))]
+    return page(
+        name,
+        short_description(builder),
+        _more(cls),
+        table(
+            ["", ""],
+            [
+                ["in scene scripts", code(f"{name}()")],
+                ["runs", code(builder._classpath or component.classpath)],
+                ["rate", f"{component._frequency:g} Hz"],
+            ],
+        ),
+        section("Use", *use),
+        section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls)) if fields else "",
+        section("Properties", property_table(cls, component.scene_node.properties)),
+        section("Levels", level_table(cls)),
+        section("In scene scripts", _own_methods(builder)),
+        section("Services", service_list(cls, own_services(cls)), _common_services(sensor)),
+        section("Middlewares", interfaces),
+    )
+
+
+def _more(cls: type) -> str:
+    """What the class says beyond its first sentence, if it says more than the short description."""
+    return prose(inspect.getdoc(cls))
+
+
+def _common_services(sensor: bool) -> str:
+    own = "`get_local_data`, " if sensor else ""
+    return (
+        f"And those of every component: {own}`get_properties`, `set_property`, `get_configurations` "
+        "([services](../services.md))."
+    )
+
+
+def _interfaces(cls: type, direction: str) -> str:
+    rows = []
+    for name, middleware in registry.installed().items():
+        streams = middleware.streams_of(cls, None, direction)
+        if middleware.stream_manager is not None and streams:
+            rows.append([code(name), ", ".join(code(path.rpartition(".")[2]) for path in streams)])
+    return table(["middleware", "stream"], rows)
+
+
+def _own_methods(builder: type[ComponentCreator]) -> str:
+    """Methods that this builder class has and others do not."""
+    lines = []
+    for base in builder.__mro__:
+        if base in (SensorCreator, ActuatorCreator):
+            break
+        for name, member in vars(base).items():
+            if not name.startswith("_") and inspect.isfunction(member):
+                lines.append(f"`{name}{_signature(member)}`\n: {' '.join(prose(inspect.getdoc(member)).split())}\n")
+    return "\n".join(lines)
+
+
+def _signature(function: Any) -> str:
+    signature = inspect.signature(function)
+    return str(signature.replace(parameters=list(signature.parameters.values())[1:])).replace("'", "")

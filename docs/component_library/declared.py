@@ -1,0 +1,83 @@
+"""What components declare, as rows of tables and lists."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+from component_library.markdown import arguments, code, prose, table
+from morse.core.declarations import data_fields, levels, properties
+from morse.core.object import Object
+from morse.core.services import ServiceDeclaration, declared_services, signature_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+_COMMON = {declaration.name for declaration in declared_services(Object)} | {"get_local_data"}
+
+
+def data_table(cls: type) -> str:
+    """The data fields of a component."""
+    has_levels = bool(levels(cls))
+    rows = []
+    for name, field in data_fields(cls).items():
+        level = field.level if isinstance(field.level, str) else ", ".join(field.level)
+        # some defaults say in words what they will be
+        words = isinstance(field.default, str) and field.type not in ("string", "str")
+        default = field.default if words else code(_shown(field.default))
+        row = [code(name), field.type, field.unit, default, field.doc]
+        rows.append([*row, level] if has_levels else row)
+    return table(["field", "type", "unit", "at the start", "what", *(["level"] if has_levels else [])], rows)
+
+
+def property_table(cls: type, changed: Mapping[str, Any]) -> str:
+    """The properties of a component.
+
+    Args:
+        cls: its class.
+        changed: what its builder class sets.
+    """
+    return table(
+        ["property", "type", "default", "what"],
+        (
+            [code(prop.name), prop.type, code(_shown(changed.get(prop.name, prop.default))), prop.doc]
+            for prop in properties(cls).values()
+        ),
+    )
+
+
+def level_table(cls: type) -> str:
+    """The abstraction levels of a component."""
+    return table(
+        ["level", "what", ""],
+        ([code(name), level.doc, "default" if level.default else ""] for name, level in levels(cls).items()),
+    )
+
+
+def own_services(cls: type) -> list[ServiceDeclaration]:
+    """The services that a component has and others do not."""
+    return [declaration for declaration in declared_services(cls) if declaration.name not in _COMMON]
+
+
+def service_list(cls: type, declarations: Iterable[ServiceDeclaration]) -> str:
+    """Services with their signatures and arguments."""
+    return "\n".join(_service(cls, declaration) for declaration in declarations)
+
+
+def _service(cls: type, declaration: ServiceDeclaration) -> str:
+    method = getattr(cls, declaration.attribute)
+    signature = signature_of(method)
+    parameters = [p for p in signature.parameters.values() if p.name not in ("self", "callback")]
+    shown = f"{declaration.name}{signature.replace(parameters=parameters)}".replace("'", "").replace(" -> None", "")
+    plain = inspect.getdoc(method) or ""
+    lines = [f"`{shown}`", f": {' '.join(prose(plain).split())}"]
+    if declaration.asynchronous:
+        lines[1] += " Answers when it is done; can be cancelled."
+    lines += [f"  - `{name}`: {what}" for name, what in arguments(plain)]
+    if len(lines) > 2:
+        lines.insert(2, "")
+    return "\n".join(lines) + "\n"
+
+
+def _shown(value: Any) -> str:
+    return repr(value) if isinstance(value, str) else str(value)

@@ -1,0 +1,94 @@
+"""A page on the environments and props: what objects are in which file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from component_library.markdown import block, code, page, section, table
+from component_library.sizes import extent
+from morse.assets import find, load, search
+from morse.builder.selection import pick
+from morse.scene import PhysicsType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.builder.selection import Role
+    from morse.scene import Library, Node
+
+_PROP = """from morse.builder import *
+
+robot = Morsy()
+
+crate = PassiveObject('props/crates', 'small_crate')
+crate.translate(x=3.0)
+
+env = Environment('empty')
+"""
+
+
+def pages() -> dict[str, str]:
+    """Name of a page, below the folder of the library, to its text."""
+    environments = (
+        section(name, _objects(_library(name, "environments"), "environment"), depth=3)
+        for name in _models("environments")
+    )
+    props = (section(f"props/{name}", _objects(_library(name, "props"), "prop"), depth=3) for name in _models("props"))
+    return {
+        "models": page(
+            "Environments and things",
+            "The models that come with MORSE, with the objects in them. Sizes are in metres, along X, Y and Z.",
+            section("Environments", "`Environment('sandbox')` takes the name of one of them.\n", *environments),
+            section(
+                "Things",
+                "`PassiveObject` takes the file, and the name of an object or of a group in it:\n",
+                block("python", _PROP),
+                *props,
+            ),
+        )
+    }
+
+
+def _models(category: str) -> list[str]:
+    """The names of the models that come with MORSE."""
+    own = search.component_dirs()[0] / category
+    return [name for name in search.available(category) if (own / f"{name}.blend").is_file()]
+
+
+def _library(name: str, category: str) -> Library:
+    return load(find(name, category))
+
+
+def _objects(library: Library, role: Role) -> str:
+    groups = {member: name for name, members in library.collections.items() for member in members}
+    roots = pick(library, role)
+    rows = [[code(root.name), *_facts(root), code(groups.get(root.source_name or root.name, ""))] for root in roots]
+    lamps = sum(root.light is not None for root in roots)
+    shown = [row for row, root in zip(rows, roots, strict=True) if root.light is None and root.camera is None]
+    note = f"\nAnd {lamps} lamp{'s' if lamps > 1 else ''}.\n" if lamps else ""
+    return table(["object", "size", "physics", "mass", "group"], _folded(shown)) + note
+
+
+def _facts(root: Node) -> list[str]:
+    size = extent(root)
+    moves = root.body.moves
+    return [
+        "" if size is None else " × ".join(f"{length:.2f}" for length in size),
+        code(_physics(root)),
+        f"{root.body.mass:g} kg" if moves else "",
+    ]
+
+
+def _physics(root: Node) -> str:
+    """How a thing takes part in the physics, by itself or by its parts."""
+    if not root.body.moves and any(part.body.collides for part in root.walk()):
+        return str(PhysicsType.STATIC)
+    return str(root.body.type)
+
+
+def _folded(rows: Iterable[list[str]]) -> list[list[str]]:
+    """Rows that differ in the object alone become one."""
+    folded: dict[tuple[str, ...], list[str]] = {}
+    for name, *facts in rows:
+        folded.setdefault(tuple(facts), []).append(name)
+    return [[", ".join(names), *facts] for facts, names in folded.items()]

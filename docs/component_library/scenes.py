@@ -1,0 +1,65 @@
+"""Examples: scene scripts and clients that use one component."""
+
+from __future__ import annotations
+
+import re
+
+from morse.core.declarations import data_fields
+
+#: components that need a certain robot; all others ride on an ATRV
+_CARRIERS = {"MotionVWDiff": "Pioneer3DX"}
+
+
+def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
+    """A scene script with a component on a robot."""
+    variable = variable_of(name)
+    robot = _CARRIERS.get(name, "ATRV")
+    lines = ["from morse.builder import *", "", f"robot = {robot}()", "", f"{variable} = {name}()"]
+    if sensor:
+        lines.append(f"{variable}.translate(x=0.3, z=0.8)")
+    lines += [f"robot.append({variable})", ""]
+    if fields:
+        lines.append("robot.add_default_interface('socket')")
+    return "\n".join([*lines, "env = Environment('empty')"])
+
+
+def robot_scene(name: str, *, motion: str) -> str:
+    """A scene script with a robot that a client can drive."""
+    return "\n".join(
+        [
+            "from morse.builder import *",
+            "",
+            f"robot = {name}()",
+            "robot.translate(x=1.0, z=0.2)",
+            "",
+            f"motion = {motion}()",
+            "robot.append(motion)",
+            "",
+            "robot.add_default_interface('socket')",
+            "env = Environment('empty')",
+        ]
+    )
+
+
+def client(name: str, cls: type, *, sensor: bool) -> str:
+    """A program that reads a sensor, or commands an actuator."""
+    component = f"simu.robot.{variable_of(name)}"
+    if sensor:
+        return f"from pymorse import Morse\n\nwith Morse() as simu:\n    print({component}.get())"
+    fields = {field: value.default for field, value in data_fields(cls).items()}
+    values = ", ".join(f'"{field}": {_example(value)}' for field, value in fields.items())
+    return f"from pymorse import Morse\n\nwith Morse() as simu:\n    {component}.publish({{{values}}})"
+
+
+def variable_of(name: str) -> str:
+    """The variable that holds a component of that class: ``video_camera`` for ``VideoCamera``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()
+
+
+def _example(value: object) -> str:
+    if isinstance(value, bool) or value is None:
+        return repr(value)
+    if isinstance(value, (int, float)):
+        return "0.5" if isinstance(value, float) else "1"
+    # many fields begin where the robot is, which their default says in words
+    return repr(value) if isinstance(value, (list, dict)) else "0.5"

@@ -1,0 +1,27 @@
+"""Settings of the documentation: ``sphinx-build -W docs docs/_build``."""
+
+import sys
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+# the documentation describes the sources beside it, whatever is installed
+sys.path[:0] = [str(_HERE.parent / "src"), str(_HERE)]
+
+from morse.version import __version__ as release  # noqa: E402, F401
+
+project = "MORSE"
+author = "The MORSE developers"
+copyright = "2026, The MORSE developers"
+extensions = ["myst_parser", "component_library"]
+exclude_patterns = ["_build"]
+myst_enable_extensions = ["deflist", "fieldlist"]
+myst_heading_anchors = 3
+# links to source files are for readers of the repository
+suppress_warnings = ["myst.xref_missing"]
+
+html_theme = "furo"
+html_title = "MORSE"
+html_theme_options = {
+    "light_css_variables": {"color-brand-primary": "#1f7a70", "color-brand-content": "#b4560f"},
+    "dark_css_variables": {"color-brand-primary": "#7fd1c4", "color-brand-content": "#f0b673"},
+}
