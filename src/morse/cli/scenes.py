@@ -118,8 +118,8 @@ def _unknown_scene(given: str, path: Path, sites: Sites) -> CommandError:
 
 
 def _project_of(script: Path, sites: Sites) -> Path | None:
-    """The environment in which a script lies: a registered one, or a directory with ``src`` and ``data``."""
+    """The environment in which a script lies: a registered one, or a directory with ``src`` or ``data``."""
     if (owner := sites.owner(script)) is not None:
         return owner
     beside = script.parent
-    return beside if (beside / "src").is_dir() and (beside / "data").is_dir() else None
+    return beside if (beside / "src").is_dir() or (beside / "data").is_dir() else None
