@@ -97,9 +97,8 @@ tree.links.new(solid.outputs[0], surface)
 
 for name, file in (("external", "external.png"), ("generated", None)):
     _, tree, surface = material(name)
-    solid, texture, mixed = (
-        shader(tree, "ShaderNodeBsdfPrincipled"), tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeMixRGB"),
-    )  # fmt: skip
+    solid = shader(tree, "ShaderNodeBsdfPrincipled")
+    texture, mixed = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeMixRGB")
     texture.image = image(name, file)
     tree.links.new(texture.outputs["Color"], mixed.inputs["Color2"])
     tree.links.new(mixed.outputs[0], solid.inputs["Base Color"])
