@@ -107,4 +107,5 @@ def values(items: Any, name: str, width: int, kind: Any = np.float32) -> Any:
     return found if width == 1 else found.reshape(-1, width)
 
 
-main(*sys.argv[sys.argv.index("--") + 1 :])
+if __name__ == "__main__":
+    main(*sys.argv[sys.argv.index("--") + 1 :])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 # rigid bodies
 _PASSIVE = 1

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.assets.blend.file import datablock_name
+from morse.assets.blend.record import datablock_name
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.file import BlendFile
+    from morse.assets.blend.record import Record
 
 
 class Collections:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _STRING, _INT, _FLOAT, _ARRAY, _GROUP, _ID, _DOUBLE, _GROUP_ARRAY, _BOOLEAN = 0, 1, 2, 5, 6, 7, 8, 9, 10
 _ITEMS = {_INT: "i4", _FLOAT: "f4", _DOUBLE: "f8", _BOOLEAN: "i1"}
@@ -80,7 +80,9 @@ def _array(entry: Record, data: Record, depth: int) -> object:
     if numpy is None:
         return None
     item = np.dtype(data.file.endian + numpy)
-    values = np.frombuffer(data.file.data, item, min(_length(entry), block.size // item.itemsize), block.offset)
+    count = min(_length(entry), block.size // item.itemsize)
+    data.file.spend(1 + count // 4)
+    values = np.frombuffer(data.file.data, item, count, block.offset)
     if kind == _BOOLEAN:
         return (values != 0).tolist()
     return np.nan_to_num(values, posinf=0.0, neginf=0.0).tolist() if item.kind == "f" else values.tolist()

@@ -7,14 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.blend.errors import Damage
-from morse.assets.blend.file import datablock_name
+from morse.assets.blend.record import datablock_name
 from morse.scene import Image
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 #: bytes of one encoded picture
 _MAX_BYTES = 256 << 20
+#: bytes of all pictures of a file
+_MAX_TOTAL = 1 << 30
 #: names in one warning
 _MAX_NAMED = 5
 _GENERATED, _VIEWER = 4, 5
@@ -28,6 +30,7 @@ class Images:
         self._folder = path.parent
         self._read: dict[int, Image | None] = {}
         self._foreign: list[str] = []
+        self._total = 0
         #: the images read so far, by name
         self.by_name: dict[str, Image] = {}
 
@@ -53,7 +56,10 @@ class Images:
             record.file.warn(f"the image '{name}' is painted by Blender itself; pack it into the file to see it here")
             return None
         try:
-            data = _packed(record) if _is_packed(record) else self._external(record, name)
+            if self._total > _MAX_TOTAL:
+                raise Damage(f"all images together are larger than {_MAX_TOTAL >> 20} MiB")
+            data = _packed(record) if _is_packed(record) else self._external(record)
+            self._total += len(data)
         except Damage as damage:
             record.file.warn(f"the image '{name}' is left out: {damage}")
             return None
@@ -63,7 +69,7 @@ class Images:
             return None
         return Image(name, data, mime)
 
-    def _external(self, record: Record, name: str) -> bytes:
+    def _external(self, record: Record) -> bytes:
         stored = record.text(record.either("name", "filepath"))
         path = _resolve(stored, self._folder)
         if path is None:
@@ -97,13 +103,12 @@ def _packed(record: Record) -> bytes:
         packed = None if entry is None else entry.follow("packedfile", "PackedFile")
     if packed is None:
         raise Damage("its packed bytes are missing")
-    data = packed.content("data")
-    size = packed.integer("size")
-    if not 0 < size <= len(data):
+    block, size = packed.target("data"), packed.integer("size")
+    if block is None or not 0 < size <= block.size:
         raise Damage("its packed bytes are cut off")
     if size > _MAX_BYTES:
         raise Damage(f"it is larger than {_MAX_BYTES >> 20} MiB")
-    return data[:size]
+    return packed.file.data[block.offset : block.offset + size]
 
 
 def _resolve(stored: str, folder: Path) -> Path | None:

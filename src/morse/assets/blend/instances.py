@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.assets.blend.file import datablock_name
+from morse.assets.blend.record import datablock_name
 from morse.assets.loader import instantiate
 from morse.assets.poses import set_free
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
     from morse.assets.blend.collections import Collections
-    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.file import BlendFile
     from morse.assets.blend.objects import Objects
+    from morse.assets.blend.record import Record
     from morse.scene import Node
 
 _COLLECTION = 1 << 8

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.scene import Camera, Light
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _TYPES = {0: "POINT", 1: "SUN", 2: "SPOT", 3: "HEMI", 4: "AREA"}
 #: since 2.80: watts (of a sun: W/m^2) that look like a lamp of energy 1. A new scene has a point lamp of

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.assets.blend.blocks import Block
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 #: types of layers
 MVERT, MEDGE, MTFACE, INT32, MTEXPOLY, MLOOPUV, MPOLY, MLOOP, FLOAT3, FLOAT2, BOOL, INT32_2D = (

@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets.blend.errors import Damage
-from morse.assets.blend.file import datablock_name
 from morse.assets.blend.old_materials import old_material
+from morse.assets.blend.record import datablock_name
 from morse.assets.blend.shaders import node_material
 from morse.scene import Image, Material
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.file import BlendFile
     from morse.assets.blend.images import Images
+    from morse.assets.blend.record import Record
 
 _BACKFACE_CULLING = 1 << 2
 _FACE_TEXTURES = 1 << 11

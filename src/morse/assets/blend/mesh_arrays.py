@@ -18,7 +18,7 @@ from morse.assets.blend.polygons import Bools, Floats, Ints, Polygons, gather
 
 if TYPE_CHECKING:
     from morse.assets.blend.blocks import Block
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _SMOOTH = 1
 _SHARP = 1 << 9

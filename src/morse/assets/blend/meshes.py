@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets.blend.errors import Damage
-from morse.assets.blend.file import datablock_name
 from morse.assets.blend.mesh_arrays import read_polygons
 from morse.assets.blend.normals import corner_normals
+from morse.assets.blend.record import datablock_name
 from morse.assets.blend.triangulate import triangulate
 from morse.scene import Material, Mesh
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
     from morse.assets.blend.materials import Materials
     from morse.assets.blend.polygons import Floats, Polygons
+    from morse.assets.blend.record import Record
 
 _AUTO_SMOOTH = 1 << 5
 _MAX_SLOTS = 32_767
@@ -51,6 +51,8 @@ class Meshes:
         polygons = read_polygons(record)
         if polygons is None or not len(polygons.sizes):
             return None
+        # many meshes can mean the same arrays
+        record.file.spend(len(polygons.corners) // 20)
         slots = self._materials.slots(record, "mat", record.integer("totcol", 0))
         if polygons.pictures is not None:
             slots = self._picture_slots(record, polygons, slots)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _MUTED = 1 << 9
 _OUTPUT = 1 << 6

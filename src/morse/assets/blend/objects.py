@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 from morse.assets import rules
 from morse.assets.blend.bodies import game_properties, game_settings, rigid_body
 from morse.assets.blend.errors import Damage
-from morse.assets.blend.file import datablock_name
 from morse.assets.blend.id_properties import id_properties
 from morse.assets.blend.lamps import camera, light
 from morse.assets.blend.parents import parent_frame
+from morse.assets.blend.record import datablock_name
 from morse.assets.blend.transforms import is_identity, matrix, pose
 from morse.assets.blend.unevaluated import crease_angle
 from morse.scene import Node, NodeKind
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.file import BlendFile
     from morse.assets.blend.materials import Materials
     from morse.assets.blend.meshes import Meshes
+    from morse.assets.blend.record import Record
     from morse.scene import Material
 
 MESH, LIGHT, CAMERA, ARMATURE = 1, 10, 11, 25
@@ -93,7 +94,7 @@ class Objects:
         shared: list[Material | None] = []
         if data is not None and data.has("mat"):
             shared = self._materials.slots(data, "mat", data.integer("totcol", 0))
-        own = record.content("matbits")[: max(record.integer("totcol", 0), 0)]
+        own = record.content("matbits", len(shared))
         if not any(own):
             return shared
         slots = self._materials.slots(record, "mat", len(own))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from morse.scene import Image, Material
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
     from morse.assets.blend.images import Images
+    from morse.assets.blend.record import Record
 
 _SHADELESS, _TRANSPARENT = 1 << 2, 1 << 16
 _MAP_COLOR = 1

@@ -9,7 +9,7 @@ from morse.assets.blend.transforms import matrix
 from morse.mathutils import Matrix
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _KIND = 15
 VERTEX, TRIANGLE, BONE = 5, 6, 7

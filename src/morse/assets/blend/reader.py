@@ -19,7 +19,7 @@ from morse.assets.blend.world import world_properties
 from morse.scene import Library
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
     from morse.scene import Node
 
 #: kinds of datablocks that are missed if they are in another file

@@ -8,8 +8,8 @@ from morse.assets.blend.nodes import Node, NodeTree
 from morse.scene import Material
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import Record
     from morse.assets.blend.images import Images
+    from morse.assets.blend.record import Record
 
 _DEPTH = 8
 _GREY, _WHITE, _BLACK = (0.8, 0.8, 0.8), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)

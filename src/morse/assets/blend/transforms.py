@@ -10,7 +10,7 @@ from morse.mathutils import Euler, Matrix, Quaternion
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 _ORDERS = {1: "XYZ", 2: "XZY", 3: "YXZ", 4: "YZX", 5: "ZXY", 6: "ZYX"}
 _QUATERNION, _AXIS_ANGLE = 0, -1

@@ -11,7 +11,7 @@ from morse.assets.blend.parents import TRIANGLE, parent_kind
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.assets.blend.file import Record
+    from morse.assets.blend.record import Record
 
 MESH, CURVE, SURFACE, FONT, METABALL = 1, 2, 3, 4, 5
 _SHOWN = 1

@@ -9,7 +9,8 @@ from morse.assets.blend.nodes import NodeTree
 from morse.scene import Mist
 
 if TYPE_CHECKING:
-    from morse.assets.blend.file import BlendFile, Record
+    from morse.assets.blend.file import BlendFile
+    from morse.assets.blend.record import Record
 
 _MIST = 1 << 0
 _GRAVITY = 1 << 0

@@ -1,0 +1,75 @@
+"""From several loose objects of a file to one component."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets.errors import AssetError
+from morse.assets.poses import attach_in_place, set_free
+from morse.scene import NodeKind, PhysicsType
+
+if TYPE_CHECKING:
+    from morse.scene import Library, Node
+
+
+def gather_under_root(library: Library) -> Node:
+    """The one node that stands for a robot, sensor or actuator whose file may hold several loose objects.
+
+    The root is the object named like the file, else the first one that has children, physics or no mesh, else the
+    first mesh. All other objects become part of it where they are: eyes need no parent in the file to turn with the
+    head. Lights, cameras and objects whose names begin with ``_`` are dropped.
+
+    Raises:
+        AssetError: the file holds no object that could be a component.
+    """
+    placed = [root for root in library.roots if root.name not in library.outside_scene]
+    loose = [part for root in placed or library.roots for part in _without_lights(root)]
+    if not loose:
+        raise AssetError(library.path, "it holds no object that can be a component: add a mesh or an empty")
+    root = _choose(loose, Path(library.path).stem)
+    for part in loose:
+        if part is not root:
+            attach_in_place(root, part)
+    library.roots = [root]
+    return root
+
+
+def _without_lights(root: Node) -> list[Node]:
+    """A tree without lights, cameras and private objects, as the trees it falls into."""
+    if _is_private(root):
+        return []
+    for node in list(root.walk()):
+        if node is root or node.parent is None:
+            continue
+        if _is_private(node):
+            node.detach()
+        elif _is_light(node):
+            for child in list(node.children):
+                attach_in_place(node.parent, child)
+            node.detach()
+    if not _is_light(root):
+        return [root]
+    freed = list(root.children)
+    for child in freed:
+        set_free(child)
+    return [tree for child in freed for tree in _without_lights(child)]
+
+
+def _is_private(node: Node) -> bool:
+    return (node.source_name or node.name).startswith("_")
+
+
+def _is_light(node: Node) -> bool:
+    return node.kind in (NodeKind.LIGHT, NodeKind.CAMERA)
+
+
+def _choose(loose: list[Node], stem: str) -> Node:
+    for node in loose:
+        if (node.source_name or node.name).casefold() == stem.casefold():
+            return node
+    for node in loose:
+        settled = node.body.type not in (PhysicsType.AUTO, PhysicsType.NO_COLLISION)
+        if node.children or settled or node.kind is NodeKind.EMPTY:
+            return node
+    return next((node for node in loose if node.mesh is not None), loose[0])
