@@ -260,6 +260,20 @@ class GameObject(LegacyNames):
             force, torque = rigid.turn(rotation, force), rigid.turn(rotation, torque)
         self._world.apply_wrench(self.slot, force, torque)
 
+    def pull(
+        self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
+    ) -> None:
+        """Pull a point of the body towards a place during the next tick, as a damped spring does.
+
+        Args:
+            anchor: the point, in the frame of the object, m.
+            target: the place in the world, m.
+            stiffness: spring constant divided by the mass, 1/s^2.
+            damping: damping constant divided by the mass, 1/s.
+            strongest: largest acceleration, m/s^2.
+        """
+        self._world.pull(self, floats3(anchor, "anchor"), floats3(target, "target"), stiffness, damping, strongest)
+
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
         """Stay where it is, whatever acts on it."""
         self._world.attachments.suspend(self.slot)

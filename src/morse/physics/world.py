@@ -234,6 +234,34 @@ class World:
             self.data.xfrc_applied[slot.body] += (*force, *torque)
             self._forces = True
 
+    def pull(
+        self,
+        obj: GameObject,
+        anchor: Sequence[float],
+        target: Sequence[float],
+        stiffness: float,
+        damping: float,
+        strongest: float,
+    ) -> None:
+        """See `GameObject.pull`; what does not obey forces is not pulled."""
+        slot = self.slots[obj.slot]
+        if slot.frame.motion is not Motion.FREE or slot.body < 0:
+            return
+        position, rotation = obj.world_pose()
+        held, _ = rigid.compose(position, rotation, anchor, rigid.IDENTITY)
+        linear, angular = self.velocity(obj.slot)
+        origin = self.positions[obj.slot]
+        speed = np.add(linear, np.cross(angular, np.subtract(held, origin)))
+        wanted = stiffness * np.subtract(target, held) - damping * speed
+        size = float(np.linalg.norm(wanted))
+        if size > strongest:
+            wanted *= strongest / size
+        mass = float(self.model.body_subtreemass[slot.body])
+        force = mass * wanted
+        # pulling at the rim of a large body must not make it spin wildly: the lever counts in part
+        torque = 0.3 * np.cross(np.subtract(held, self.data.xipos[slot.body]), force)
+        self.apply_wrench(obj.slot, force.tolist(), torque.tolist())
+
     def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
         """Let the shapes of nodes collide, or pass through everything."""
         for node in nodes:
@@ -319,6 +347,27 @@ class World:
         """The pairs of objects that touch now."""
         pairs = self.data.contact.geom[: self.data.ncon].tolist()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
+
+    def contact_forces(self) -> bytes:
+        """Where bodies touch: (N, 6) float32 of point (m) and force on the second body (N), world axes."""
+        count = self.data.ncon
+        rows = np.empty((count, 6), dtype=np.float32)
+        force = np.zeros(6)
+        for index in range(count):
+            contact = self.data.contact[index]
+            mujoco.mj_contactForce(self.model, self.data, index, force)
+            rows[index, :3] = contact.pos
+            rows[index, 3:] = contact.frame.reshape(3, 3).T @ force[:3]
+        return rows.tobytes()
+
+    def mass_centres(self) -> list[tuple[str, float, tuple[float, float, float]]]:
+        """Name, mass (kg) and centre of mass (m, in its own frame) of every body that obeys forces."""
+        found = []
+        for slot in self.slots[: self.moving]:
+            if slot.frame.motion in (Motion.FREE, Motion.HINGE):
+                x, y, z = self.model.body_ipos[slot.body].tolist()
+                found.append((slot.frame.node.name, float(self.model.body_mass[slot.body]), (x, y, z)))
+        return found
 
     def appearance_changed(self, obj: GameObject) -> None:
         """Something about the looks of an object changed: the view has to know."""

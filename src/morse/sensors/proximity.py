@@ -32,6 +32,11 @@ class Proximity(Sensor):
     _range: float
     _tag: str
 
+    @property
+    def reach(self) -> float:
+        """How far it looks, m."""
+        return self._range
+
     @service
     def set_range(self, range: float) -> None:
         """Look that far.

@@ -10,6 +10,8 @@ import time
 import webbrowser
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from morse.simulation.view_drag import ViewDrag
+from morse.simulation.view_overlays import ViewOverlays
 from morse.simulation.view_rays import ViewRays
 from morse.simulation.view_requests import ViewRequests
 from morse.simulation.view_tree import component_tree, keyboard_robots
@@ -43,10 +45,6 @@ def has_display() -> bool:
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _nothing() -> None:
-    """Nobody waits for the end."""
-
-
 class View:
     """Sends what happens to the pages, and carries out what the driving page asks for."""
 
@@ -65,6 +63,8 @@ class View:
         self._listening: str | None = None
         self._requests = ViewRequests(simulation.context, self._server)
         self._rays = ViewRays(simulation.context, self._server)
+        self._overlays = ViewOverlays(simulation.context, self._server)
+        self._drag = ViewDrag(simulation.context)
         simulation.context.held_keys = self._server.held_keys
         simulation.context.listening_robot = lambda: self._listening
         self._url = self._server.start()
@@ -72,7 +72,7 @@ class View:
             page.Play: lambda _: self._set_paused(False),
             page.Pause: lambda _: self._set_paused(True),
             page.Step: lambda event: simulation.step(event.count) if simulation.paused else None,
-            page.Reset: lambda _: simulation.restart(None, _nothing),
+            page.Reset: lambda _: simulation.restart(),
             page.SetSpeed: lambda event: simulation.pacer.set_speed(event.factor or math.inf),
             page.Quit: lambda _: simulation.stop(),
             page.ListenTo: self._listen_to,
@@ -81,6 +81,8 @@ class View:
             page.CancelService: self._requests.cancel,
             page.Activate: self._requests.activate,
             page.Teleport: self._requests.teleport,
+            page.Drag: self._drag.hold,
+            page.DragEnd: self._drag.release,
         }
 
     @property
@@ -92,6 +94,7 @@ class View:
         """The simulation is ready: describe it, say where to look, open a browser."""
         self._describe()
         self._server.send(Tree(component_tree(self._simulation.context)))
+        self._overlays.announce()
         self._send_listening()
         logger.info("the live view is at %s", self._url)
         if self._simulation.options.open_browser and has_display():
@@ -109,6 +112,8 @@ class View:
             handler = self._handlers.get(type(event))
             if handler is not None:
                 handler(event)
+        if not self._simulation.paused:
+            self._drag.apply()
 
     def after_tick(self) -> None:
         """Show what the tick has changed."""
@@ -144,6 +149,7 @@ class View:
             self._told = now
             self._send_values()
             self._rays.update()
+            self._overlays.update()
 
     def _send_values(self) -> None:
         context = self._simulation.context

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,15 @@ if TYPE_CHECKING:
     from morse.physics.gameobject import GameObject
     from morse.physics.rays.rays import Rays
     from morse.physics.rays.solids import Solids
+
+
+#: distances beyond it would overflow single precision
+_FARTHEST = 1e30
+
+
+def farther(reach: float) -> float:
+    """The next number after a reach, m: what is just as far as that is within reach."""
+    return math.nextafter(min(reach, _FARTHEST), math.inf)
 
 
 class Scan:
@@ -65,6 +75,7 @@ class RayBundle:
         directions: (N, 3) unit vectors in the frame of the object; do not write into the array.
         reach: metres; what is farther away is not seen.
         upright: whether they turn with the object, or are along the axes of the world.
+        limit: what is nearer than that is seen.
         owner: the group of solids that the rays pass through.
         starts: (N,) metres from which on each ray has left the body that the sensor is mounted on.
         clearance: the largest of these.
@@ -84,7 +95,7 @@ class RayBundle:
         self._rays = rays
         self.obj = obj
         self.directions = directions
-        self.reach = reach
+        self.reach, self.limit = reach, farther(reach)
         self.origins = origins
         self.owner = owner
         self.upright = upright

@@ -9,7 +9,7 @@ import numpy as np
 from morse.mathutils import Vector
 from morse.physics.rays import embree
 from morse.physics.rays.batch import Batch
-from morse.physics.rays.bundle import RayBundle, Scan
+from morse.physics.rays.bundle import RayBundle, Scan, farther
 from morse.physics.rays.caster import Caster
 from morse.physics.rays.solids import Solids, owner
 from morse.physics.rays.without_embree import MujocoCaster
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
     from morse.physics.gameobject import GameObject
     from morse.physics.world import World
-
-_FARTHEST = 1e30
 
 
 class Rays:
@@ -156,7 +154,7 @@ class Rays:
             viewpoint,
             np.ones(1, dtype=np.intp),
             way,
-            np.array([min(reach, _FARTHEST)], dtype=np.float64),
+            np.array([farther(reach)]),
             np.array([owned_by], dtype=np.intp),
             groups,
         )
@@ -210,7 +208,7 @@ def _rays_of(group: list[RayBundle]) -> tuple[Any, ...]:
         rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3).transpose(0, 2, 1)
     owners = np.array([bundle.owner for bundle in group], dtype=np.intp)
     directions = (first.directions @ rotations).reshape(-1, 3)
-    distances = np.full(len(directions), min(first.reach, _FARTHEST))
+    distances = np.full(len(directions), first.limit)
     starts = np.concatenate([bundle.starts for bundle in group]) if len(group) > 1 else first.starts
     if first.origins is not None:
         viewpoints = (first.origins @ rotations + positions[:, None, :]).reshape(-1, 3)

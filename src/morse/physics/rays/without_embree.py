@@ -97,4 +97,4 @@ class MujocoCaster:
 
     def remissions(self, solids: NDArray[np.intp], faces: NDArray[np.int32]) -> NDArray[np.float64]:
         """(N,) ``specular`` of the first material of what was met."""
-        return np.where(solids >= 0, self._solids.remissions[solids], 0.0)
+        return np.append(self._solids.remissions, 0.0)[solids]
