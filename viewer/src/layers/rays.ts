@@ -2,7 +2,7 @@ import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Point
 import type { Connection } from "../connection/connection";
 import { Layer, discard } from "./layer";
 
-const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.35, depthWrite: false, toneMapped: false });
+const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.25, depthWrite: false, toneMapped: false });
 const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
 
 interface Drawn {

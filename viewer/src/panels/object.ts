@@ -7,6 +7,7 @@ import { icons } from "../ui/icons";
 import type { Follow } from "../view/follow";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
+import type { World } from "../world/world";
 
 /** Where the selected object is, and what can be done with it. */
 export class ObjectPanel {
@@ -53,6 +54,11 @@ export class ObjectPanel {
     );
   }
 
+  /** The world was described anew: the object may be another one of the same name. */
+  rebind(world: World): void {
+    this.node = world.find(this.node?.name ?? "");
+  }
+
   /** The pose of a node as lines of a scene script. */
   code(node: WorldNode): string {
     const { position, angles } = poseOf(node);
@@ -76,8 +82,8 @@ export class ObjectPanel {
   private update(): void {
     if (!this.node || !this.place.isConnected) return;
     const { position, angles } = poseOf(this.node);
-    this.place.textContent = position.map((value) => value.toFixed(3)).join(", ");
-    this.angles.textContent = angles.map((value) => value.toFixed(3)).join(", ");
+    this.place.textContent = position.map(millimetres).join(", ");
+    this.angles.textContent = angles.map(millimetres).join(", ");
   }
 
   /** Put a node somewhere, as a client would. */
@@ -96,6 +102,11 @@ function poseOf(node: WorldNode): { position: number[]; angles: number[] } {
   const position = node.frame.getWorldPosition(new Vector3()).toArray();
   const angles = new Euler().setFromQuaternion(node.frame.getWorldQuaternion(new Quaternion()), "ZYX");
   return { position, angles: [angles.x, angles.y, angles.z] };
+}
+
+/** To three decimals, without a minus before nothing. */
+function millimetres(value: number): string {
+  return (Math.round(value * 1000) / 1000 + 0).toFixed(3);
 }
 
 function trim(value: number): string {

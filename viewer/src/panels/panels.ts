@@ -65,6 +65,8 @@ export class Panels {
       this.images.prefer(world.description.view.display_camera);
       this.highlight.show(world.find(components.selected.value ?? ""));
       this.mover.toggle(null);
+      this.object.rebind(world);
+      follow.rebind(world);
     });
     this.addShortcuts();
   }

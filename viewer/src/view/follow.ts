@@ -1,6 +1,7 @@
 import { Quaternion, Vector3 } from "three";
 import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
+import type { World } from "../world/world";
 import type { CameraPose } from "./camera";
 import type { Stage } from "./stage";
 
@@ -39,6 +40,12 @@ export class Follow {
     this.settled = false;
     this.mode.set(mode);
     this.stage.invalidate();
+  }
+
+  /** The world was described anew: stay with the node of the same name. */
+  rebind(world: World): void {
+    if (this.node) this.node = world.find(this.node.name);
+    if (!this.node) this.release();
   }
 
   /** Where the script put the camera. */

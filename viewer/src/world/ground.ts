@@ -55,13 +55,13 @@ export class Ground {
       transparent: true,
       depthWrite: false,
       side: DoubleSide,
-      // drawn over a floor at the same height
+      // a floor at the same height hides it, from far away as well
       polygonOffset: true,
-      polygonOffsetFactor: -2,
-      polygonOffsetUnits: -8,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 16,
     });
     this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
-    this.mesh.position.z = 0.002;
+    this.mesh.position.z = -0.004;
     this.mesh.renderOrder = 1;
     this.mesh.frustumCulled = false;
     this.mesh.raycast = () => {};

@@ -12,6 +12,8 @@ const MOST_LAMPS = 8;
 const DECAY = 0.3;
 /** Metres around the point of view within which the sun casts shadows. */
 const SHADOWS = 22;
+/** Width of the soft edge of a shadow, metres. */
+const SOFT = 0.05;
 
 /** Sun and sky, and the lamps of the world. */
 export class Lights {
@@ -24,9 +26,7 @@ export class Lights {
   constructor(scene: Scene) {
     this.sky.position.set(0, 0, 1);
     this.sun.castShadow = true;
-    this.sun.shadow.radius = 3.5;
-    this.sun.shadow.bias = -0.0004;
-    this.sun.shadow.normalBias = 0.025;
+    this.sun.shadow.bias = -0.0002;
     this.setShadowSize(2048);
     scene.add(this.sky, this.sun, this.sun.target);
   }
@@ -91,6 +91,10 @@ export class Lights {
       shadow.far = 8 * size + 60;
       shadow.updateProjectionMatrix();
     }
+    // the coarser the map, the farther off a surface must look for what shades it
+    const texel = (2 * size) / this.sun.shadow.mapSize.x;
+    this.sun.shadow.radius = Math.min(4, Math.max(1, SOFT / texel));
+    this.sun.shadow.normalBias = texel * 1.2 * this.sun.shadow.radius;
     const step = size / 8;
     const snapped = this.sun.target.position;
     snapped.set(Math.round(target.x / step) * step, Math.round(target.y / step) * step, Math.round(target.z / step) * step);

@@ -4,11 +4,13 @@ import type { MaterialDescription } from "../generated/protocol";
 
 type Rgba = [number, number, number, number];
 
+/** Pictures are kept from world to world: what is described anew looks the same at once. */
+const textures = new Map<string, Texture>();
+const loader = new TextureLoader();
+
 /** The materials of one world, made when first used. */
 export class MaterialStore {
   private readonly made = new Map<string, Material>();
-  private readonly textures = new Map<string, Texture>();
-  private readonly loader = new TextureLoader();
 
   constructor(
     private readonly described: MaterialDescription[],
@@ -54,19 +56,18 @@ export class MaterialStore {
   }
 
   private texture(url: string): Texture {
-    let texture = this.textures.get(url);
+    let texture = textures.get(url);
     if (!texture) {
-      texture = this.loader.load(url, this.onLoad, undefined, () => console.error(`the picture ${url} cannot be shown`));
+      texture = loader.load(url, this.onLoad, undefined, () => console.error(`the picture ${url} cannot be shown`));
       texture.colorSpace = SRGBColorSpace;
       texture.wrapS = texture.wrapT = RepeatWrapping;
       texture.anisotropy = this.anisotropy;
-      this.textures.set(url, texture);
+      textures.set(url, texture);
     }
     return texture;
   }
 
   dispose(): void {
     for (const material of this.made.values()) material.dispose();
-    for (const texture of this.textures.values()) texture.dispose();
   }
 }

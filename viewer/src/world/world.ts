@@ -18,7 +18,8 @@ export class World {
   readonly nodes: WorldNode[] = [];
   private readonly names = new Map<string, WorldNode>();
   private readonly moving: WorldNode[];
-  private readonly batches = new Map<WorldNode, Batch>();
+  private readonly batches: Batch[] = [];
+  private readonly batchOf = new Map<WorldNode, Batch>();
 
   static async load(description: SceneDescription, anisotropy: number, onChange: () => void): Promise<World> {
     const meshes = await geometries.load(description.meshes);
@@ -68,13 +69,13 @@ export class World {
     node.visible = visible;
     if (node.color?.join() !== color?.join()) {
       node.color = color;
-      this.batches.get(node)?.leave(node);
-      this.batches.delete(node);
+      this.batchOf.get(node)?.leave(node);
+      this.batchOf.delete(node);
       node.drawn?.removeFromParent();
       this.drawAlone(node);
     }
     if (node.drawn) node.drawn.visible = visible;
-    this.batches.get(node)?.update(true);
+    this.batchOf.get(node)?.update(true);
   }
 
   /** A sphere around all that is drawn. */
@@ -104,7 +105,7 @@ export class World {
 
   dispose(): void {
     this.root.removeFromParent();
-    for (const batch of new Set(this.batches.values())) batch.mesh.dispose();
+    for (const batch of this.batches) batch.mesh.dispose();
     this.materials.dispose();
   }
 
@@ -116,6 +117,8 @@ export class World {
       node.frame.applyMatrix4(node.parent.frame.matrixWorld);
     }
     this.root.updateMatrixWorld(true);
+    // what stands still need not be worked out again
+    for (const node of this.nodes) node.frame.matrixAutoUpdate = node.description.frame !== "";
   }
 
   private draw(): void {
@@ -160,12 +163,13 @@ export class World {
     const look = this.look(group[0] as WorldNode);
     if (!look) return;
     const batch = new Batch(look.geometry, look.materials, group);
-    for (const node of group) this.batches.set(node, batch);
+    for (const node of group) this.batchOf.set(node, batch);
+    this.batches.push(batch);
     this.root.add(batch.mesh);
   }
 
   private update(all: boolean): void {
     this.root.updateMatrixWorld();
-    for (const batch of new Set(this.batches.values())) batch.update(all);
+    for (const batch of this.batches) batch.update(all);
   }
 }
