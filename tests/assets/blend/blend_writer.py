@@ -25,9 +25,14 @@ Object { ID id; short type; short partype; int par1; int par2; int par3; char pa
   short pad; int gameflag; int gameflag2; float mass; float damping; float inertia; float formfactor; float rdamping;
   ListBase prop; Group *dup_group; }
 Mesh { ID id; Key *key; Material **mat; int totvert; int totedge; int totface; short totcol; short smoothresh;
-  short flag; short pad; MVert *mvert; MFace *mface; MEdge *medge; CustomData fdata; }
+  short flag; short pad; MVert *mvert; MFace *mface; MEdge *medge; CustomData fdata; int totpoly; int totloop;
+  MPoly *mpoly; MLoop *mloop; CustomData pdata; CustomData ldata; }
 MVert { float co[3]; short no[3]; char flag; char bweight; }
 MFace { int v1; int v2; int v3; int v4; short mat_nr; char edcode; char flag; }
+MPoly { int loopstart; int totloop; short mat_nr; char flag; char pad; }
+MLoop { int v; int e; }
+MLoopUV { float uv[2]; int flag; }
+MTexPoly { Image *tpage; char flag; char transp; short mode; short tile; short pad; }
 MTFace { float uv[4][2]; Image *tpage; char flag; char transp; short mode; short tile; short unwrap; }
 CustomDataLayer { int type; int offset; int flag; int active; int active_rnd; int active_clone; int active_mask;
   char name[32]; void *data; }

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 
 from morse.assets.blend import BlendError, read_blend
 from morse.assets.blend.container import load
+from morse.assets.blend.file import BlendFile
 from morse.assets.errors import AssetError
 
 if TYPE_CHECKING:
@@ -154,6 +155,28 @@ def test_moved_pieces(tmp_path: Path, sample: int, chance: random.Random, size: 
     read(tmp_path, bytes(data))
 
 
+@cache
+def pointers(sample: int) -> tuple[list[int], str]:
+    """Where the words of a sample lie that are addresses of blocks, and how they are packed."""
+    data = samples()[sample]
+    file = BlendFile(data)
+    word = f"{file.endian}{'Q' if file.pointer_size == 8 else 'I'}"
+    known = {block.address for block in file.blocks} - {0}
+    return [at for at in range(20, len(data) - 8, 4) if struct.unpack_from(word, data, at)[0] in known], word
+
+
+@settings(_anything, max_examples=150)
+@given(sample=st.integers(0, 3), chance=st.randoms(use_true_random=False), count=st.sampled_from([1, 5, 50]))
+def test_pointers_to_something_else(tmp_path: Path, sample: int, chance: random.Random, count: int) -> None:
+    data = bytearray(samples()[sample])
+    places, word = pointers(sample)
+    size = struct.calcsize(word)
+    for _ in range(count):
+        target, source = chance.choice(places), chance.choice(places)
+        data[target : target + size] = data[source : source + size]
+    read(tmp_path, bytes(data))
+
+
 @settings(_anything, max_examples=100)
 @given(
     values=st.dictionaries(
@@ -223,6 +246,17 @@ def test_a_long_chain_of_parents_is_cut(tmp_path: Path) -> None:
     library = read(tmp_path, writer.finish())
     assert library is not None
     assert len(library.nodes()) == 600
+
+
+def test_scales_that_multiply_beyond_all_bounds(tmp_path: Path) -> None:
+    writer = BlendWriter()
+    above = 0
+    for number in range(60):
+        above = writer.object(f"o{number}", parent=above, size=[1e8] * 3, loc=[1e8] * 3)
+    library = read(tmp_path, writer.finish())
+    assert library is not None
+    assert len(library.nodes()) == 60
+    assert "out of this world" in library.warnings[0]
 
 
 def test_a_list_without_an_end(tmp_path: Path) -> None:

@@ -385,3 +385,34 @@ def test_edge_split_is_shading(tmp_path: Path) -> None:
     assert library.warnings == []
     normals = next(iter(library.nodes())).mesh.normals
     assert np.abs(normals[..., 2]) == pytest.approx(np.full((4, 3), 0.5**0.5), abs=1e-6)
+
+
+@pytest.mark.parametrize(("pointer_size", "endian"), LAYOUTS)
+def test_polygons_of_any_size(tmp_path: Path, pointer_size: int, endian: str) -> None:
+    writer = BlendWriter(pointer_size=pointer_size, endian=endian, version=270)
+    image, address = writer.address(), writer.address()
+    packed = writer.data(image, "PackedFile", {"size": len(png()), "data": writer.data(image, None, png())})
+    writer.datablock("IM", "Image", "poster", image, packedfile=packed, source=1)
+    ell = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
+    corners = [0, 1, 2, 3, 4, 5, 2, 1, 0]
+    uvs = [{"uv": [x / 2, y / 2]} for x, y, _ in (ell[k] for k in corners)]
+    layers = [{"type": 16, "data": writer.data(address, "MLoopUV", *uvs), "active_rnd": 0}]
+    textures = [{"type": 15, "data": writer.data(address, "MTexPoly", {"tpage": 0}, {"tpage": image})}]
+    writer.datablock(
+        "ME", "Mesh", "mesh", address, totvert=6, totpoly=2, totloop=9,
+        mvert=writer.data(address, "MVert", *({"co": vertex} for vertex in ell)),
+        mloop=writer.data(address, "MLoop", *({"v": corner} for corner in corners)),
+        mpoly=writer.data(address, "MPoly", {"totloop": 6}, {"loopstart": 6, "totloop": 3}),
+        ldata={"layers": writer.data(address, "CustomDataLayer", *layers), "totlayer": 1},
+        pdata={"layers": writer.data(address, "CustomDataLayer", *textures), "totlayer": 1},
+    )  # fmt: skip
+    mesh = single(tmp_path, writer, data=address, type=1).mesh
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert areas[:4].min() > 0
+    assert areas[:4].sum() == pytest.approx(3)
+    # the second polygon is turned over
+    assert areas[4:].tolist() == [-1]
+    assert mesh.uvs * 2 == pytest.approx(mesh.vertices[mesh.triangles][..., :2])
+    shown = [mesh.materials[index] for index in mesh.material_index]
+    assert [entry is not None and entry.image is not None for entry in shown] == [False] * 4 + [True]

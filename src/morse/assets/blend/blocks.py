@@ -82,6 +82,7 @@ def read_blocks(data: bytes, header: Header) -> tuple[list[Block], Block]:
     else:
         head = struct.Struct(header.endian + ("4siQii" if header.pointer_size == 8 else "4siIii"))
     blocks: list[Block] = []
+    names: dict[bytes, str] = {}
     description: Block | None = None
     position, owner, end = header.size, -1, len(data)
     while True:
@@ -100,7 +101,7 @@ def read_blocks(data: bytes, header: Header) -> tuple[list[Block], Block]:
         position += head.size
         if size < 0 or count < 0 or size > end - position:
             raise Damage("the file is cut off or damaged: a block reaches beyond its end")
-        name = code.rstrip(b"\0").decode("latin-1")
+        name = names.get(code) or names.setdefault(code, code.rstrip(b"\0").decode("latin-1"))
         if name != "DATA":
             owner = len(blocks)
         block = Block(name, address, index, count, position, size, owner)

@@ -101,11 +101,12 @@ class Catalogue:
     def _strings(self, data: bytes, position: int) -> tuple[list[str], int]:
         count = self._integer(data, position)
         position += 4
-        parts = data[position:].split(b"\0", count)
-        if len(parts) <= count:
+        # latin-1: one character a byte
+        texts = data[position:].decode("latin-1").split("\0", count)
+        if len(texts) <= count:
             raise ValueError
-        used = sum(len(part) + 1 for part in parts[:count])
-        return [part.decode("latin-1") for part in parts[:count]], position + used
+        rest = texts.pop()
+        return texts, len(data) - len(rest)
 
     def index(self, name: str) -> int | None:
         """The number of a struct, or None if this file knows none of that name."""

@@ -27,6 +27,7 @@ class BlendFile:
 
     Attributes:
         version: 279 for Blender 2.79, 402 for 4.2.
+        blocks: all of them, in the order of the file.
     """
 
     def __init__(self, data: bytes) -> None:
@@ -36,13 +37,13 @@ class BlendFile:
         self.endian = header.endian
         self.pointer_size = header.pointer_size
         self._warnings: dict[str, None] = {}
-        self._blocks, description = read_blocks(data, header)
+        self.blocks, description = read_blocks(data, header)
         end = description.offset + description.size
         self.dna = Catalogue(data[description.offset : end], header.endian, header.pointer_size)
         # since 5.0 an address means something only within the datablock that holds the pointer
-        self._data = {(b.owner, b.address): b for b in self._blocks if b.code == "DATA"}
-        self._ids = {b.address: b for b in self._blocks if len(b.code) == 2}
-        self._shared = {b.address: b for b in self._blocks} if header.version < 500 else {}
+        self._data = {(b.owner, b.address): b for b in self.blocks if b.code == "DATA"}
+        self._ids = {b.address: b for b in self.blocks if len(b.code) == 2}
+        self._shared = {b.address: b for b in self.blocks} if header.version < 500 else {}
         self._steps = 0
 
     def warn(self, message: str) -> None:
@@ -60,7 +61,7 @@ class BlendFile:
         """The datablocks of a kind, e.g. ``OB``, ``Object``, in the order of the file."""
         index = self.dna.index(struct)
         if index is not None:
-            for block in self._blocks:
+            for block in self.blocks:
                 if block.code == code:
                     yield self.record(block, index)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -26,15 +27,20 @@ class Node:
         self.tree = tree
         self.record = record
         self.kind = record.text("idname") or _OLD_KINDS.get(record.integer("type"), "")
-        self.inputs = list(record.chain("inputs", "bNodeSocket"))
+
+    @cached_property
+    def inputs(self) -> list[Record]:
+        """The input sockets."""
+        return list(self.record.chain("inputs", "bNodeSocket"))
+
+    @cached_property
+    def _named_inputs(self) -> dict[str, Record]:
+        # the first of each name
+        return {socket.text("name"): socket for socket in reversed(self.inputs)}
 
     def socket(self, *names: str) -> Record | None:
         """The first input of one of these names."""
-        for name in names:
-            for socket in self.inputs:
-                if socket.text("name") == name:
-                    return socket
-        return None
+        return next((self._named_inputs[name] for name in names if name in self._named_inputs), None)
 
     def source(self, *names: str) -> Node | None:
         """The node that feeds an input."""

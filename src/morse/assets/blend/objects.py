@@ -13,6 +13,7 @@ from morse.assets.blend.parents import parent_frame
 from morse.assets.blend.record import datablock_name
 from morse.assets.blend.transforms import is_identity, matrix, pose
 from morse.assets.blend.unevaluated import crease_angle
+from morse.mathutils import Matrix
 from morse.scene import Node, NodeKind
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ _KINDS = {MESH: NodeKind.MESH, LIGHT: NodeKind.LIGHT, CAMERA: NodeKind.CAMERA, A
 _HIDDEN = 1 << 2
 #: parents of parents of parents: a chain longer than that is a mistake
 _MAX_DEPTH = 256
+#: metres, or times
+_FAR = 1e9
 
 
 class Objects:
@@ -112,6 +115,22 @@ class Objects:
             if frame is not None:
                 inverse = frame @ inverse
             node.parent_inverse = None if is_identity(inverse) else inverse
+        for node in self.nodes.values():
+            if node.parent is None:
+                self._check_poses(node)
+
+    def _check_poses(self, root: Node) -> None:
+        """Bring back what large scales of parents, multiplied, throw out of the world."""
+        waiting = [(root, Matrix())]
+        while waiting:
+            node, above = waiting.pop()
+            world = above @ node.local_matrix()
+            if not all(abs(value) < _FAR for row in world for value in row):
+                self._file.warn(f"the object '{node.name}' is out of this world; it is put where its parent is")
+                node.location, node.rotation_euler, node.scale = [0.0] * 3, [0.0] * 3, [1.0] * 3
+                node.parent_inverse = None
+                world = above
+            waiting.extend((child, world) for child in node.children)
 
     def _parents(self) -> dict[int, int]:
         """Object to parent, without circles and endless chains."""
