@@ -1,7 +1,8 @@
 """Makes the scene that the tests of the reader know, with whatever Blender runs it.
 
 ``blender -b --factory-startup -noaudio --python make_scene.py -- scene.blend``, or with Python and the module
-`bpy`: ``python make_scene.py -- scene.blend``. Every object carries its world matrix, as Blender computes it, in
+`bpy`: ``python make_scene.py -- scene.blend``. The latter made ``files/scene-4.2.blend`` (bpy 4.2.23), ``-4.5``
+(4.5.15), ``-5.0`` (5.0.1) and ``-5.2`` (5.2.3). Every object carries its world matrix, as Blender computes it, in
 the custom property ``world`` (16 numbers, row by row).
 """
 
