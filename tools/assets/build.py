@@ -1,7 +1,8 @@
 """Build our model files: ``python tools/assets/build.py [names...] [--preview FOLDER]``.
 
-Without names all of them, e.g. ``robots/morsy``. Needs Blender 3.4, on the PATH or named by MORSE_BLENDER: files
-saved by 3.4 open in every later version, and older ones cannot open files that later versions save.
+Without names all of them, e.g. ``robots/morsy``. The same scripts give the same bytes. Needs Blender 3.4, on the PATH
+or named by MORSE_BLENDER: files saved by 3.4 open in every later version, and older ones cannot open what later
+versions save.
 """
 
 from __future__ import annotations
@@ -11,11 +12,16 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
+
+import zstandard
+from canonical import canonical
 
 HERE = Path(__file__).resolve().parent
 DATA = HERE.parents[1] / "src" / "morse" / "data"
-TOOLS = {"build", "generate", "preview"}
+TOOLS = {"build", "canonical", "generate", "preview"}
+LEVEL = 19  # of compression
 
 
 def names() -> list[str]:
@@ -45,6 +51,17 @@ def blender(script: str, *arguments: str) -> None:
         sys.exit(f"{done.stdout}{done.stderr}\n{script} {' '.join(arguments)} failed ({done.returncode})")
 
 
+def build(name: str, out: Path) -> None:
+    """Make one model file."""
+    with tempfile.TemporaryDirectory() as folder:
+        blender("generate.py", folder, name)
+        content = canonical((Path(folder) / f"{name}.blend").read_bytes())
+    target = out / f"{name}.blend"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_bytes(zstandard.ZstdCompressor(level=LEVEL).compress(content))
+    print(f"{name}.blend  {target.stat().st_size / 1000:.0f} kB", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("names", nargs="*", help="models to build, e.g. robots/morsy; all if none is given")
@@ -56,9 +73,7 @@ def main() -> None:
     if unknown:
         parser.error(f"no such model: {', '.join(unknown)}. There are: {', '.join(known)}")
     for name in options.names or known:
-        blender("generate.py", str(options.out), name)
-        size = (options.out / f"{name}.blend").stat().st_size
-        print(f"{name}.blend  {size / 1000:.0f} kB", flush=True)
+        build(name, options.out)
         if options.preview:
             picture = options.preview / f"{name.replace('/', '_')}.png"
             blender("preview.py", str(options.out / f"{name}.blend"), str(picture.resolve()))

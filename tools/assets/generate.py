@@ -31,7 +31,7 @@ def main() -> None:
         target = Path(out).resolve() / f"{name}.blend"
         target.parent.mkdir(parents=True, exist_ok=True)
         bpy.context.preferences.filepaths.save_version = 0
-        bpy.ops.wm.save_as_mainfile(filepath=str(target), compress=True)
+        bpy.ops.wm.save_as_mainfile(filepath=str(target), compress=False)
 
 
 def tidy_scene() -> None:

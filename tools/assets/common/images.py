@@ -26,5 +26,6 @@ def packed(name: str, pixels: np.ndarray) -> bpy.types.Image:
         image.reload()
         image.pack()
     # the file must not remember the machine that made it
-    image.filepath_raw = image.packed_files[0].filepath = f"//textures/{name}"
+    for path in ("/" * 1023, f"//textures/{name}"):  # a short path alone would leave the rest of the old one behind it
+        image.filepath_raw = image.packed_files[0].filepath = path
     return image

@@ -55,9 +55,9 @@ def planks(size: int, dark: str, light: str, boards: int, seed: int) -> np.ndarr
     return shifted * (tone * joint)[:, None, None]
 
 
-def speckle(size: int, low: str, high: str, seed: int, coarse: float = 6.0, fine: float = 120.0) -> np.ndarray:
+def speckle(size: int, low: str, high: str, seed: int, coarse: float = 6.0, fine: float = 45.0) -> np.ndarray:
     """Cloudy paint, rubber, plaster or grass, as the colours say."""
-    share = 0.5 + 0.16 * noise(size, coarse, seed) + 0.16 * noise(size, fine, seed + 1)
+    share = 0.5 + 0.17 * noise(size, coarse, seed) + 0.10 * noise(size, fine, seed + 1)
     return blend(low, high, share)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from common.colors import BERRY, CORAL, CREAM, LEAF, NAVY, PLUM, SKY, STEEL, SUN, TEAL, WHITE
+from common.colors import BERRY, CORAL, CREAM, LEAF, PLUM, SKY, STEEL, SUN, TEAL, WHITE
 from common.images import packed
 from common.materials import material
 from common.objects import empty, exact, hidden_box, lamp
@@ -110,7 +110,7 @@ def arena_paints(planks) -> Paints:
         soil=textured("Soil", "#6b4c33", "#8a6545", 37),
         deck=planks,
         bush=(material("Bush", "#4f8f46", 0.9), material("Bush Light", "#74ae58", 0.9)),
-        post=material("Post", NAVY, 0.5),
+        post=material("Post", "#3f7f86", 0.5),
         bulb=material("Bulb", "#ffe2a0", 0.4, glow=1.6),
         wire=material("Wire", "#33373d", 0.7),
     )
