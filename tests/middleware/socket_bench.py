@@ -128,9 +128,9 @@ class Bench:
             world=None,
             services=MorseServices(),
             network=Network(),
-            wake=self._wake,
             stopping=lambda: self.stopping,
         )
+        self.context.wake = self._wake  # type: ignore[method-assign]
         self.stopping = False
         core_context.set_current(self.context)
         self.requests = SocketRequestManager(self.context)
@@ -144,6 +144,7 @@ class Bench:
 
     def _wake(self) -> None:
         self.woken += 1
+        self.context.network.wake()
 
     def add(self, component: Any, direction: str, stream: str | None = None, **options: object) -> Any:
         classpath = stream or (READER if direction == "IN" else PUBLISHER)

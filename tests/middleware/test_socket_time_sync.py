@@ -38,6 +38,7 @@ def running(paced: Bench) -> Iterator[Callable[[], int]]:
     def run() -> None:
         while not ended and not paced.stopping:
             paced.tick()
+        paced.context.network.give_back()
 
     thread = threading.Thread(target=run)
 
@@ -99,7 +100,12 @@ def test_services_are_answered_while_the_simulation_waits(
 
 def test_the_simulation_can_end_while_it_waits(paced: Bench, sync_port: int) -> None:
     client = pacer(paced, sync_port)
-    thread = threading.Thread(target=paced.tick)
+
+    def tick() -> None:
+        paced.tick()
+        paced.context.network.give_back()
+
+    thread = threading.Thread(target=tick)
     thread.start()
     paced.stopping = True
     thread.join(5)

@@ -3,6 +3,7 @@
 import math
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -17,18 +18,10 @@ def clock(monkeypatch):
     class Clock:
         now = 100.0
 
-    class Event:
-        def wait(self, seconds):
-            Clock.now += seconds
+    def sleep(seconds):
+        Clock.now += seconds
 
-        def set(self):
-            pass
-
-        def clear(self):
-            pass
-
-    monkeypatch.setattr(pacing.time, "perf_counter", lambda: Clock.now)
-    monkeypatch.setattr(threading, "Event", Event)
+    monkeypatch.setattr(pacing, "time", SimpleNamespace(perf_counter=lambda: Clock.now, sleep=sleep))
     return Clock
 
 

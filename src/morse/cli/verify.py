@@ -26,7 +26,7 @@ def command(
     A new process, a restart and a run with the live view have to agree in the physics and in the
     data of every component. If they do not, the first tick and component that differ are named.
     """
-    from morse.simulation.verify import ReplayError, verify
+    from morse.verification.verify import ReplayError, verify
 
     resolved = resolve(scene)
     options = RunOptions(

@@ -31,10 +31,6 @@ def _no_keys() -> frozenset[str]:
     return frozenset()
 
 
-def _nothing() -> None:
-    return None
-
-
 def _no() -> bool:
     return False
 
@@ -54,7 +50,6 @@ class Context:
         service_objects: pseudo components: ``simulation``, ``time``, ``communication``.
         held_keys: names of the keys that are held down in the live view (``ArrowUp``).
         listening_robot: name of the robot that the keys drive, or None for all.
-        wake: tells a paused simulation that something arrived; may be called from any thread.
         stopping: whether the simulation has been told to end; what waits within a tick has to ask.
         seed: of all random numbers.
     """
@@ -74,8 +69,15 @@ class Context:
     overlays: dict[str, Any] = field(default_factory=dict)
     held_keys: Callable[[], frozenset[str]] = _no_keys
     listening_robot: Callable[[], str | None] = _any_robot
-    wake: Callable[[], None] = _nothing
     stopping: Callable[[], bool] = _no
+
+    def wait(self, seconds: float) -> None:
+        """Let the simulation thread wait until something arrives from the network, or for about that long."""
+        self.network.wait(seconds)
+
+    def wake(self) -> None:
+        """Something has arrived: end `wait`; may be called from any thread."""
+        self.network.wake()
 
     def random(self, name: str) -> np.random.Generator:
         """A generator of random numbers that depends on nothing but the seed and ``name``.

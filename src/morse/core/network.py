@@ -1,9 +1,10 @@
-"""The one thread in which all network traffic lives."""
+"""Where all network traffic lives: one event loop, served by one thread at a time."""
 
 from __future__ import annotations
 
 import asyncio
 import threading
+from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
@@ -11,23 +12,40 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
+#: wall-clock seconds for which a loop that is borrowed may stay unserved
+_UNSERVED = 0.002
+
 
 class Network:
     """An asyncio loop in a daemon thread.
 
     The simulation thread hands work over with `post`, which never blocks; only start-up and
     shut-down wait for an answer (`call`).
+
+    A simulation that waits for its clients borrows the loop: `wait` serves it from the thread that
+    waits. What arrives, the tick that it asks for and the answer then stay in one thread; two changes
+    of threads would take longer than the tick. The loop stays borrowed until `give_back` or `tend`.
     """
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)
+        self._parked, self._go_on = threading.Event(), threading.Event()
+        self._asked_for = self._ending = self._woken = False
+        self._borrower: int | None = None
+        self._served = 0.0
+        self._alarm: asyncio.TimerHandle | None = None
         self._thread.start()
 
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)
         try:
-            self._loop.run_forever()
+            while not self._ending:
+                self._loop.run_forever()
+                if self._asked_for:
+                    self._parked.set()
+                    self._go_on.wait()
+                    self._go_on.clear()
         finally:
             pending = asyncio.all_tasks(self._loop)
             for task in pending:
@@ -37,13 +55,16 @@ class Network:
 
     @property
     def loop(self) -> asyncio.AbstractEventLoop:
-        """The event loop; use it from its own thread only."""
+        """The event loop; use it from within its callbacks only."""
         return self._loop
 
     def post(self, function: Callable[..., object], *args: Any) -> None:
-        """Have ``function(*args)`` run in the network thread, soon; silently too late after `stop`."""
+        """Have ``function(*args)`` run by the loop, soon; silently too late after `stop`."""
         try:
-            self._loop.call_soon_threadsafe(function, *args)
+            if self._borrower == threading.get_ident():
+                self._loop.call_soon(function, *args)
+            else:
+                self._loop.call_soon_threadsafe(function, *args)
         except RuntimeError:
             if not self._loop.is_closed():
                 raise
@@ -54,10 +75,63 @@ class Network:
         Raises:
             TimeoutError: if it takes longer than ``timeout`` seconds of wall-clock time.
         """
+        self.give_back()
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(timeout)
+
+    # -- the loop in the thread that waits ---------------------------------------------------
+
+    def wait(self, seconds: float) -> None:
+        """Serve the network from this thread until `wake` is called, at most for about ``seconds``.
+
+        What was posted before is done first. Between two calls nothing is received or sent.
+        """
+        self._borrow()
+        if self._woken:
+            self._loop.stop()  # one round: send what was posted, take what is there
+        elif self._alarm is None:
+            # one that was set before will do: it rings earlier
+            self._alarm = self._loop.call_later(seconds, self._ring)
+        self._loop.run_forever()
+        self._woken = False
+        self._served = perf_counter()
+
+    def wake(self) -> None:
+        """End `wait`, now or as soon as it is called; may be called from any thread."""
+        self._woken = True
+        if self._borrower == threading.get_ident():
+            self._loop.stop()
+        elif self._borrower is not None:
+            self._loop.call_soon_threadsafe(self._loop.stop)
+
+    def tend(self) -> None:
+        """Give a borrowed loop back if nobody has served it for a while; to be called between ticks."""
+        if self._borrower is not None and perf_counter() - self._served > _UNSERVED:
+            self.give_back()
+
+    def give_back(self) -> None:
+        """Let the network thread serve again, if this one has borrowed its loop."""
+        if self._borrower == threading.get_ident():
+            self._borrower = None
+            self._asked_for = False
+            self._go_on.set()
+
+    def _borrow(self) -> None:
+        if self._borrower is None:
+            self._asked_for = True
+            self._loop.call_soon_threadsafe(self._loop.stop)
+            self._parked.wait()
+            self._parked.clear()
+            self._borrower = threading.get_ident()
+
+    def _ring(self) -> None:
+        self._alarm = None
+        if self._borrower is not None:
+            self._loop.stop()
 
     def stop(self) -> None:
         """Cancel what runs, close the loop and wait for the thread."""
+        self.give_back()
         if self._thread.is_alive():
+            self._ending = True
             self._loop.call_soon_threadsafe(self._loop.stop)
             self._thread.join(timeout=5.0)

@@ -18,7 +18,7 @@ from morse.core.exceptions import (
 from morse.core.values import nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Collection, Iterable
 
     from morse.core.context import Context
 
@@ -71,6 +71,10 @@ class RequestManager(ABC):
     def update(self) -> None:
         """One tick: requests first, then the outcomes of calls that ended since the last one."""
         self.main()
+        self.answer()
+
+    def answer(self) -> None:
+        """Send the outcomes of the calls that have ended."""
         arrivals, self._arrivals = self._arrivals, []
         for request_id, outcome in arrivals:
             self.on_service_completion(request_id, outcome)
@@ -157,6 +161,18 @@ class RequestManager(ABC):
         if self._running.pop(request_id, _GONE) is not _GONE:
             self._arrivals.append((request_id, (status.PREEMPTED, None)))
 
+    def preempt(self, spared: Collection[AbstractObject]) -> None:
+        """Interrupt every running asynchronous call but those of the ``spared`` objects."""
+        for request_id, owner in list(self._running.items()):
+            if owner is not None and owner in spared:
+                continue
+            try:
+                self.abort_request(request_id)
+            except Exception:
+                # it is the user's code that could not be interrupted; its caller is answered all the same
+                logger.exception("%s could not interrupt its service", owner.name() if owner is not None else "?")
+                self._ended(request_id, (status.PREEMPTED, None))
+
 
 _GONE: Any = object()
 
@@ -210,9 +226,15 @@ class MorseServices:
         for manager in self._managers.values():
             manager.update()
 
-    def finalize(self) -> None:
-        """Stop every manager."""
+    def preempt(self, spared: Collection[AbstractObject]) -> None:
+        """Interrupt every running asynchronous call but those of the ``spared`` objects."""
         for manager in self._managers.values():
+            manager.preempt(spared)
+
+    def finalize(self) -> None:
+        """Send the last outcomes and stop every manager."""
+        for manager in self._managers.values():
+            manager.answer()
             manager.finalization()
 
 

@@ -1,7 +1,8 @@
 """Services: methods of components that clients call.
 
 A service is either done when the method returns (`service`) or goes on over several ticks and
-ends when the component calls ``self.completed(status, result)`` (`async_service`).
+ends when the component calls ``self.completed(status, result)`` (`async_service`), one at a time
+for each component; or it may be called by many clients at the same time (`concurrent_service`).
 """
 
 from __future__ import annotations
@@ -61,6 +62,16 @@ def async_service(fn: Callable[..., Any] | None = None, component: str | None = 
     return service(fn, component, name, asynchronous=True)
 
 
+def concurrent_service(fn: _F) -> _F:
+    """Declare a method as a service that goes on over several ticks, any number of calls at the same time.
+
+    The method takes, before the arguments of the client, a function: ``ended((status, result))`` ends this call.
+    """
+    fn._morse_service = ServiceDeclaration(fn.__name__, fn.__name__, True, None)  # type: ignore[attr-defined]
+    fn._morse_concurrent = True  # type: ignore[attr-defined]
+    return fn
+
+
 def interruptible(fn: _F) -> _F:
     """A new call preempts the running one: its caller gets ``PREEMPTED``."""
     fn._morse_interruptible = True  # type: ignore[attr-defined]
@@ -115,7 +126,10 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
         getattr(method, "__func__", None), "_morse_callable", None
     )
     if plain is None:
-        return inspect.signature(method)
+        signature = inspect.signature(method)
+        if not getattr(method, "_morse_concurrent", False):
+            return signature
+        return signature.replace(parameters=list(signature.parameters.values())[1:])
     parameters = list(inspect.signature(plain).parameters.values())[1:]
     return inspect.Signature(parameters)
 
@@ -123,6 +137,7 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
 __all__ = [
     "ServiceDeclaration",
     "async_service",
+    "concurrent_service",
     "declared_services",
     "interruptible",
     "noninterruptible",

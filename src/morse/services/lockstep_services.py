@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
-from morse.core import status
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCTypeError
-from morse.core.services import async_service, interruptible, service
+from morse.core.services import concurrent_service, service
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 #: more ticks than that in one call is a mistake: a week at 60 Hz
 _MAX_STEPS = 7 * 24 * 3600 * 60
-_SEEDS = 2**63
+_MAX_SEED = 2**63 - 1
 
 
 class Steppable(Protocol):
     """What the services need of a simulation."""
-
-    paused: bool
 
     def pause(self) -> None:
         """Stop time."""
@@ -28,11 +25,14 @@ class Steppable(Protocol):
     def resume(self) -> None:
         """Let time pass."""
 
-    def step(self, ticks: int, done: Callable[[], None] | None = None) -> None:
-        """Let some ticks pass, then call ``done``."""
+    def step(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> None:
+        """Let some ticks pass and no more, then call ``ended``."""
 
-    def restart(self, seed: int | None, done: Callable[[], None]) -> None:
-        """Start anew, then call ``done``."""
+    def cancel_steps(self) -> None:
+        """Stop after the present tick, although somebody asked for more."""
+
+    def restart(self, seed: int | None) -> None:
+        """Start anew, with that seed or the present one."""
 
     def seed(self) -> int:
         """The seed of all random numbers."""
@@ -60,7 +60,7 @@ class LockstepServices(AbstractObject):
 
     @service
     def pause(self) -> None:
-        """Stop time; services are still answered."""
+        """Stop time; services are still answered. Steps that go on end as preempted."""
         self._simulation.pause()
 
     @service
@@ -68,23 +68,26 @@ class LockstepServices(AbstractObject):
         """Let time pass again."""
         self._simulation.resume()
 
-    @interruptible
-    @async_service
-    def step(self, n: int = 1) -> None:
-        """Let ``n`` ticks pass, and answer when they are done and their data is sent.
+    @concurrent_service
+    def step(self, ended: Callable[[tuple[str, Any]], object], n: int = 1) -> None:
+        """Let ``n`` ticks pass, and answer when they are done and the last message of every stream is sent.
 
-        A simulation that was running is paused.
+        A simulation that was running is paused then. Steps that were asked for before come first.
         """
-        count = _integer(n, "the number of steps", 1, _MAX_STEPS)
-        self._simulation.pause()
-        self._simulation.step(count, lambda: self.completed(status.SUCCESS))
+        self._simulation.step(_integer(n, "the number of steps", 1, _MAX_STEPS), ended)
 
-    @interruptible
-    @async_service
+    def interrupt(self) -> None:
+        """A step is cancelled: stop where it is."""
+        self._simulation.cancel_steps()
+
+    @service
     def reset(self, seed: int | None = None) -> None:
-        """Start anew, as if the simulation had just been launched with that seed."""
-        checked = None if seed is None else _integer(seed, "the seed", 0, _SEEDS)
-        self._simulation.restart(checked, lambda: self.completed(status.SUCCESS))
+        """Start anew, as if the simulation had just been launched with that seed.
+
+        Without one, with the present seed. Streams and connections stay; services that go on end as preempted. A
+        simulation that was paused is paused at its beginning.
+        """
+        self._simulation.restart(None if seed is None else _integer(seed, "the seed", 0, _MAX_SEED))
 
     @service
     def get_seed(self) -> int:

@@ -24,14 +24,12 @@ class Supervision(AbstractObject):
 
     Args:
         stop: ends the simulation.
-        reset: puts every object back.
     """
 
-    def __init__(self, context: Context, stop: Callable[[], None], reset: Callable[[], None]) -> None:
+    def __init__(self, context: Context, stop: Callable[[], None]) -> None:
         super().__init__()
         self.context = context
         self._stop = stop
-        self._reset = reset
 
     def name(self) -> str:
         """``simulation``."""
@@ -45,7 +43,7 @@ class Supervision(AbstractObject):
     @service
     def reset_objects(self) -> str:
         """Put every object back to where it was at the start."""
-        self._reset()
+        self.context.world.reset()
         return "Objects restored to initial position"
 
     @service

@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
-from morse.core.exceptions import MorseRPCTypeError
-from morse.core.services import async_service, service
+from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
+from morse.core.services import concurrent_service, service
 from morse.scene import TimeStrategies
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
+
+_MAX_ALARMS = 10_000
 
 
 def positive(value: Any, what: str) -> float:
@@ -70,21 +72,14 @@ class TimeServices(AbstractObject):
         self._set_speed(positive(time_scale, "the time scale"))
         return True
 
-    @async_service
-    def _sleep(self, seconds: float) -> None:
-        """Never called: `services` offers `sleep` instead, which any number of clients may call at once."""
-
-    def services(self) -> list[Any]:
-        """The services; ``sleep`` is asynchronous without being exclusive."""
-        return [d._replace(name="sleep", attribute="sleep") if d.name == "_sleep" else d for d in super().services()]
-
-    def sleep(self, callback: Callable[[Any], None], seconds: float) -> None:
-        """Answer after ``seconds`` of simulated time."""
+    @concurrent_service
+    def sleep(self, ended: Callable[[Any], None], seconds: float) -> None:
+        """Answer after ``seconds`` of simulated time; any number of clients may sleep at the same time."""
         if isinstance(seconds, bool) or not isinstance(seconds, (int, float)) or not math.isfinite(seconds):
             raise MorseRPCTypeError(f"sleep takes a number of seconds, not {seconds!r}")
-        self._alarms.append((self._clock.time + seconds, callback))
-
-    sleep._morse_callable = _sleep._morse_callable  # type: ignore[attr-defined]
+        if len(self._alarms) >= _MAX_ALARMS:
+            raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients sleep already: wake-up calls are used up")
+        self._alarms.append((self._clock.time + seconds, ended))
 
     def restart(self) -> None:
         """Time starts anew: nobody would wake the sleepers at the right moment."""

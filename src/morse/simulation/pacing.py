@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 #: behind by more than this, the lost time is given up: catching up would play it too fast
 _GIVE_UP = 0.25
@@ -12,22 +15,32 @@ _GIVE_UP = 0.25
 _REPORT_EVERY = 10.0
 #: less than that share of the time lost is a hiccup of the machine, not worth a word
 _WORTH_A_WORD = 0.05
+#: the simulation looks that often whether it has been told to end, wall-clock seconds
+_NAP = 0.05
+
+
+def _nothing() -> None:
+    return None
 
 
 class Pacer:
     """Waits between ticks.
+
+    Args:
+        period: simulated seconds per tick.
+        before_sleep: called before each wait that takes time.
 
     Attributes:
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible.
         lost: wall-clock seconds given up since the last report.
     """
 
-    def __init__(self, period: float, speed: float) -> None:
+    def __init__(self, period: float, speed: float, before_sleep: Callable[[], None] = _nothing) -> None:
         self.period = period
         self.speed = speed
+        self._before_sleep = before_sleep
         self.lost = 0.0
         self._due = time.perf_counter()
-        self._wake = threading.Event()
         self._stopped = False
         self._last_report = -math.inf
         self._window = (time.perf_counter(), 0)
@@ -43,14 +56,9 @@ class Pacer:
         self.speed = speed
         self.restart()
 
-    def wake(self) -> None:
-        """Something arrived: end `idle` early; may be called from any thread."""
-        self._wake.set()
-
     def stop(self) -> None:
         """End every wait; may be called from signal handlers."""
         self._stopped = True
-        self._wake.set()
 
     def wait(self) -> None:
         """Wait until the next tick is due."""
@@ -66,19 +74,9 @@ class Pacer:
             self._sleep_until(self._due)
 
     def _sleep_until(self, due: float) -> None:
-        # being woken is for those who idle; only the end of the simulation cuts a wait short
-        while not self._stopped:
-            left = due - time.perf_counter()
-            if left <= 0:
-                return
-            self._wake.wait(left)
-            self._wake.clear()
-
-    def idle(self, seconds: float) -> None:
-        """Wait while nothing moves."""
-        self._wake.wait(seconds)
-        self._wake.clear()
-        self.restart()
+        self._before_sleep()
+        while not self._stopped and (left := due - time.perf_counter()) > 0:
+            time.sleep(min(left, _NAP))
 
     def _count(self) -> None:
         self._ticks += 1

@@ -140,7 +140,7 @@ def _loop(simulation: Simulation) -> int:
             live.close()
             simulation.profile.write_trace(_TRACE)
             logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", _TRACE.resolve())
-    return 0
+    return 1 if simulation.failed else 0
 
 
 def _finish(simulation: Simulation | None) -> None:

@@ -5,15 +5,16 @@ from __future__ import annotations
 import logging
 import math
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.core import context as _context
+from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context
 from morse.core.network import Network
 from morse.core.request_manager import MorseServices
 from morse.core.sensor import Sensor
-from morse.physics import World
+from morse.physics import UnstableError, World
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
 from morse.services.lockstep_services import LockstepServices
@@ -21,10 +22,11 @@ from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
 from morse.simulation.digest import state_hash
 from morse.simulation.faults import describe
-from morse.simulation.loader import add_request_manager, load_components, make_stream_manager
+from morse.simulation.loader import Loaded, LoadError, add_request_manager, load_components, make_stream_manager
 from morse.simulation.pacing import Pacer
 from morse.simulation.profile import Profile
 from morse.simulation.schedule import Schedule
+from morse.simulation.stepping import Stepping
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -42,13 +44,17 @@ _DIAGNOSIS = 60
 SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
 
+def _nobody(_outcome: tuple[str, Any]) -> None:
+    """Nobody waits for the end of the steps."""
+
+
 class Simulation:
     """A loaded scene that can be run.
 
     Attributes:
         context: what components see.
         pacer: keeps it in step with the wall clock.
-        paused: no time passes; services are still answered.
+        failed: it has to end because something cannot go on.
     """
 
     def __init__(self, scene: Scene, options: RunOptions) -> None:
@@ -69,20 +75,17 @@ class Simulation:
         )
         self.world: World = self.context.world
         self.clock = self.context.clock
-        self.pacer = Pacer(self.clock.period, speed)
-        self.context.wake = self.pacer.wake
+        self.pacer = Pacer(self.clock.period, speed, before_sleep=self.context.network.give_back)
         self.context.stopping = lambda: self._stop
-        self.paused = False
+        self._stepping = Stepping()
         self.view: View | None = None
         self.profile: Profile | None = Profile(trace=True) if options.profile else None
         self._diagnosis: Profile | None = None
         self._slow = False
-        self._steps = 0
-        self._stepped: Callable[[], None] | None = None
-        self._restart: tuple[int | None, Callable[[], None]] | None = None
         self._stop = False
-        self._reset_asked = False
+        self.failed = False
         self.finished = False
+        self.loaded = Loaded()
         _context.set_current(self.context)
         self._add_services()
 
@@ -93,7 +96,7 @@ class Simulation:
         add_request_manager(self.context, SOCKET_REQUESTS)
         for manager in self.scene.simulation_managers:
             add_request_manager(self.context, manager)
-        self._offer(Supervision(self.context, self.stop, self.ask_reset))
+        self._offer(Supervision(self.context, self.stop))
         self._offer(LockstepServices(self))
         self._offer(ViewpointServices(self.scene.settings.view, self._viewpoint_changed))
         self._offer(TimeServices(self.clock, self.pacer.set_speed))
@@ -130,28 +133,33 @@ class Simulation:
         self._stop = True
         self.pacer.stop()
 
-    def ask_reset(self) -> None:
-        """Put everything back to the start, after this tick."""
-        self._reset_asked = True
+    @property
+    def paused(self) -> bool:
+        """Whether no time passes but the ticks that somebody asked for."""
+        return self._stepping.paused
 
     def pause(self) -> None:
-        """Stop time."""
-        self.paused = True
+        """Stop time; steps that somebody waits for end as preempted."""
+        self._stepping.paused = True
+        self.cancel_steps()
 
     def resume(self) -> None:
         """Let time pass again."""
-        self.paused = False
-        self._steps = 0
+        self._stepping.paused = False
         self.pacer.restart()
 
-    def step(self, ticks: int = 1, done: Callable[[], None] | None = None) -> None:
-        """While paused: let that many ticks pass, and call ``done`` when their data is out."""
-        self._steps = ticks
-        self._stepped = done
+    def step(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> None:
+        """Let that many ticks pass and no more, after those asked for before.
 
-    def restart(self, seed: int | None, done: Callable[[], None]) -> None:
-        """Start anew before the next tick, with that seed or the present one."""
-        self._restart = (seed, done)
+        Args:
+            ended: called with the status when their data is handed to the network.
+        """
+        self._stepping.paused = True
+        self._stepping.add(ticks, ended)
+
+    def cancel_steps(self) -> None:
+        """Do no more of the ticks that were asked for."""
+        self._stepping.end(status.PREEMPTED)
 
     def seed(self) -> int:
         """The seed of all random numbers."""
@@ -164,39 +172,36 @@ class Simulation:
     def run(self) -> None:
         """Tick until told to stop, or until the duration asked for has passed."""
         self.pacer.restart()
-        clock, pacer = self.clock, self.pacer
+        clock, pacer, network = self.clock, self.pacer, self.context.network
         last = math.inf if self.duration is None else round(self.duration * clock.frequency)
-        while not self._stop:
-            if self.paused and not self._steps:
-                self._wait_paused()
-                continue
-            self.tick()
-            if clock.tick >= last:
-                break
-            if self._steps:
-                self._count_step()
-            else:
-                pacer.wait()
-                if pacer.lost:
-                    self._diagnose()
-                elif self._slow and pacer.keeps_up:
-                    self._recovered()
-
-    def _count_step(self) -> None:
-        self._steps -= 1
-        if self._steps == 0 and self._stepped is not None:
-            done, self._stepped = self._stepped, None
-            done()
+        try:
+            while not self._stop:
+                if self._stepping.halted:
+                    self._wait_paused()
+                    continue
+                self.tick()
+                self._stepping.count()
+                if clock.tick >= last:
+                    break
+                network.tend()
+                if not self.paused:
+                    pacer.wait()
+                    if pacer.lost:
+                        self._diagnose()
+        except UnstableError as error:
+            self._stepping.end(status.FAILED, str(error))
+            raise
 
     def _wait_paused(self) -> None:
+        """No time passes: carry out what clients and pages ask for, and wait for more."""
         if self.view is not None:
             self.view.before_tick()
         self.context.services.process()
-        self._start_anew()
         if self.view is not None:
             self.view.after_tick()
-        if self.paused and not self._steps:
-            self.pacer.idle(self.clock.period)
+        if self._stepping.halted and not self._stop:
+            self.context.wait(self.clock.period)
+            self.pacer.restart()
 
     def _diagnose(self) -> None:
         """The simulation is too slow: find out why, and say so from time to time."""
@@ -248,7 +253,6 @@ class Simulation:
         for obj in context.service_objects.values():
             obj.action()
         context.services.process()
-        self._start_anew()
         if profile is not None:
             profile.mark("services")
         due = clock.tick
@@ -297,25 +301,27 @@ class Simulation:
                 component.active = False
                 logger.error("%s failed and is deactivated: %s", component.name(), describe(error))
 
-    def _start_anew(self) -> None:
-        if self._reset_asked:
-            self._reset_asked = False
-            self.world.reset()
-        if self._restart is not None:
-            (seed, done), self._restart = self._restart, None
-            self.restart_now(seed)
-            done()
+    def restart(self, seed: int | None = None) -> None:
+        """Everything as after the launch, with that seed or the present one; not while components act.
 
-    def restart_now(self, seed: int | None = None) -> None:
-        """Everything as after the launch, with that seed or the present one; not within a tick."""
+        Raises:
+            LoadError: a component cannot be made again; the simulation ends.
+        """
         if seed is not None:
             self.context.seed = seed
+        self.context.services.preempt(self.context.service_objects.values())
+        self.cancel_steps()
         self.finalize_components()
         self.world.reset()
         self.clock.restart()
         for obj in self.context.service_objects.values():
             obj.restart()
-        self._make_components()
+        try:
+            self._make_components()
+        except LoadError:
+            self.failed = True
+            self.stop()
+            raise
         if self.view is not None:
             self.view.restarted()
         self.pacer.restart()
@@ -328,10 +334,10 @@ class Simulation:
 
     def finalize_components(self) -> None:
         """Tell the components and modifiers that it is over."""
-        if not hasattr(self, "loaded"):
-            return
-        parts = [*self.loaded.actuators, *self.loaded.sensors, *self.loaded.robots, *self.loaded.modifier_objects]
-        for part in parts:
+        loaded, self.loaded = self.loaded, Loaded()
+        overlays = list(self.context.overlays.values())
+        self.context.overlays.clear()
+        for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
             try:
                 part.finalize()
             except Exception as error:

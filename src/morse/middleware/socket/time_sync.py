@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import threading
 from typing import TYPE_CHECKING
 
 from morse.middleware.socket.lines import LineClient, LineServer
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("morse." + __name__)
 
 SYNC_PORT = 6000
-#: how long the simulation thread waits before it looks whether a service has been called
+#: how long the simulation thread waits before it looks whether the simulation is to end, s
 _SLICE = 0.02
 
 
@@ -30,7 +29,6 @@ class TimeSync:
 
     def __init__(self, context: Context, listener: socket.socket) -> None:
         self._context = context
-        self._state = threading.Condition()
         self._released = False
         self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
 
@@ -43,23 +41,16 @@ class TimeSync:
         await self._server.close()
 
     def release(self) -> None:
-        """Let one tick begin, or see that nobody paces any more; runs in the network thread."""
-        with self._state:
-            self._released = True
-            self._state.notify_all()
+        """Let one tick begin, or see that nobody paces any more; runs in the network loop."""
+        self._released = True
+        self._context.wake()
 
     def wait(self) -> None:
         """Wait until the tick may begin; runs in the simulation thread."""
-        while self._server.connected and not self._context.stopping():
-            with self._state:
-                if not self._released:
-                    self._state.wait(_SLICE)
-                if self._released:
-                    self._released = False
-                    return
+        while self._server.connected and not self._released and not self._context.stopping():
             self._context.services.process()
-        with self._state:
-            self._released = False
+            self._context.wait(_SLICE)
+        self._released = False
 
 
 class _SyncClient(LineClient):

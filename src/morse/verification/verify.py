@@ -59,7 +59,7 @@ def verify(options: RunOptions, ticks: int, progress: Callable[[str], None]) -> 
 def _replay(options: RunOptions, view: str, ticks: int, restarts: int, output: Path) -> list[_Record]:
     plain = dataclasses.asdict(dataclasses.replace(options, view=view, view_port=0, open_browser=False, speed=None))
     wanted = {"options": plain, "ticks": ticks, "restarts": restarts, "output": str(output)}
-    command = [sys.executable, "-m", "morse.simulation.replay", json.dumps(wanted)]
+    command = [sys.executable, "-m", "morse.verification.replay", json.dumps(wanted)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise ReplayError((done.stdout + done.stderr).strip())

@@ -1,6 +1,6 @@
 """Runs a scene for some ticks and writes the fingerprint of every part after each of them.
 
-``python -m morse.simulation.replay OPTIONS`` is what `morse.simulation.verify` starts; OPTIONS is
+``python -m morse.verification.replay OPTIONS`` is what `morse.verification.verify` starts; OPTIONS is
 JSON: the fields of `RunOptions`, ``ticks``, and ``restarts``, how often to start anew afterwards.
 One JSON object a tick goes to the file ``output``.
 """
@@ -34,7 +34,7 @@ def replay(options: RunOptions, ticks: int, restarts: int, output: Path) -> None
         with output.open("w") as file:
             for again in range(1 + restarts):
                 if again:
-                    simulation.restart_now()
+                    simulation.restart()
                 for tick in range(1, ticks + 1):
                     simulation.tick()
                     file.write(

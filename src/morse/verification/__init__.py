@@ -1,0 +1,1 @@
+"""Runs a scene again, in other circumstances, and compares every tick."""
