@@ -1,6 +1,6 @@
 """The work that every simulator does, and the analytic answers that it is held to.
 
-Units: metres, radians, seconds. Standard library only, so that a rival's program can import it.
+Units: metres, radians, seconds. Standard library only, so that the program of any simulator can import it.
 """
 
 from __future__ import annotations
@@ -13,14 +13,19 @@ WALL_THICKNESS, WALL_HEIGHT = 0.2, 1.0
 BOX = (0.6, 0.6, 0.8)
 BOXES = 30
 RADIUS, HEIGHT, MASS = 0.20, 0.30, 10.0  # the robot: a cylinder
-WHEEL_RADIUS, TRACK = 0.06, 0.30
+WHEEL_RADIUS, WHEEL_WIDTH, WHEEL_MASS, TRACK = 0.06, 0.03, 0.3, 0.30
 SPEED, RATE = 0.5, 0.3  # the constant command: a circle of radius 1.667 m
 SPACING = 1.0
-TICK = 60.0  # Hz of command and pose
-SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 10.0, 0.20
+TICK = 60  # Hz of command and pose
+GRAVITY = 9.81
+SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 10, 0.20
+TICKS_PER_SCAN = TICK // SCAN_RATE
+PANORAMA_ROWS, PANORAMA_COLUMNS = 16, 1800
+PANORAMA_VIEW, PANORAMA_RANGE, PANORAMA_HEIGHT = math.radians(30), 100.0, 0.5
 
 Block = tuple[float, float, float, float, float, float]
 Pose = tuple[float, float, float]
+Ray = tuple[float, float, float]
 
 
 def walls() -> list[Block]:
@@ -45,6 +50,14 @@ def boxes() -> list[Block]:
     return found
 
 
+def blocks() -> list[Block]:
+    """Everything that stands still but the floor."""
+    return walls() + boxes()
+
+
+# robots that drive in circles ---------------------------------------------------------------
+
+
 def starts(count: int) -> list[Pose]:
     """x, y, yaw of the robots: a grid that keeps its distances under one common command."""
     side = math.ceil(math.sqrt(count))
@@ -62,21 +75,34 @@ def on_circle(start: Pose, seconds: float) -> Pose:
 
 
 def worst_position(poses: list[Pose], seconds: float) -> float:
-    """Largest distance of a robot to its circle, m."""
+    """Largest distance of a robot to where it should be, m."""
     return max(
         math.dist(pose[:2], on_circle(start, seconds)[:2])
         for pose, start in zip(poses, starts(len(poses)), strict=True)
     )
 
 
+def wheel_speeds() -> tuple[float, float]:
+    """Angular speed of the left and the right wheel under the command, rad/s."""
+    half = RATE * TRACK / 2
+    return (SPEED - half) / WHEEL_RADIUS, (SPEED + half) / WHEEL_RADIUS
+
+
+# a flat scan --------------------------------------------------------------------------------
+
+
+def scan_angles() -> list[float]:
+    """Angles of the beams to the heading, from right to left."""
+    return [SCAN_VIEW * (i / (SCAN_RAYS - 1) - 0.5) for i in range(SCAN_RAYS)]
+
+
 def scan(pose: Pose, others: list[Pose]) -> list[float]:
     """Ranges that a laser scanner in the middle of a robot measures, analytically."""
     x, y, yaw = pose
-    rectangles = [(cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in walls() + boxes()]
+    rectangles = [(cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in blocks()]
     ranges = []
-    for i in range(SCAN_RAYS):
-        angle = yaw - SCAN_VIEW / 2 + SCAN_VIEW * i / (SCAN_RAYS - 1)
-        dx, dy = math.cos(angle), math.sin(angle)
+    for angle in scan_angles():
+        dx, dy = math.cos(yaw + angle), math.sin(yaw + angle)
         nearest = SCAN_RANGE
         for x0, x1, y0, y1 in rectangles:
             (a0, a1), (b0, b1) = _slab(x, dx, x0, x1), _slab(y, dy, y0, y1)
@@ -102,7 +128,55 @@ def _slab(start: float, step: float, low: float, high: float) -> tuple[float, fl
 def scan_errors(ranges: list[float], poses: list[Pose], robot: int = 0) -> tuple[float, float]:
     """Median error (m) of a scan, and the share of its beams that are off by more than 5 cm."""
     truth = scan(poses[robot], [p for i, p in enumerate(poses) if i != robot])
+    return _errors(ranges, truth)
+
+
+def _errors(ranges: list[float], truth: list[float]) -> tuple[float, float]:
     if len(ranges) != len(truth):
         return math.inf, 1.0
     errors = sorted(abs(a - b) for a, b in zip(ranges, truth, strict=True))
     return errors[len(errors) // 2], sum(e > 0.05 for e in errors) / len(errors)
+
+
+# a panorama ---------------------------------------------------------------------------------
+
+
+def panorama_rays() -> list[Ray]:
+    """Unit vectors in the frame of the sensor, row by row from the lowest."""
+    rays = []
+    for row in range(PANORAMA_ROWS):
+        up = PANORAMA_VIEW * (row / (PANORAMA_ROWS - 1) - 0.5)
+        for column in range(PANORAMA_COLUMNS):
+            around = math.tau * column / PANORAMA_COLUMNS
+            rays.append((math.cos(up) * math.cos(around), math.cos(up) * math.sin(around), math.sin(up)))
+    return rays
+
+
+def panorama(pose: Pose, every: int = 1) -> list[float]:
+    """Ranges of every n-th ray of a panorama, analytically: floor, walls and boxes; the range itself for nothing."""
+    x, y, yaw = pose
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    ranges = []
+    for a, b, dz in panorama_rays()[::every]:
+        dx, dy = cos * a - sin * b, sin * a + cos * b
+        nearest = PANORAMA_RANGE
+        if dz < 0:
+            nearest = min(nearest, -PANORAMA_HEIGHT / dz)
+        for cx, cy, cz, sx, sy, sz in blocks():
+            slabs = (
+                _slab(x, dx, cx - sx / 2, cx + sx / 2),
+                _slab(y, dy, cy - sy / 2, cy + sy / 2),
+                _slab(PANORAMA_HEIGHT, dz, cz - sz / 2, cz + sz / 2),
+            )
+            enter, leave = max(s[0] for s in slabs), min(s[1] for s in slabs)
+            if enter <= leave and 0 < enter < nearest:
+                nearest = enter
+        ranges.append(nearest)
+    return ranges
+
+
+def panorama_errors(ranges: list[float], pose: Pose, every: int = 97) -> tuple[float, float]:
+    """Median error (m) of every n-th ray of a panorama, and the share of those that are off by more than 5 cm."""
+    if len(ranges) != PANORAMA_ROWS * PANORAMA_COLUMNS:
+        return math.inf, 1.0
+    return _errors(ranges[::every], panorama(pose, every))

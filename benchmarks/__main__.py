@@ -1,0 +1,76 @@
+"""``python -m benchmarks``: measure, compare, tell."""
+
+from __future__ import annotations
+
+from pathlib import Path  # noqa: TC003 (typer reads the annotations)
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from benchmarks import report
+from benchmarks.plan import Plan
+from benchmarks.plot import draw, speed_lines
+from benchmarks.suites.circles import PEERS, circles, growth, readers
+from benchmarks.suites.components import components
+from benchmarks.suites.crowd import crowd, view
+from benchmarks.suites.launch import launch
+from benchmarks.suites.lockstep import lockstep
+from benchmarks.suites.panorama import panorama
+from benchmarks.trial import Program
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from benchmarks.result import Result
+
+SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
+    "circles": circles,
+    "panorama": panorama,
+    "launch": launch,
+    "lockstep": lockstep,
+    "components": components,
+    "readers": readers,
+    "view": view,
+    "crowd": crowd,
+    "growth": growth,
+}
+
+
+def main(
+    names: Annotated[list[str] | None, typer.Argument(help=f"Which of: {', '.join(SUITES)}. All by default.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Only see whether all runs and does its work.")] = False,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs of each program; medians are told.")] = 3,
+    processor: Annotated[bool, typer.Option("--processor", help="Count processor time, not the wall clock's.")] = False,
+    json: Annotated[Path | None, typer.Option("--json", help="Write all figures to this file.")] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", help="Draw speed by number of robots: an SVG file.")] = None,
+) -> None:
+    """Measure MORSE beside bare MuJoCo loops and the simulators that are installed.
+
+    The exit status is 1 if a program broke down or did its work wrongly; a value that falls short is no failure.
+    """
+    console = Console()
+    unknown = sorted(set(names or ()) - SUITES.keys())
+    if unknown:
+        raise typer.BadParameter(f"no benchmark '{unknown[0]}'; there are {', '.join(SUITES)}")
+    plan = Plan(quick=quick, repeats=1 if quick else repeats, processor=processor)
+    missing = [peer for peer in PEERS if not Program(peer, "", needs=peer).is_installed]
+    if missing:
+        console.print(f"Not installed, so not compared with: {', '.join(missing)}.", style="dim")
+    if warning := report.busy():
+        console.print(warning, style="yellow")
+    results = []
+    for name in names or SUITES:
+        with console.status(f"{name} ..."):
+            results += list(SUITES[name](plan))
+    console.print(report.table(results))
+    if json is not None:
+        report.write_json(json, results, plan)
+    if plot is not None and (lines := speed_lines(results)):
+        plot.write_text(draw(lines))
+    if any(result.failed for result in results):
+        raise typer.Exit(1)
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,1 @@
+"""Programs that measure MORSE; each ends with one line of JSON."""

@@ -1,0 +1,53 @@
+"""W1 in MORSE: N robots drive in circles, pose at 60 Hz, a scan of 181 rays at 10 Hz."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+from benchmarks import stopwatch, work
+from benchmarks.programs.loading import command_all, poses, prepare, sensors_with
+from benchmarks.programs.readers import read_pages, read_streams
+
+
+def main() -> None:
+    """Run for about ``--secs`` simulated seconds, five times as fast as possible."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--n", type=int, default=1)
+    parser.add_argument("--secs", type=float, default=20.0)
+    parser.add_argument("--drive", choices=["planar", "wheels"], default="planar")
+    parser.add_argument("--sensors", choices=["scan", "pose"], default="scan")
+    parser.add_argument("--readers", type=int, default=0, help="clients that read every stream")
+    parser.add_argument("--pages", type=int, default=0, help="pages that show the live view")
+    arguments = parser.parse_args()
+    begin = time.perf_counter()
+    simulation = prepare(
+        "arena", view=arguments.pages > 0, count=arguments.n, drive=arguments.drive, sensors=arguments.sensors
+    )
+    loaded = time.perf_counter() - begin
+    command_all(simulation)
+    with read_streams(simulation, arguments.readers), read_pages(simulation, arguments.pages):
+        pace, seconds = stopwatch.measure(simulation.tick, arguments.secs)
+        final = poses(simulation)
+        scan_error, scan_bad = (None, None)
+        if arguments.sensors == "scan":
+            # scans come with the first of six ticks: take the poses of that tick
+            simulation.tick()
+            (laser, *_) = sensors_with(simulation, "range_list")
+            scan_error, scan_bad = work.scan_errors(list(laser.local_data["range_list"]), poses(simulation))
+    stopwatch.report(
+        factor=pace.wall,
+        processor_factor=pace.processor,
+        seconds=seconds,
+        load_s=loaded,
+        position_error_m=work.worst_position(final, seconds),
+        scan_error_m=scan_error,
+        scan_bad_share=scan_bad,
+    )
+    simulation.shut_down()
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

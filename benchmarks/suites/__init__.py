@@ -1,0 +1,4 @@
+"""The benchmarks: what is run, what is wanted of it.
+
+Each is a function from a `Plan` to lines of the table.
+"""

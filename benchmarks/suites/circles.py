@@ -1,0 +1,124 @@
+"""W1: N robots drive in circles with a pose at 60 Hz and a scan at 10 Hz, beside the bare loop and other simulators."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks import work
+from benchmarks.result import Result, at_least, at_most, failure
+from benchmarks.trial import Program, Trial, TrialFailed, beyond, interleave
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from benchmarks.plan import Plan
+    from benchmarks.result import Wanted
+    from benchmarks.trial import Record
+
+#: least ratio to the bare loop, by the number of robots
+_WANTED = {1: 0.5, 10: 0.8, 100: 1.0}
+#: simulated seconds: about as long for each number of robots
+_SECONDS = {1: 30.0, 3: 20.0, 10: 10.0, 30: 4.0, 100: 3.0, 300: 1.5, 1000: 1.0}
+#: packages and programs of simulators that may be installed
+PEERS = {
+    "pybullet": "pybullet_loop",
+    "robox3d": "robox3d_loop",
+    "sapien": "sapien_loop",
+    "irsim": "irsim_loop",
+    "pyrobosim": "pyrobosim_loop",
+}
+#: simulators that would take minutes for more robots than that
+_MOST = {"irsim": 10, "pyrobosim": 1}
+_PLANAR_ERROR = 0.02  # m
+_WHEEL_ERROR = 0.02  # of the way driven, and
+_WHEEL_START = 0.06  # m while the wheels begin to turn
+_SCAN_ERROR = 1e-3  # m, in the median
+_SCAN_BAD = 0.02  # share of beams that just miss an edge
+
+
+def check_planar(record: Record) -> str | None:
+    """What is wrong with a run of robots that are moved by their velocity."""
+    wrong = beyond(record, "position_error_m", _PLANAR_ERROR)
+    if wrong is None and record["scan_error_m"] is not None:
+        wrong = beyond(record, "scan_error_m", _SCAN_ERROR) or beyond(record, "scan_bad_share", _SCAN_BAD)
+    return wrong
+
+
+def check_wheels(record: Record) -> str | None:
+    """What is wrong with a run of robots on wheels, which slip a little."""
+    return beyond(record, "position_error_m", _WHEEL_START + _WHEEL_ERROR * work.SPEED * record["seconds"])
+
+
+def circles(plan: Plan) -> Iterator[Result]:
+    """W1: robots moved by their velocity, and robots on wheels."""
+    for count in plan.counts(1, 10, 100):
+        yield _compare(plan, "W1", count, "planar", "scan", at_least(_WANTED[count]))
+    for count in plan.counts(1, 10, 100):
+        yield _compare(plan, "W1 wheels", count, "wheels", "pose", at_least(_WANTED[count]))
+
+
+def growth(plan: Plan) -> Iterator[Result]:
+    """Speed and memory from one robot to a thousand."""
+    memory: dict[int, float] = {}
+    for count in plan.counts(1, 3, 10, 30, 100, 300, 1000):
+        found = _compare(plan, "growth", count, "planar", "scan" if count < 1000 else "pose", None)
+        if "memory_mb" in found.details:
+            memory[count] = found.details["memory_mb"]
+        yield found
+    if len(memory) > 1:
+        few, many = min(memory), max(memory)
+        each = (memory[many] - memory[few]) / (many - few)
+        yield Result("growth", "memory of a robot", each * 1e3, "kB", details={"memory_mb": memory})
+
+
+def _compare(plan: Plan, name: str, count: int, drive: str, sensors: str, wanted: Wanted | None) -> Result:
+    words = ("--n", str(count), "--secs", str(plan.seconds(_SECONDS[count])), "--drive", drive, "--sensors", sensors)
+    programs = [
+        Program("morse", "benchmarks.programs.circles", words),
+        Program("mujoco", "benchmarks.peers.mujoco_loop", ("circles", *words)),
+    ]
+    if name == "W1":
+        programs += [p for p in _peers(words) if p.is_installed and count <= _MOST.get(p.name, count)]
+    case = f"{count} robot{'s' * (count > 1)}, {sensors}"
+    try:
+        trials = interleave(programs, plan.repeats, check_planar if drive == "planar" else check_wheels)
+    except TrialFailed as error:
+        return failure(name, case, str(error))
+    factors = {trial.program.name: trial.median(plan.clock("factor")) for trial in trials.values()}
+    own = factors.pop("morse")
+    details = {"morse": own, "count": count, "memory_mb": trials["morse"].median("memory_mb"), **_spread(trials, plan)}
+    return Result(name, case, own / factors["mujoco"], "x bare loop", wanted, factors, details)
+
+
+def _peers(words: tuple[str, ...]) -> list[Program]:
+    return [Program(p, f"benchmarks.peers.{module}", ("circles", *words), needs=p) for p, module in PEERS.items()]
+
+
+def _spread(trials: dict[str, Trial], plan: Plan) -> dict[str, object]:
+    key = plan.clock("factor")
+    return {"runs": {name: [record[key] for record in trial.records] for name, trial in trials.items()}}
+
+
+def readers(plan: Plan) -> Iterator[Result]:
+    """What clients cost that read every stream, and pages that show the view; ten robots, as fast as possible."""
+    words = ("--n", "10", "--secs", str(plan.seconds(_SECONDS[10])))
+    counts = plan.counts(1, 10)
+    programs = [Program("alone", "benchmarks.programs.circles", words)]
+    programs += [
+        Program(f"{n} client{'s' * (n > 1)}", "benchmarks.programs.circles", (*words, "--readers", str(n)))
+        for n in counts
+    ]
+    programs += [
+        Program(f"{n} page{'s' * (n > 1)}", "benchmarks.programs.circles", (*words, "--pages", str(n)))
+        for n in plan.counts(1, 3)
+    ]
+    try:
+        trials = interleave(programs, plan.repeats, check_planar)
+    except TrialFailed as error:
+        yield failure("readers", "10 robots", str(error))
+        return
+    key = plan.clock("factor")
+    alone = trials.pop("alone").median(key)
+    for name, trial in trials.items():
+        lost = 1.0 - trial.median(key) / alone
+        yield Result("readers", f"10 robots, {name}", 100 * lost, "% slower", at_most(5.0), details={"alone": alone})

@@ -1,0 +1,38 @@
+"""What a tick of each component costs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks.result import Result, at_most, failure
+from benchmarks.trial import Program, TrialFailed, interleave
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from benchmarks.plan import Plan
+
+_WANTED = {"empty": 2.0, "Pose": 5.0, "MotionVW": 5.0}
+
+
+def components(plan: Plan) -> Iterator[Result]:
+    """Every sensor and actuator that MORSE has."""
+    for name in _WANTED if plan.quick else (*_WANTED, *_others()):
+        program = Program(name, "benchmarks.programs.components", (name,))
+        try:
+            trial = interleave([program], plan.repeats if name in _WANTED else 1)[name]
+        except TrialFailed as error:
+            yield failure("components", name, str(error))
+            continue
+        bound = _WANTED.get(name)
+        yield Result(
+            "components", name, trial.median(plan.clock("us")), "µs", None if bound is None else at_most(bound)
+        )
+
+
+def _others() -> list[str]:
+    # imported only now: a mistake in MORSE should not keep the other benchmarks from running
+    from morse.builder import catalog
+
+    packages = ("morse.sensors", "morse.actuators")
+    return sorted({name for package in packages for name in catalog.components(package)} - set(_WANTED))

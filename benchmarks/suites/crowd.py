@@ -1,0 +1,52 @@
+"""Many robots without bodies; many things that move in the live view."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks.result import Result, at_least, at_most, failure
+from benchmarks.trial import Program, TrialFailed, beyond, interleave
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from benchmarks.plan import Plan
+    from benchmarks.trial import Record
+
+
+def _check(record: Record) -> str | None:
+    return beyond(record, "position_error_m", 1e-6)
+
+
+def crowd(plan: Plan) -> Iterator[Result]:
+    """A thousand kinematic robots with a pose each."""
+    count = 50 if plan.quick else 1000
+    case = f"{count} kinematic robots, pose"
+    program = Program("morse", "benchmarks.programs.crowd", ("--n", str(count), "--secs", str(plan.seconds(3.0))))
+    try:
+        trial = interleave([program], plan.repeats, _check)["morse"]
+    except TrialFailed as error:
+        yield failure("crowd", case, str(error))
+        return
+    details = {"load_s": trial.median("load_s"), "memory_mb": trial.median("memory_mb")}
+    yield Result("crowd", case, trial.median(plan.clock("factor")), "x real time", at_least(1.0), details=details)
+
+
+def view(plan: Plan) -> Iterator[Result]:
+    """Processor time of the server of the view, at the pace of the wall clock."""
+    count = 20 if plan.quick else 500
+    words = ("--n", str(count), "--secs", str(plan.seconds(3.0)), "--paced", "--view")
+    programs = {
+        pages: Program(f"{pages} pages", "benchmarks.programs.crowd", (*words, "--pages", str(pages)))
+        for pages in (0, 1, 4)
+    }
+    try:
+        trials = interleave(programs.values(), plan.repeats, _check)
+    except TrialFailed as error:
+        yield failure("view", f"{count} moving objects", str(error))
+        return
+    alone = trials["0 pages"].median("processor_ms_per_tick")
+    for pages, bound in ((1, 0.5), (4, 0.8)):
+        cost = trials[f"{pages} pages"].median("processor_ms_per_tick") - alone
+        case = f"{count} moving objects, {pages} page{'s' * (pages > 1)}"
+        yield Result("view", case, cost, "ms a tick", at_most(bound), details={"alone": alone})
