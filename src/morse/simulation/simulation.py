@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from morse.core.abstractobject import AbstractObject
     from morse.core.object import Object
     from morse.scene import Scene
+    from morse.simulation.live_view import LiveView
     from morse.simulation.options import RunOptions
-    from morse.simulation.viewing import View
 
 logger = logging.getLogger("morse." + __name__)
 
@@ -78,7 +78,7 @@ class Simulation:
         self.pacer = Pacer(self.clock.period, speed, before_sleep=self.context.network.give_back)
         self.context.stopping = lambda: self._stop
         self._stepping = Stepping()
-        self.view: View | None = None
+        self.view: LiveView | None = None
         self.profile: Profile | None = Profile(trace=True) if options.profile else None
         self._diagnosis: Profile | None = None
         self._slow = False

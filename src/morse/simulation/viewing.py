@@ -23,6 +23,7 @@ from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Values
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.simulation.live_view import LiveView
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.viewer")
@@ -33,10 +34,18 @@ _SNAPSHOT_INTERVAL = 1.0 / 125.0
 _VALUES_INTERVAL = 1.0 / 20.0
 
 
-def open_view(simulation: Simulation) -> View | None:
-    """Start the live view that the options ask for."""
+def open_view(simulation: Simulation) -> LiveView | None:
+    """Start the live view that the options ask for.
+
+    Raises:
+        StudioMissingError: MuJoCo's viewer is asked for and not installed.
+    """
     if simulation.options.view == "none":
         return None
+    if simulation.options.view == "studio":
+        from morse.simulation.studio_view import StudioView
+
+        return StudioView(simulation)
     return View(simulation)
 
 

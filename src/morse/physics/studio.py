@@ -1,0 +1,78 @@
+"""MuJoCo's own viewer, for a look at the physics from the inside.
+
+It comes with the extra ``studio`` and shows itself in a browser.
+"""
+
+from __future__ import annotations
+
+import importlib
+import threading
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.physics.world import World
+
+#: wall-clock seconds that the viewer gets to open its port
+_PATIENCE = 15.0
+
+
+class StudioMissingError(OSError):
+    """The viewer is not installed; the text says how to get it."""
+
+
+class Studio:
+    """A running viewer of one world.
+
+    Args:
+        host: address that it binds to.
+        port: TCP port; 0 for the first free one from 8080.
+
+    Raises:
+        StudioMissingError: it is not installed.
+        OSError: it did not start.
+    """
+
+    def __init__(self, world: World, host: str, port: int = 0) -> None:
+        launch, server, protocol = _modules()
+        self._world = world
+        bound: list[Any] = []
+        ready = threading.Event()
+        bind = server.bind_public_socket
+
+        def bind_here(_host: str, asked: int = 0) -> Any:
+            # the viewer itself listens on every interface, and has no option against it
+            bound.append(bind(host, asked))
+            ready.set()
+            return bound[0]
+
+        server.bind_public_socket = bind_here
+        try:
+            self._handle = launch.launch(protocol.ViewerConfig(gfx="web", http_port=port))
+            if not ready.wait(_PATIENCE):
+                raise OSError(f"MuJoCo's viewer did not open a port within {_PATIENCE:.0f} s")
+        finally:
+            server.bind_public_socket = bind
+        self.url = f"http://{host}:{bound[0].getsockname()[1]}/"
+        self._handle.set_model(world.model, data=world.data)
+
+    def update(self) -> None:
+        """Show the state as it is now, and take over what the user pushes or changes there."""
+        if self._handle.is_running():
+            self._handle.sync(self._world.model, self._world.data)
+
+    def close(self) -> None:
+        """Stop the viewer."""
+        self._handle.close()
+
+
+def _modules() -> tuple[Any, Any, Any]:
+    try:
+        return (
+            importlib.import_module("mujoco.studio.launch_web"),
+            importlib.import_module("mujoco.studio.web.web_server"),
+            importlib.import_module("mujoco.studio.viewer_protocol"),
+        )
+    except ImportError as error:
+        raise StudioMissingError(
+            f"--view studio needs MuJoCo's own viewer ({error}); install it with: pip install 'morse-simulator[studio]'"
+        ) from None
