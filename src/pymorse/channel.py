@@ -94,17 +94,20 @@ class Channel:
                 self._state.notify_all()
 
     def readable(self) -> None:
-        """Bytes, or the end, can be read; runs in the poll thread."""
-        try:
-            data = self.socket.recv(_CHUNK)
-        except (BlockingIOError, InterruptedError):
-            return
-        except OSError:
-            data = b""
-        if data:
+        """Bytes, or the end, can be read: take all that there are; runs in the poll thread."""
+        more = True
+        while more and self._up:
+            try:
+                data = self.socket.recv(_CHUNK)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:
+                data = b""
+            if not data:
+                self.close()
+                return
             self.received(data)
-        else:
-            self.close()
+            more = len(data) == _CHUNK
 
     def close(self) -> None:
         """End the connection; what has been handed to the network still arrives."""

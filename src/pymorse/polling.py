@@ -21,6 +21,9 @@ logger = logging.getLogger("pymorse")
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
+def _nothing() -> None: ...
+
+
 class Poller(threading.Thread):
     """Serves channels from a thread of its own, which sleeps until something arrives.
 
@@ -70,6 +73,12 @@ class Poller(threading.Thread):
             if not self.is_alive():
                 return
 
+    def catch_up(self) -> None:
+        """Return when everything that had arrived at the time of the call has been handled."""
+        # the round that runs may have begun before something arrived: the next one has not
+        self.call(_nothing)
+        self.call(_nothing)
+
     def add(self, channel: Channel) -> None:
         """Serve a channel from now on."""
 
@@ -97,12 +106,14 @@ class Poller(threading.Thread):
         """Serve until stopped."""
         try:
             while not self._stopping:
+                wakened = False
                 for key, events in self._selector.select():
-                    channel = key.data
-                    if channel is None:
-                        self._wakened()
-                        continue
-                    self._serve(channel, events)
+                    if key.data is None:
+                        wakened = True
+                    else:
+                        self._serve(key.data, events)
+                if wakened:
+                    self._obey()
         finally:
             self._end()
 
@@ -116,11 +127,14 @@ class Poller(threading.Thread):
             logger.exception("the connection to %s is closed because of an error", channel.peer)
             channel.close()
 
-    def _wakened(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            self._wake_out.recv(4096)
-        while self._commands:
-            self._commands.popleft()()
+    def _obey(self) -> None:
+        with self._lock:
+            with contextlib.suppress(BlockingIOError):
+                self._wake_out.recv(4096)
+            commands = list(self._commands)
+            self._commands.clear()
+        for command in commands:
+            command()
 
     def _end(self) -> None:
         with self._lock:

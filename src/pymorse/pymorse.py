@@ -172,8 +172,14 @@ class Morse:
         self.rpc("simulation", "resume")
 
     def step(self, n: int = 1) -> None:
-        """Let ``n`` ticks pass, and wait until they have; the simulation is paused then."""
+        """Let ``n`` ticks pass, and wait until they have; the simulation is paused then.
+
+        What was published before acts in the first of these ticks, and ``last()`` of a sensor that has
+        been used before gives the data of the last one.
+        """
         self.rpc("simulation", "step", n)
+        if self._stream_poller is not None:
+            self._stream_poller.catch_up()
 
     def streams(self) -> list[str]:
         """Names of the components that have a stream."""

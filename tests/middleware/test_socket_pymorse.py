@@ -97,3 +97,50 @@ def test_closing_waits_for_a_service_that_goes_on(ticking: Bench) -> None:
         wait_until(lambda: ticking.arm.running_service)
         threading.Timer(0.05, ticking.arm.completed, [status.SUCCESS, "Arrived"]).start()
     assert going.result(0) == "Arrived"
+
+
+@pytest.fixture
+def stepping() -> Iterator[Bench]:
+    """Ticks only when a client asks for it."""
+    bench = Bench()
+    asked = threading.Event()
+    bench.context.wake = asked.set
+    bench.sensor("robot1.pose", port=0)
+    bench.actuator("robot1.motion", port=0)
+    pose, motion = bench.components
+    # the sensor measures what the actuator was told
+    pose.default_action = lambda: pose.local_data.__setitem__("temperature", motion.local_data["v"])
+    bench.components.reverse()
+    bench.requests.register_service("simulation", lambda: DETAILS, "details")
+
+    def run() -> None:
+        while not bench.stopping:
+            asked.wait(0.1)
+            asked.clear()
+            bench.context.services.process()
+
+    def step(n: int) -> None:
+        for component in bench.components:
+            component.action()
+        bench.context.clock.advance()
+        bench.streams.flush()
+
+    bench.requests.register_service("simulation", step, "step")
+    thread = threading.Thread(target=run)
+    thread.start()
+    yield bench
+    bench.stopping = True
+    thread.join(5)
+    bench.close()
+
+
+def test_a_step_sees_what_was_published_before_it_and_its_data_is_there_after_it(stepping: Bench) -> None:
+    with Morse("127.0.0.1", stepping.requests.port) as simu:
+        pose, motion = simu.robot1.pose, simu.robot1.motion
+        motion.publish({"v": 0.0})
+        assert pose.last() is None
+        wait_until(lambda: stepping.streams._servers["robot1.pose"].connected)
+        for n in range(300):
+            motion.publish({"v": n + 0.5})
+            simu.step()
+            assert pose.last()["temperature"] == n + 0.5

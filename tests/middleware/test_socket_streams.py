@@ -455,7 +455,8 @@ def test_a_thousand_clients_come_and_go_and_leave_nothing(bench: Bench) -> None:
             bench.tick()
     wait_until(lambda: not any(server.connected for server in servers if server))
     bench.tick()
-    assert next_descriptor() <= before
+    # a connection is forgotten a moment before its descriptor is closed
+    wait_until(lambda: next_descriptor() <= before)
     client = bench.connect()
     assert bench.call(client, b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"
     client.close()

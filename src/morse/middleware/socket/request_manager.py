@@ -47,6 +47,7 @@ class SocketRequestManager(RequestManager):
         super().__init__(context)
         self._context = context
         self._inbox: deque[tuple[ServiceClient, bytes]] = deque()
+        self._arriving: list[tuple[ServiceClient, bytes]] = []
         self._outbox: list[tuple[ServiceClient, bytes]] = []
         self._consumed: Counter[ServiceClient] = Counter()
         self._calls: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
@@ -89,7 +90,15 @@ class SocketRequestManager(RequestManager):
         return True
 
     def _arrived(self, client: ServiceClient, line: bytes) -> None:
-        self._inbox.append((client, line))
+        # A client that publishes a command and then asks for a step means the step to see the command.
+        # Both may be read in the same round of the network thread, in any order: requests wait for its end.
+        if not self._arriving:
+            self._context.network.loop.call_soon(self._all_arrived)
+        self._arriving.append((client, line))
+
+    def _all_arrived(self) -> None:
+        self._inbox.extend(self._arriving)
+        self._arriving.clear()
         self._context.wake()
 
     def update(self) -> None:
