@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import math
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,21 @@ def nearest(word: str, known: list[str]) -> str:
     if close:
         return f"; did you mean '{close[0]}'?"
     return f"; known: {', '.join(known)}" if known else ""
+
+
+def numbers(values: Any, count: int) -> list[float]:
+    """A list of that many finite numbers.
+
+    Raises:
+        MorseRPCTypeError: it is something else.
+    """
+    if isinstance(values, list) and len(values) == count and all(type(v) in (int, float) for v in values):
+        # integers may be too large
+        with contextlib.suppress(OverflowError):
+            floats = [float(v) for v in values]
+            if all(map(math.isfinite, floats)):
+                return floats
+    raise MorseRPCTypeError(f"expected {count} number{'s' if count > 1 else ''}, not {values!r}")
 
 
 def same_kind(default: Any, value: Any) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.mathutils import Euler, Matrix
 from morse.core.services import service
+from morse.core.values import numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +39,7 @@ class ViewpointServices(AbstractObject):
     def set_camarafp_far_clip(self, far_clip: float) -> None:
         """Set the distance up to which the viewpoint camera sees, m."""
         near, _ = self._view.camera_clip
-        self._view.camera_clip = (near, _numbers([far_clip], 1)[0])
+        self._view.camera_clip = (near, numbers([far_clip], 1)[0])
         self._changed()
 
     @service
@@ -50,7 +50,7 @@ class ViewpointServices(AbstractObject):
     @service
     def set_camarafp_position(self, position: list[float]) -> None:
         """Put the viewpoint camera somewhere, m."""
-        x, y, z = _numbers(position, 3)
+        x, y, z = numbers(position, 3)
         self._view.camera_location = (x, y, z)
         self._changed()
 
@@ -67,7 +67,7 @@ class ViewpointServices(AbstractObject):
         """Set the pose of the viewpoint camera, 4x4."""
         if not isinstance(transform, list) or len(transform) != 4:
             raise MorseRPCTypeError(f"a transform is 4 rows of 4 numbers, not {transform!r}")
-        rows = [_numbers(row, 4) for row in transform]
+        rows = [numbers(row, 4) for row in transform]
         x, y, z = Matrix([row[:3] for row in rows[:3]]).to_euler()
         self._view.camera_rotation = (x, y, z)
         self._view.camera_location = (rows[0][3], rows[1][3], rows[2][3])
@@ -84,13 +84,3 @@ class ViewpointServices(AbstractObject):
             [0.0, 0.0, (far + near) / (near - far), 2.0 * far * near / (near - far)],
             [0.0, 0.0, -1.0, 0.0],
         ]
-
-
-def _numbers(values: Any, count: int) -> list[float]:
-    if (
-        isinstance(values, list)
-        and len(values) == count
-        and all(isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v) for v in values)
-    ):
-        return [float(v) for v in values]
-    raise MorseRPCTypeError(f"expected {count} number{'s' if count > 1 else ''}, not {values!r}")

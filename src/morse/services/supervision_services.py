@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
 from morse.core.services import service
-from morse.core.values import nearest
+from morse.core.values import nearest, numbers
 from morse.services.details import details
 
 if TYPE_CHECKING:
@@ -146,12 +146,10 @@ class Supervision(AbstractObject):
             orientation: roll, pitch, yaw, rad; kept if not given.
         """
         obj = self._object(object_name)
-        try:
-            if orientation is not None:
-                obj.worldOrientation = orientation
-            obj.worldPosition = position
-        except ValueError as error:
-            raise MorseRPCTypeError(str(error)) from None
+        place = numbers(position, 3)
+        if orientation is not None:
+            obj.worldOrientation = numbers(orientation, 3)
+        obj.worldPosition = place
         obj.halt()
 
     def _object(self, name: str) -> Any:

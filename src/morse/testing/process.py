@@ -116,8 +116,8 @@ class SimulationProcess:
             MorseTestingError: it had to be killed, or it had failed.
         """
         asked = self._process.poll() is not None or self._ask_to_quit()
-        if asked:
-            self.watch.join(_END_TIMEOUT)
+        # nobody answers in one that is just about to end
+        self.watch.join(_END_TIMEOUT if asked else _KILL_TIMEOUT)
         if self._process.poll() is None:
             self.kill()
             raise self._failure("the simulation did not end when it was told to, and was killed")

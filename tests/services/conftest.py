@@ -1,0 +1,49 @@
+"""A simulation that the tests of one file share: it is paused, and passes time as tests ask for it."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from morse.testing.fixtures import simulate
+from morse.testing.process import SimulationProcess
+from morse.testing.scripts import script_of_function
+from pymorse import Morse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["simulate"]
+
+HZ = 60
+
+
+@pytest.fixture(scope="module")
+def process(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulationProcess]:
+    """The scene is what the function `scene` of the test file says."""
+    scene: Callable[[], Any] = request.module.scene
+    directory = tmp_path_factory.mktemp(inspect.getmodulename(request.module.__file__) or "scene")
+    (directory / "scene.py").write_text(script_of_function(scene), encoding="utf-8")
+    started = SimulationProcess(directory / "scene.py", directory / "log")
+    started.wait_initialized()
+    yield started
+    if started.watch.error is None:
+        started.stop()
+    else:
+        started.kill()
+
+
+@pytest.fixture(scope="module")
+def connection(process: SimulationProcess) -> Iterator[Morse]:
+    with Morse("127.0.0.1", process.port) as simu:
+        yield simu
+
+
+@pytest.fixture
+def simu(connection: Morse) -> Morse:
+    """At tick 0, paused."""
+    connection.pause()
+    connection.rpc("simulation", "reset")
+    return connection
