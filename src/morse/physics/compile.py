@@ -86,6 +86,8 @@ def compile_scene(scene: Scene) -> Compiled:
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
+    # only MuJoCo's own viewer shows it
+    spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
@@ -146,7 +148,7 @@ class _Builder:
         )
         if frame.motion is Motion.FREE:
             body.add_freejoint(name=frame.node.name)
-            if not frame.node.body.gravity or frame.node.properties.get("NoGravity"):
+            if _is_weightless(frame):
                 body.gravcomp = 1.0
         return body
 
@@ -184,6 +186,8 @@ class _Builder:
     def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
         if stand is None:
             return
+        # the engine has to count on weights that may be cancelled; see resolve
+        body.gravcomp = 1.0
         for centre in stand.feet:
             foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
             self._set_surface(foot, frame.node, frame)
@@ -268,9 +272,15 @@ class _Builder:
                 slot.qpos, slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
             if slot.frame.motion is Motion.FREE:
                 set_damping(model, slot)
+                if slot.feet and not _is_weightless(slot.frame):
+                    model.body_gravcomp[slot.body] = 0.0
             if slot.frame.motion is Motion.HINGE:
                 slot.actuator = model.actuator(slot.frame.node.name).id
         return geom_node
+
+
+def _is_weightless(frame: Frame) -> bool:
+    return not frame.node.body.gravity or bool(frame.node.properties.get("NoGravity"))
 
 
 def set_damping(model: mujoco.MjModel, slot: Slot) -> None:

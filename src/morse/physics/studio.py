@@ -33,7 +33,7 @@ class Studio:
     """
 
     def __init__(self, world: World, host: str, port: int = 0) -> None:
-        launch, server, protocol = _modules()
+        launch, server, protocol, app = _modules()
         self._world = world
         bound: list[Any] = []
         ready = threading.Event()
@@ -47,7 +47,7 @@ class Studio:
 
         server.bind_public_socket = bind_here
         try:
-            self._handle = launch.launch(protocol.ViewerConfig(gfx="web", http_port=port))
+            self._handle = launch.launch(protocol.ViewerConfig(gfx="web", http_port=port), plugins=[app.App()])
             if not ready.wait(_PATIENCE):
                 raise OSError(f"MuJoCo's viewer did not open a port within {_PATIENCE:.0f} s")
         finally:
@@ -65,12 +65,13 @@ class Studio:
         self._handle.close()
 
 
-def _modules() -> tuple[Any, Any, Any]:
+def _modules() -> tuple[Any, Any, Any, Any]:
     try:
         return (
             importlib.import_module("mujoco.studio.launch_web"),
             importlib.import_module("mujoco.studio.web.web_server"),
             importlib.import_module("mujoco.studio.viewer_protocol"),
+            importlib.import_module("mujoco.studio.app"),
         )
     except ImportError as error:
         raise StudioMissingError(

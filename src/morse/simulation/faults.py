@@ -26,8 +26,8 @@ def describe(error: BaseException) -> str:
     frames = user_frames(error.__traceback__)
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     if not frames:
-        last = traceback.extract_tb(error.__traceback__)[-1:]
-        return what + "".join(f" (in {Path(f.filename).name}, line {f.lineno})" for f in last)
+        # none of the user's lines led here
+        return str(error) if isinstance(error, OSError) and str(error) else what
     lines = [what]
     for frame in frames:
         lines.append(f'  File "{frame.filename}", line {frame.lineno}, in {frame.name}')
