@@ -71,7 +71,7 @@ export class Inspector {
       const cell = h("td", { class: "value" }, "–");
       this.cells.set(field.name, cell);
       const plot = (): void => this.onPlot(component.name, field.name);
-      const name = h("th", { scope: "row", draggable: true, title: `${field.doc}\ndrag into a plot, or press Enter`, tabIndex: 0 }, field.name);
+      const name = h("th", { scope: "row", draggable: true, title: `${field.doc}\ndrag into a plot, or press Enter`, tabIndex: 0 }, ...breakable(field.name));
       name.addEventListener("dragstart", (event) => event.dataTransfer?.setData(FIELD, JSON.stringify([component.name, field.name])));
       name.addEventListener("dblclick", plot);
       name.addEventListener("keydown", (event) => event.key === "Enter" && plot());
@@ -107,7 +107,7 @@ export class Inspector {
     };
     input.addEventListener("change", () => void set());
     const hint = [property.doc, property.type].filter((text) => text !== "").join("\n");
-    return h("tr", {}, h("th", { scope: "row", title: hint }, property.name), h("td", {}, input, error));
+    return h("tr", {}, h("th", { scope: "row", title: hint }, ...breakable(property.name)), h("td", {}, input, error));
   }
 
   private services(component: ComponentDescription): HTMLElement | null {
@@ -128,6 +128,11 @@ export class Inspector {
     const answer = await this.connection.request({ type: "activate", component, active: box.checked });
     if (!answer.ok) box.checked = !box.checked;
   }
+}
+
+/** A long name may be broken after its underscores. */
+function breakable(name: string): (HTMLElement | string)[] {
+  return name.split(/(?<=_)/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part]));
 }
 
 function section(title: string, ...content: HTMLElement[]): HTMLElement {

@@ -15,10 +15,14 @@ export function format(value: unknown): string {
   return String(value);
 }
 
+/** Less is the rounding of the computer, not something measured. */
+const NOTHING = 1e-12;
+
 function formatNumber(value: number): string {
   if (Number.isInteger(value)) return String(value);
   const size = Math.abs(value);
-  return size !== 0 && (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
+  if (size < NOTHING) return "0.000";
+  return (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
 }
 
 /** The numbers in a value, each with its place in it: x, 0, position.1 */

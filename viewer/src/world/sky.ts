@@ -70,7 +70,8 @@ export class Sky {
     const { horizon, zenith, nadir, glow, sun } = this.uniforms;
     const asked = view?.horizon_color;
     if (asked) {
-      horizon.value.setRGB(...asked);
+      // in the dark theme the same sky, at dusk
+      horizon.value.setRGB(...asked).multiplyScalar(theme === "light" ? 1 : 0.4);
       zenith.value.copy(horizon.value).multiplyScalar(0.55);
       nadir.value.copy(horizon.value).multiplyScalar(0.7);
     } else {
