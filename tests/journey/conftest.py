@@ -19,8 +19,10 @@ _ARGUMENTS = [
 
 
 @pytest.fixture(scope="module")
-def person(tmp_path_factory) -> Person:
-    return Person(tmp_path_factory.mktemp("journey"))
+def person(tmp_path_factory):
+    made = Person(tmp_path_factory.mktemp("journey"))
+    yield made
+    made.leaves()
 
 
 @pytest.fixture(scope="module")

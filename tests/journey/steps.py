@@ -86,6 +86,7 @@ class Person:
         home.mkdir(exist_ok=True)
         dropped = ("MORSE_ROOT", "MORSE_RESOURCE_PATH", "MORSE_NODE", "DISPLAY", "WAYLAND_DISPLAY")
         kept = {key: value for key, value in os.environ.items() if key not in dropped}
+        self.started: list[Running] = []
         self.environment = {**kept, "HOME": str(home), "PYTHONUNBUFFERED": "1"}
         self.morse = Path(sys.executable).with_name("morse")
         assert self.morse.exists(), "install the package first: the journey starts with the command 'morse'"
@@ -120,8 +121,15 @@ class Person:
             text=True,
         )
         running = Running(process)
+        self.started.append(running)
         running.until("SCENE INITIALIZED")
         return running
+
+    def leaves(self) -> None:
+        """Whatever went wrong, nothing keeps running."""
+        for running in self.started:
+            if running.process.poll() is None:
+                running.process.kill()
 
     def edits(self, script: str, blend: Path, *arguments: str) -> None:
         """Work on a model in Blender."""

@@ -25,9 +25,10 @@ env.set_camera_rotation([1.5708, 0, 1.5708])
 """
 
 
-def position_of(simu, name="robot"):
-    """Position of an object that is not part of another, as the service tells it."""
-    return simu.rpc("simulation", "get_scene_objects")[name][1]
+@pytest.fixture(autouse=True)
+def _nothing_keeps_running(person):
+    yield
+    person.leaves()
 
 
 def client(person, name):
