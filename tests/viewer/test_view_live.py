@@ -120,13 +120,13 @@ def test_components_are_listed_with_live_values_and_services(page) -> None:
     x = page.locator("tr").filter(has=page.get_by_role("rowheader", name="x", exact=True)).locator(".value")
     until(lambda: x.inner_text() != "–" and abs(float(x.inner_text()) - 1.0) < 0.2)
     page.evaluate("morse.components.selected.set('robot.motion')")
-    form = page.locator("form.service").filter(has_text="set_speed")
+    form = page.get_by_role("form", name="set_speed", exact=True)
     form.locator("input").nth(0).fill("0.5")
     form.locator("input").nth(1).fill("0.0")
     form.get_by_role("button", name="call").click()
     until(lambda: place(page)[0] > 1.4, "driven by the service")
-    page.locator("form.service").filter(has_text="stop").get_by_role("button", name="call").click()
-    until(lambda: page.locator("form.service").filter(has_text="stop").locator(".result").is_visible())
+    page.get_by_role("form", name="stop", exact=True).get_by_role("button", name="call").click()
+    until(lambda: page.get_by_role("form", name="stop", exact=True).locator(".result").is_visible())
 
 
 def test_rays_of_the_laser_start_at_it(page) -> None:

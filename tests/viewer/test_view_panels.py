@@ -147,7 +147,7 @@ def test_services_are_called_with_arguments_and_their_results_shown(running, ope
     driver, url = running
     page = open_page(url, **WIDE)
     select(page)
-    add = page.locator("form.service").filter(has_text="add")
+    add = page.get_by_role("form", name="add", exact=True)
     add.get_by_label("a", exact=True).fill("2")
     add.get_by_label("b", exact=True).fill("0.5")
     add.get_by_role("button", name="call").click()
@@ -156,10 +156,10 @@ def test_services_are_called_with_arguments_and_their_results_shown(running, ope
     add.get_by_label("b", exact=True).fill("")
     add.get_by_role("button", name="call").click()
     until(lambda: add.locator(".result").inner_text() == "2")  # left empty, it takes its default
-    fail = page.locator("form.service").filter(has_text="fail")
+    fail = page.get_by_role("form", name="fail", exact=True)
     fail.get_by_role("button", name="call").click()
     until(lambda: "no power" in fail.locator(".result").inner_text())
-    goto = page.locator("form.service").filter(has_text="goto")
+    goto = page.get_by_role("form", name="goto", exact=True)
     goto.get_by_role("button", name="call").click()
     goto.get_by_role("button", name="stop").click()
     until(lambda: goto.locator(".result").inner_text() == "PREEMPTED")

@@ -31,7 +31,7 @@ export function serviceForm(connection: Connection, component: string, service: 
     result.title = ok ? JSON.stringify(value) : "";
   };
   cancel.addEventListener("click", () => connection.send({ type: "cancel_service", request: running }));
-  const form = h("form", { class: "service" }, h("div", { class: "name", title: service.doc }, service.name), ...inputs, call, cancel, result);
+  const form = h("form", { class: "service", "aria-label": service.name }, h("div", { class: "name", title: service.doc }, service.name), ...inputs, call, cancel, result);
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     void run();
