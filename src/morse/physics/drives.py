@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from morse.physics import rigid
 from morse.physics.compile import set_damping
 from morse.physics.drive import Command, midway
@@ -13,9 +15,12 @@ from morse.physics.layout import Motion
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from morse.physics.compile import Slot
     from morse.physics.world import World
 
+_SIX = np.arange(6)
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
@@ -56,16 +61,49 @@ class Drives:
     def apply(self) -> None:
         """The tick begins: write the velocities."""
         commands = self._commands
-        slots = self._world.slots
+        slots, gliding = self._world.slots, self._world.gliding
         self._kinematic.clear()
+        gliding.look()
         for index in [index for index in self._sliding if index not in commands]:
             self._set_sliding(index, False)
+        gliders = []
         for index, command in commands.items():
             slot = slots[index]
+            if index in gliding:
+                if gliding.may_go_on(index, command):
+                    gliders.append((index, slot, command))
+                    continue
+                gliding.leave(index)
             if slot.frame.motion is Motion.FREE and slot.dof >= 0:
                 self._drive_body(index, slot, command)
             else:
                 self._move(index, command)
+        if gliders:
+            self._glide(gliders)
+
+    def _glide(self, gliders: list[tuple[int, Slot, Command]]) -> None:
+        """Write the velocities of robots that glide: the vertical is an axis of the world, all else follows."""
+        world = self._world
+        rotations, half_period = world.rotations, 0.5 * world.period
+        speeds, dofs = [], []
+        for index, slot, command in gliders:
+            r = rotations[index]
+            x, y, _ = command.linear
+            rate = command.angular[2]
+            half = rate * half_period
+            if half > 1e-9 or half < -1e-9:
+                c, s = math.cos(half), math.sin(half)
+                chord = s / half
+                x, y = chord * (c * x - s * y), chord * (s * x + c * y)
+            rate *= r[8]
+            speeds.append((r[0] * x + r[1] * y, r[3] * x + r[4] * y, 0.0, r[6] * rate, r[7] * rate, r[8] * rate))
+            dofs.append(slot.dof)
+            if rate or command.shift:
+                self._turn_after.append((slot.dof, half, command.shift))
+        if len(dofs) == 1:
+            world.data.qvel[dofs[0] : dofs[0] + 6] = speeds[0]
+        else:
+            world.data.qvel[np.array(dofs)[:, None] + _SIX] = speeds
 
     def _drive_body(self, index: int, slot: Slot, command: Command) -> None:
         sliding = not command.is_rest and (command.shift or slot.frame.node.body.friction is None)
@@ -90,6 +128,8 @@ class Drives:
             qvel[a : a + 6] = (vx, vy, vz, wx, wy, wz)
         if command.shift or wz:
             self._turn_after.append((a, wz * world.period * 0.5, command.shift))
+        if sliding and command.ground:
+            world.gliding.consider(index, command)
 
     def _shift(self, qvel: Sequence[float], a: int, velocity: Sequence[float], command: Command) -> None:
         # axes that the command leaves alone stay with gravity and contacts
@@ -114,15 +154,27 @@ class Drives:
     def release(self) -> None:
         """The tick ends: a shift leaves no momentum, a velocity points along the new heading."""
         qvel = self._world.data.qvel
-        for a, angle, shift in self._turn_after:
-            if shift:
-                qvel[a], qvel[a + 1], qvel[a + 5] = 0.0, 0.0, 0.0
-            else:
-                vx, vy = qvel[a], qvel[a + 1]
-                c, s = math.cos(angle), math.sin(angle)
-                qvel[a], qvel[a + 1] = c * vx - s * vy, s * vx + c * vy
+        if len(self._turn_after) > 3:
+            self._turn_many(qvel)
+        else:
+            for a, angle, shift in self._turn_after:
+                if shift:
+                    qvel[a], qvel[a + 1], qvel[a + 5] = 0.0, 0.0, 0.0
+                else:
+                    vx, vy = qvel[a], qvel[a + 1]
+                    c, s = math.cos(angle), math.sin(angle)
+                    qvel[a], qvel[a + 1] = c * vx - s * vy, s * vx + c * vy
         self._turn_after.clear()
         self._commands.clear()
+
+    def _turn_many(self, qvel: NDArray[np.float64]) -> None:
+        dofs, angles, shifts = (np.array(column) for column in zip(*self._turn_after, strict=True))
+        vx, vy = qvel[dofs], qvel[dofs + 1]
+        c, s = np.cos(angles), np.sin(angles)
+        qvel[dofs], qvel[dofs + 1] = c * vx - s * vy, s * vx + c * vy
+        if shifts.any():
+            halted = dofs[shifts]
+            qvel[halted] = qvel[halted + 1] = qvel[halted + 5] = 0.0
 
     def _set_sliding(self, index: int, sliding: bool) -> None:
         world = self._world
@@ -133,6 +185,7 @@ class Drives:
             model.dof_damping[slot.dof : slot.dof + 6] = 0.0
         else:
             self._sliding.discard(index)
+            world.gliding.leave(index)
             set_damping(model, slot)
         fixed = slot.frame.node.body.friction is not None
         for node, geoms in slot.geoms.items():

@@ -13,6 +13,7 @@ from morse.physics.attachments import Attachments
 from morse.physics.compile import compile_scene
 from morse.physics.drives import Drives
 from morse.physics.gameobject import GameObject
+from morse.physics.gliding import Gliding
 from morse.physics.layout import Motion
 from morse.physics.raycast import cast_ray
 from morse.physics.rays import Rays
@@ -74,6 +75,10 @@ class World:
         self._slot_of: dict[Node, int] = {
             node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
         }
+        self._wheels: dict[int, list[int]] = {}
+        for index, slot in enumerate(self.slots):
+            if slot.frame.parent is not None:
+                self._wheels.setdefault(self._slot_of[slot.frame.parent.node], []).append(index)
         self._objects: dict[Node, GameObject] = {}
         self._names: dict[str, GameObject] = {}
         for node in scene.nodes():
@@ -87,6 +92,8 @@ class World:
         self.rearranged: set[Node] = set()
         self._touched: set[int] = set()
         self._arrays: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        mujoco.mj_forward(self.model, self.data)
+        self.gliding = Gliding(self)
         self._pristine = {name: getattr(self.model, name).copy() for name in _CHANGED_WHILE_RUNNING}
         self.reset()
 
@@ -124,6 +131,7 @@ class World:
         for name, values in self._pristine.items():
             getattr(self.model, name)[:] = values
         mujoco.mj_resetData(self.model, self.data)
+        self.gliding.reset()
         self.drives.reset()
         self.attachments.reset()
         self.positions = [tuple(slot.pose.position) for slot in self.slots]
@@ -142,7 +150,10 @@ class World:
         """One tick: apply the commands, let the engine take its steps, read the poses."""
         self.attachments.before_step()
         self.drives.apply()
+        self.gliding.save()
         mujoco.mj_step(self.model, self.data, self.steps)
+        while self.gliding.take_back():
+            mujoco.mj_step(self.model, self.data, self.steps)
         self.drives.release()
         if self._forces:
             self.data.xfrc_applied[:] = 0.0
@@ -171,6 +182,7 @@ class World:
         slot = self.slots[index]
         if slot.frame.motion is Motion.HINGE:
             return
+        self.gliding.leave(index)
         p, q = position, rigid.quaternion(rotation)
         if slot.frame.motion is Motion.FREE and slot.qpos >= 0:
             self.data.qpos[slot.qpos : slot.qpos + 7] = (p[0], p[1], p[2], *q)
@@ -183,12 +195,12 @@ class World:
         self.positions[index], self.rotations[index] = tuple(position), tuple(rotation)
         self._touched.add(index)
         self.stamp += 1
-        for other, child in enumerate(self.slots):
-            if child.frame.parent is slot.frame:
-                self._touched.add(other)
-                mujoco.mj_kinematics(self.model, self.data)
-                self.positions[other] = self.data.xpos[child.body].tolist()
-                self.rotations[other] = self.data.xmat[child.body].tolist()
+        for other in self._wheels.get(index, ()):
+            child = self.slots[other]
+            self._touched.add(other)
+            mujoco.mj_kinematics(self.model, self.data)
+            self.positions[other] = self.data.xpos[child.body].tolist()
+            self.rotations[other] = self.data.xmat[child.body].tolist()
 
     def _move_fixed(self, slot: Slot, position: Sequence[float], quaternion: Sequence[float]) -> None:
         self.model.body_pos[slot.body] = position
@@ -196,6 +208,7 @@ class World:
         self._place_fixed()
 
     def _place_fixed(self) -> None:
+        self.gliding.leave_all()
         # what never moves is computed once while sleeping is allowed
         flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         self.model.opt.enableflags &= ~flag
@@ -222,6 +235,7 @@ class World:
         slot = self.slots[index]
         if slot.frame.motion is not Motion.FREE or slot.dof < 0:
             return
+        self.gliding.leave(index)
         if linear is not None:
             self.data.qvel[slot.dof : slot.dof + 3] = linear
         if angular is not None:
@@ -231,6 +245,7 @@ class World:
         """Push a body at its centre of mass during the next tick: N and N m, world axes."""
         slot = self.slots[index]
         if slot.body > 0:
+            self.gliding.leave(index)
             self.data.xfrc_applied[slot.body] += (*force, *torque)
             self._forces = True
 
@@ -266,14 +281,17 @@ class World:
         """Let the shapes of nodes collide, or pass through everything."""
         for node in nodes:
             slot = self.slots[self._slot_of[node]]
-            for geom in [*slot.geoms.get(node, ()), *slot.feet]:
-                self.model.geom_contype[geom] = self.model.geom_conaffinity[geom] = int(active)
+            if slot.frame.motion is Motion.FIXED:
+                self.gliding.leave_all()
+            self.gliding.leave(self._slot_of[node])
+            self.gliding.set_collision([*slot.geoms.get(node, ()), *slot.feet], active)
 
     def move_shapes(self, obj: GameObject) -> None:
         """Take the collision shapes of an object along after it moved within its body."""
         slot = self.slots[obj.slot]
         if obj.node not in slot.geoms or slot.frame.motion is Motion.HINGE:
             return
+        self.gliding.leave(obj.slot)
         offset, turned = obj.offset
         for geom, shape in zip(slot.geoms[obj.node], obj.node.shapes or (), strict=True):
             position, rotation = rigid.compose(offset, turned, *self._shape_pose(geom, shape))
@@ -298,6 +316,7 @@ class World:
     def set_weightless(self, index: int) -> None:
         """Cancel gravity for a slot."""
         slot = self.slots[index]
+        self.gliding.leave(index)
         if slot.body < 0 or self.model.body_gravcomp[slot.body] == 1.0:
             return
         self.model.body_gravcomp[slot.body] = 1.0
@@ -345,7 +364,7 @@ class World:
 
     def contacts(self) -> list[tuple[GameObject, GameObject]]:
         """The pairs of objects that touch now."""
-        pairs = self.data.contact.geom[: self.data.ncon].tolist()
+        pairs = self.data.contact.geom[: self.data.ncon].tolist() + self.gliding.supports()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
     def contact_forces(self) -> bytes:

@@ -1,0 +1,85 @@
+"""Level floors: the tops of boxes that stand still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.layout import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.physics.world import World
+
+#: an unsloped floor, to rounding: over a kilometre it rises by less than a micrometre
+_LEVEL = 1e-10
+#: shapes tell whom they touch by 31 bits; one is for what is no floor
+_MOST = 30
+#: bits of what touches everything
+ALL_BITS = 0x7FFFFFFF
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """A level rectangle to stand on.
+
+    Attributes:
+        geom: id of the box.
+        slot: of the box.
+        bit: stands for the box in the collision masks.
+        height: metres, world frame.
+        centre: x, y in metres.
+        axes: unit vectors along the sides, seen from above.
+        half: lengths of the sides by two, metres.
+    """
+
+    geom: int
+    slot: int
+    bit: int
+    height: float
+    centre: tuple[float, float]
+    axes: tuple[tuple[float, float], tuple[float, float]]
+    half: tuple[float, float]
+
+    def room(self, x: float, y: float) -> float:
+        """Metres from a point to the nearest edge; negative outside."""
+        dx, dy = x - self.centre[0], y - self.centre[1]
+        (ax, ay), (bx, by) = self.axes
+        return min(self.half[0] - abs(ax * dx + ay * dy), self.half[1] - abs(bx * dx + by * dy))
+
+
+def find_floors(world: World) -> list[Floor]:
+    """The largest level tops of the boxes of a world that stand still."""
+    model, data = world.model, world.data
+    found: list[tuple[float, int, int, NDArray[np.float64], int]] = []
+    for slot_index, slot in enumerate(world.slots):
+        if slot.frame.motion is not Motion.FIXED or slot.body < 0:
+            continue
+        for geoms in slot.geoms.values():
+            for geom in geoms:
+                if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or not model.geom_contype[geom]:
+                    continue
+                turned = data.geom_xmat[geom].reshape(3, 3)
+                up = int(np.argmax(np.abs(turned[2])))
+                sides = [i for i in range(3) if i != up]
+                if np.abs(turned[2, sides]).max() <= _LEVEL:
+                    area = float(np.prod(model.geom_size[geom, sides]))
+                    found.append((-area, geom, slot_index, turned, up))
+    chosen = sorted(found, key=lambda entry: entry[:2])[:_MOST]
+    return [
+        _floor(world, geom, slot, turned, up, number) for number, (_, geom, slot, turned, up) in enumerate(chosen, 1)
+    ]
+
+
+def _floor(world: World, geom: int, slot: int, turned: NDArray[np.float64], up: int, number: int) -> Floor:
+    x, y, z = world.data.geom_xpos[geom].tolist()
+    size: Sequence[float] = world.model.geom_size[geom].tolist()
+    first, second = (i for i in range(3) if i != up)
+    axes = tuple((float(turned[0, i]), float(turned[1, i])) for i in (first, second))
+    return Floor(geom, slot, 1 << number, z + size[up], (x, y), (axes[0], axes[1]), (size[first], size[second]))
