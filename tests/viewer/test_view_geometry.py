@@ -13,8 +13,10 @@ from view_pages import Client, fetch
 from view_worlds import box, chequers, mesh_node, playground
 
 from morse.scene import Material, Mesh, Node, Scene
+from morse.scene.frames import rigid_frame
 from morse.viewer.depot import Depot
 from morse.viewer.describe import describe
+from morse.viewer.frames import rigid_frames
 from morse.viewer.geometry import PackedMesh, pack_mesh
 from morse.viewer.snapshot import MovingNode
 
@@ -152,3 +154,38 @@ def test_world_geometry_and_pictures_are_fetched_over_http(served) -> None:
 def test_nothing_else_is_fetched(served, path) -> None:
     _, url = served
     assert fetch(url[:-1] + path)[0] == 404
+
+
+numbers = st.floats(-3.0, 3.0).map(lambda x: round(x, 3))
+vectors = st.lists(numbers, min_size=3, max_size=3)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(vectors, vectors, vectors, st.integers(-1, 7), st.booleans()), min_size=1, max_size=8))
+def test_frames_of_many_nodes_are_those_of_each(parts) -> None:
+    nodes: list[Node] = []
+    for i, (location, rotation, scale, parent, keep) in enumerate(parts):
+        node = Node(f"n{i}", location=location, rotation_euler=rotation, scale=scale)
+        determinant = math.prod(scale)
+        if 0 <= parent < i and (not keep or (abs(determinant) > 0.1 and abs(math.prod(nodes[parent].scale)) > 0.1)):
+            invertible = all(abs(math.prod(a.scale)) > 0.1 for a in (nodes[parent], *nodes[parent].ancestors()))
+            nodes[parent].attach(node, keep_world_pose=keep and invertible)
+        nodes.append(node)
+    ordered = [node for root in nodes if root.parent is None for node in root.walk()]
+    frames = rigid_frames(ordered)
+    for i, node in enumerate(ordered):
+        one = rigid_frame(node)
+        assert frames.stretches[i] == pytest.approx(np.array([list(row) for row in one.stretch]), abs=1e-6)
+        rotation, position = np.array([list(row) for row in one.rotation]), np.array(list(one.position))
+        if node.parent is not None:
+            above = rigid_frame(node.parent)
+            back = np.array([list(row) for row in above.rotation]).T
+            rotation, position = back @ rotation, back @ (position - np.array(list(above.position)))
+        assert frames.positions[i] == pytest.approx(position, abs=1e-6)
+        w, x, y, z = frames.quaternions[i]
+        turned = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+        assert np.array(turned) == pytest.approx(rotation, abs=1e-6)

@@ -5,15 +5,16 @@ from __future__ import annotations
 import hashlib
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from morse.scene import Material
-from morse.scene.frames import rigid_frame
 from morse.viewer import description as d
+from morse.viewer.frames import rigid_frames
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import Camera, CollisionShape, Light, Mesh, Mist, Node, Scene
-    from morse.scene.frames import RigidFrame
     from morse.viewer.depot import Depot
     from morse.viewer.snapshot import MovingNode
 
@@ -24,25 +25,24 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
     """Describe a scene; its geometry and pictures go to the depot."""
     nodes = list(scene.nodes())
     index = {id(node): i for i, node in enumerate(nodes)}
-    frames = {id(node): rigid_frame(node) for node in nodes}
+    frames = rigid_frames(nodes)
+    stretched = (frames.stretches != np.eye(3)).any(axis=(1, 2))
     kinds = {id(component.node): component.kind for component in scene.components}
     movers = {id(mover.node): mover.frame for mover in moving}
     depot.add_meshes(node.mesh for node in nodes if node.mesh is not None)
     meshes: dict[d.MeshDescription, int] = {}
     materials: dict[d.MaterialDescription, int] = {}
     described = []
-    for node in nodes:
-        frame = frames[id(node)]
-        position, quaternion = _pose(frame, None if node.parent is None else frames[id(node.parent)])
+    for i, node in enumerate(nodes):
         slots = _slots(node, node.mesh) if node.mesh is not None else []
         described.append(
             d.NodeDescription(
                 name=node.name,
                 parent=index.get(id(node.parent), -1),
-                position=position,
-                quaternion=quaternion,
+                position=tuple(frames.positions[i].tolist()),
+                quaternion=tuple(frames.quaternions[i].tolist()),
                 frame=movers.get(id(node), ""),
-                stretch=None if frame.is_unstretched else tuple(v for row in frame.stretch for v in row),
+                stretch=tuple(frames.stretches[i].ravel().tolist()) if stretched[i] else None,
                 mesh=-1 if node.mesh is None else meshes.setdefault(depot.mesh(node.mesh), len(meshes)),
                 materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
                 color=node.color,
@@ -63,16 +63,6 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
         moving=[index[id(mover.node)] for mover in moving],
         view=_view(scene),
     )
-
-
-def _pose(frame: RigidFrame, parent: RigidFrame | None) -> tuple[d.Vector3, d.Quaternion]:
-    """Position and quaternion in the rigid frame of the parent."""
-    position, rotation = frame.position, frame.rotation
-    if parent is not None:
-        back = parent.rotation.transposed()
-        position, rotation = back @ (position - parent.position), back @ rotation
-    (x, y, z), (qw, qx, qy, qz) = position, rotation.to_quaternion()
-    return (x, y, z), (qw, qx, qy, qz)
 
 
 def _slots(node: Node, mesh: Mesh) -> list[Material]:
