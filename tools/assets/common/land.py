@@ -24,14 +24,17 @@ TOWN_TURN = -1.11
 CELL = 6.0  # metres
 
 
-def ground(level: Sequence[Triple], dip: float, rise: float, town_level: float, town_at: Triple, seed: int) -> Terrain:
-    """Land of 121 x 148 m, ``dip`` to ``rise`` high, that reaches the given heights and carries the town."""
-    low, high = np.array([-60.458, -74.524]), np.array([60.542, 73.476])
+def town_ground(at: Triple, level: float, keep: Sequence[Triple]) -> list[Triple]:
+    """Places below the town and their height; none is near the places to ``keep``."""
     frame = rotation(0, 0, np.degrees(TOWN_TURN))[:2, :2]
     corners = [(x, y) for x in (-21, -14, -7, 0, 7, 14, 21) for y in (-34, -28, -21, -14, -7, 0, 7, 14, 21, 28, 34)]
-    below = [(*(frame @ np.array(c) + np.array(town_at[:2])), town_level + 0.08) for c in corners]
-    here = [p for p in below if all(np.hypot(p[0] - q[0], p[1] - q[1]) > 7 for q in level)]
-    terrain = Terrain(low, high, rise, [*level, *here], seed)
+    below = [(*(frame @ np.array(c) + np.array(at[:2])), level + 0.08) for c in corners]
+    return [p for p in below if all(np.hypot(p[0] - q[0], p[1] - q[1]) > 7 for q in keep)]
+
+
+def ground(level: Sequence[Triple], dip: float, rise: float, seed: int) -> Terrain:
+    """Land of 121 x 148 m, ``dip`` to ``rise`` high, that reaches the given heights."""
+    terrain = Terrain((-60.458, -74.524), (60.542, 73.476), rise, level, seed)
     picture = packed("grass.jpg", speckle(512, "#6c9a4b", "#93b866", 61, coarse=4.0))
     paint = material("Grass", "#83ac5b", 0.95, image=picture)
     land = terrain.part(CELL, paint, 7.0).moved(-GROUND_AT[0], -GROUND_AT[1])

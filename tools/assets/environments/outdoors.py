@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 from common.crates import crate_woods, large_crate, small_crate, transport_box
-from common.land import ground, town
+from common.land import ground, town, town_ground
 from common.materials import material
 from common.nature import Greens, blades, crown_of, fern, rock, trunk_of
 from common.objects import collection, exact, instance
@@ -141,7 +141,7 @@ def build() -> None:
     rooted = [
         (*at[:2], max(at[2], 0.0)) for stem, copies in COPIES.items() if stem not in CRATES for _, at, _ in copies
     ]
-    land = ground(rooted, dip=-0.065, rise=4.145, town_level=2.42, town_at=TOWN, seed=9)
+    land = ground([*rooted, *town_ground(TOWN, 2.42, rooted)], dip=-0.065, rise=4.145, seed=9)
     town(land, TOWN, (42.1, 67.9, 11.2), (0, 0, 1.22), [at for _, at, _ in COPIES["tree_brown_2"]])
     collections = {**originals(), **crates()}
     for stem, copies in COPIES.items():

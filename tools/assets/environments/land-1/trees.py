@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from common.land import ground, town
+from common.land import ground, town, town_ground
 from common.nature import Greens, broadleaf
 from common.objects import empty, exact, hidden_box, twin
 from common.sky import sky, sunshine
@@ -42,7 +42,7 @@ def build() -> None:
     sky("#a9cfe8")
     sunshine(3.2, (0.7, 0.3, 0.6))
     rooted = [(*seen[:2], seen[2]) for *_, seen, _ in TREES]
-    land = ground(rooted, dip=-0.045, rise=2.785, town_level=0.56, town_at=TOWN, seed=4)
+    land = ground([*rooted, *town_ground(TOWN, 0.56, rooted)], dip=-0.045, rise=2.785, seed=4)
     town(land, TOWN, (42.1, 67.9, 11.5), (0, 0, 1.08), rooted)
     trees()
 

@@ -1,0 +1,13 @@
+"""Nothing but water: for what swims and dives."""
+
+from __future__ import annotations
+
+from common.objects import exact
+from common.sky import sky, sunshine
+from common.water import water
+
+
+def build() -> None:
+    sky("#a9d4e8")
+    sunshine(3.0, (0.7, 0.2, 0.5))
+    exact("Water", [water(200, 200)], (200, 200, 0), (0, 0, 0), physics_type="NO_COLLISION")
