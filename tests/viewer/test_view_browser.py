@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image as Picture
 from view_pages import until
-from view_worlds import box, mesh_node
+from view_worlds import box, mesh_node, playground
 
 from morse.scene import Material, Scene
 from morse.viewer.view_messages import Appearance, Listening, Pace
@@ -367,6 +367,36 @@ def test_wrong_token_is_said(make_server, open_page) -> None:
     assert "wants the token" in page.inner_text("body")
     page = open_page(url)
     assert "token" not in page.url
+
+
+def test_an_old_page_is_told_to_reload(served, open_page, monkeypatch) -> None:
+    _, url = served
+    monkeypatch.setattr("morse.viewer.hub.VERSION", 99)
+    page = open_page(url, wait=False)
+    until(lambda: "the simulator 99: reload the page" in page.locator(".link").inner_text())
+    assert page.locator(".link").get_by_role("button", name="reload").is_visible()
+
+
+def test_a_world_that_changes_keeps_the_point_of_view_and_the_selection(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, width=1000)
+    page.locator('[data-name="robot1"]').click()
+    page.keyboard.press("1")
+    until(lambda: page.evaluate("morse.follow.mode.value") == "third")
+    scene, moving = playground()
+    scene.roots.append(mesh_node("parcel", box("parcel"), (1, 2, 3)))
+    scene.roots.remove(scene.find("ball"))  # type: ignore[arg-type]
+    driver.server.set_scene(scene, moving)
+    until(lambda: page.evaluate("!!morse.world.value.find('parcel') && !morse.world.value.find('ball')"))
+    assert page.evaluate("morse.follow.mode.value") == "third"
+    assert page.evaluate("morse.components.selected.value") == "robot1"
+    revision = page.evaluate("morse.poses.value.revision")
+    assert page.evaluate("morse.world.value.description.revision") >= revision
+    where = "morse.world.value.find('robot0').frame.position.toArray().join()"
+    seen: set[str] = set()
+    until(lambda: seen.add(page.evaluate(where)) or len(seen) > 3, "the new world moves")
+    near = "morse.stage.view.position.distanceTo(morse.world.value.find('robot1').frame.position)"
+    until(lambda: page.evaluate(near) < 7)
 
 
 def test_light_and_dark(served, open_page) -> None:

@@ -52,18 +52,28 @@ export class Cones extends Layer {
   }
 }
 
-/** The rim of a cone around X, and lines from its tip to the rim. */
+type Point = [number, number, number];
+
+const STEPS = 48;
+
+/** The rim of a cone around X, and lines from its tip to the rim; three circles for a whole sphere. */
 function outline(reach: number, half: number): BufferGeometry {
-  const at = (angle: number): number[] => [
-    reach * Math.cos(half),
-    reach * Math.sin(half) * Math.cos(angle),
-    reach * Math.sin(half) * Math.sin(angle),
-  ];
   const points: number[] = [];
-  const steps = 48;
-  for (let i = 0; i < steps; i++) {
-    points.push(...at((i * 2 * Math.PI) / steps), ...at(((i + 1) * 2 * Math.PI) / steps));
-    if (i % 12 === 0) points.push(0, 0, 0, ...at((i * 2 * Math.PI) / steps));
+  const circle = (at: (cos: number, sin: number) => Point): void => {
+    for (let i = 0; i < STEPS; i++) {
+      for (const angle of [(i * 2 * Math.PI) / STEPS, ((i + 1) * 2 * Math.PI) / STEPS]) {
+        points.push(...at(Math.cos(angle), Math.sin(angle)));
+      }
+    }
+  };
+  if (half > 0.95 * Math.PI) {
+    circle((c, s) => [reach * c, reach * s, 0]);
+    circle((c, s) => [reach * c, 0, reach * s]);
+    circle((c, s) => [0, reach * c, reach * s]);
+  } else {
+    const [along, rim] = [reach * Math.cos(half), reach * Math.sin(half)];
+    circle((c, s) => [along, rim * c, rim * s]);
+    for (const [c, s] of [[1, 0], [0, 1], [-1, 0], [0, -1]] as const) points.push(0, 0, 0, along, rim * c, rim * s);
   }
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
