@@ -9,7 +9,7 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pymorse.polling import Poller
+    from pymorse.poller import Poller
 
 _CHUNK = 1 << 18
 MAX_UNSENT = 64 << 20

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 import time
@@ -54,8 +55,15 @@ class MorseFuture(Future[Any]):
         abandoned: nobody waits for the result any more, and closing does not either.
     """
 
-    def __init__(self, request: int, abort: Callable[[int], object], executor: MorseExecutor) -> None:
+    def __init__(
+        self,
+        request: int,
+        abort: Callable[[int], object],
+        executor: MorseExecutor,
+        serve: Callable[[Callable[[], bool], float], bool],
+    ) -> None:
         super().__init__()
+        self._serve = serve
         self.request = request
         self.abandoned = False
         self._abort = abort
@@ -107,10 +115,10 @@ class MorseFuture(Future[Any]):
             left = 0.5 if deadline is None else deadline - time.monotonic()
             if left <= 0:
                 raise TimeoutError("the service has not ended yet")
-            try:
-                super().exception(min(left, 0.5))  # short waits let Ctrl+C through on every platform
-            except TimeoutError:
-                continue
+            left = min(left, 0.5)  # short waits let Ctrl+C through on every platform
+            if not self._serve(self.done, left):
+                with contextlib.suppress(TimeoutError):
+                    super().exception(left)
 
     def add_done_callback(self, fn: Callable[[Future[Any]], object]) -> None:
         """Have ``fn(future)`` called in a thread of its own when the service ends."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pymorse.discovery import discover
 from pymorse.errors import MorseTimeoutError
 from pymorse.names import normalize_name, series, suggestion
-from pymorse.polling import Poller
+from pymorse.poller import Poller
 from pymorse.requests import ServiceConnection
 from pymorse.stream import TIMEOUT, StreamJSON, connect
 

@@ -15,7 +15,7 @@ from pymorse.stream import StreamB, to_json
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from pymorse.polling import Poller
+    from pymorse.poller import Poller
 
 logger = logging.getLogger("pymorse")
 
@@ -82,7 +82,7 @@ class ServiceConnection(StreamB):
             number = self._next
             line = format_request(number, component, service, arguments)
             self._next += 1
-            future = MorseFuture(number, self.abort, self.executor)
+            future = MorseFuture(number, self.abort, self.executor, self.poller.serve_until)
             self._open[number] = (future, f"{component}.{service}")
         try:
             self.publish(line.encode())

@@ -14,10 +14,12 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from pymorse.channel import Channel
-from pymorse.polling import Poller, PollThread, default_poller
+from pymorse.polling import PollThread, default_poller
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from pymorse.poller import Poller
 
 logger = logging.getLogger("pymorse")
 
@@ -107,7 +109,7 @@ class StreamB(Channel):
         Raises:
             ConnectionError: the stream ended, no message will arrive.
         """
-        if threading.current_thread() is self.poller:
+        if self.poller.is_serving():
             raise RuntimeError(
                 "get() waits for the thread that runs the callbacks of subscribe(), so they cannot call it: "
                 "use last(), or the message that the callback got"

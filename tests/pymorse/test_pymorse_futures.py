@@ -99,3 +99,34 @@ def test_calls_from_many_threads_get_their_own_answers(simulation: ScriptedSimul
     assert not wrong
     assert not any(thread.is_alive() for thread in threads)
     assert len(simulation.rpc.lines) == 3 + 400
+
+
+def test_an_answer_that_comes_after_others_were_waited_for_is_noticed(
+    simulation: ScriptedSimulation, simu: Morse
+) -> None:
+    never = simu.call("n", "never")
+    ended: list[Any] = []
+    never.add_done_callback(lambda future: ended.append(future.result()))
+    for _ in range(20):
+        assert simu.rpc("n", "two") == 2
+    simulation.rpc.send(b"3 SUCCESS 7\n")
+    wait_until(lambda: ended == [7], 2.0)
+
+
+def test_closing_frees_a_thread_that_waits(simu: Morse) -> None:
+    raised: list[BaseException] = []
+
+    def wait() -> None:
+        try:
+            simu.rpc("n", "never")
+        except Exception as error:
+            raised.append(error)
+
+    waiting = [threading.Thread(target=wait) for _ in range(3)]
+    for thread in waiting:
+        thread.start()
+    wait_until(lambda: len(simu._services.pending()) == 3)
+    simu.close(cancel_async_services=True)
+    for thread in waiting:
+        thread.join(5)
+    assert [type(error) for error in raised] == [ConnectionError] * 3

@@ -1,0 +1,242 @@
+"""A thread that moves bytes between sockets and their owners."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import selectors
+import socket
+import threading
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from pymorse.channel import Channel
+
+logger = logging.getLogger("pymorse")
+
+_READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+#: how long the thread stands back after a guest has left, s: the next one is often about to come
+_COURTESY = 0.005
+
+
+def _nothing() -> None: ...
+
+
+class Poller(threading.Thread):
+    """Serves channels from a thread of its own, which sleeps until something arrives.
+
+    A thread that waits for an answer may serve the channels itself in the meantime, as a guest
+    (`serve_until`): a change of threads takes longer than most answers.
+
+    Args:
+        name: of the thread.
+        until_empty: end when the last channel has been closed.
+    """
+
+    def __init__(self, name: str = "pymorse", *, until_empty: bool = False) -> None:
+        super().__init__(name=name, daemon=True)
+        self._until_empty = until_empty
+        self._selector = selectors.DefaultSelector()
+        self._channels: set[Channel] = set()
+        self._commands: list[Callable[[], object]] = []
+        self._lock = threading.Lock()
+        self._stopping = False
+        self._ended = False
+        self._wake_out, self._wake_in = socket.socketpair()
+        self._wake_out.setblocking(False)
+        self._wake_in.setblocking(False)
+        self._selector.register(self._wake_out, _READ, None)
+        # who serves holds the turn; one guest at a time
+        self._turn = threading.Lock()
+        self._serving = 0
+        self._guest = threading.Lock()
+        self._standing_back = threading.Condition()
+        self._until = 0.0
+
+    def is_serving(self) -> bool:
+        """Whether the calling thread is the one that serves."""
+        return self._serving == threading.get_ident()
+
+    # -- commands ----------------------------------------------------------------------------
+
+    def command(self, function: Callable[[], object]) -> bool:
+        """Have ``function()`` run by the thread that serves, soon; False if the thread has ended."""
+        with self._lock:
+            if self._ended:
+                return False
+            self._commands.append(function)
+            self._wake()
+        self._return()
+        return True
+
+    def _wake(self) -> None:
+        with contextlib.suppress(BlockingIOError):  # it is about to wake up anyway
+            self._wake_in.send(b"\0")
+
+    def call(self, function: Callable[[], object]) -> None:
+        """Have ``function()`` run by the thread that serves, and return when it is done."""
+        done = threading.Event()
+
+        def run() -> None:
+            try:
+                function()
+            finally:
+                done.set()
+
+        if self.is_serving() or not self.is_alive() or not self.command(run):
+            function()
+            return
+        while not done.wait(0.5):  # short waits let Ctrl+C through on every platform
+            if not self.is_alive():
+                return
+
+    def catch_up(self) -> None:
+        """Return when everything that had arrived at the time of the call has been handled."""
+        if self.is_serving() or self._serve_as_guest(lambda: True, 0.0):
+            return
+        # the round that runs may have begun before something arrived: the next one has not
+        self.call(_nothing)
+        self.call(_nothing)
+
+    # -- channels; all but `add` are called by the thread that serves --------------------------
+
+    def add(self, channel: Channel) -> None:
+        """Serve a channel from now on."""
+
+        def register() -> None:
+            self._channels.add(channel)
+            self._selector.register(channel.socket, _READ, channel)
+
+        if not self.command(register):
+            raise RuntimeError("the poll thread has been stopped: create the stream before syncstop()")
+
+    def remove(self, channel: Channel) -> None:
+        """Serve a channel no longer."""
+        if channel in self._channels:
+            self._channels.discard(channel)
+            self._selector.unregister(channel.socket)
+            if self._until_empty and not self._channels:
+                self._finish()
+
+    def watch_writable(self, channel: Channel, wanted: bool) -> None:
+        """Say whether a channel has bytes to send."""
+        if channel in self._channels:
+            self._selector.modify(channel.socket, _READ | _WRITE if wanted else _READ, channel)
+
+    # -- serving -----------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Serve until stopped."""
+        try:
+            while not self._stopping:
+                with self._turn:
+                    self._round(None)
+                self._stand_back()
+        finally:
+            self._end()
+
+    def serve_until(self, done: Callable[[], bool], timeout: float) -> bool:
+        """Serve from the calling thread until ``done()``, at most ``timeout`` seconds.
+
+        Returns:
+            False at once if another thread does so already, or if the poller does not run.
+        """
+        return not self.is_serving() and self._serve_as_guest(done, timeout)
+
+    def _serve_as_guest(self, done: Callable[[], bool], timeout: float) -> bool:
+        if not self.is_alive() or not self._guest.acquire(blocking=False):
+            return False
+        deadline = time.monotonic() + timeout
+        try:
+            self._until = deadline + _COURTESY
+            if self._turn.locked():
+                with self._lock:
+                    if self._ended:
+                        return False
+                    self._wake()
+            with self._turn:
+                self._round(0.0)
+                while not (done() or self._stopping) and (left := deadline - time.monotonic()) > 0.0:
+                    self._round(left)
+            self._until = time.monotonic() + _COURTESY
+        finally:
+            self._guest.release()
+        if self._stopping:
+            self._return()
+        return True
+
+    def _stand_back(self) -> None:
+        with self._standing_back:
+            while not self._stopping and not self._commands and time.monotonic() < self._until:
+                # in short naps: a guest that leaves early does not spend time on waking anybody
+                self._standing_back.wait(_COURTESY)
+
+    def _return(self) -> None:
+        with self._standing_back:
+            self._standing_back.notify_all()
+
+    def _round(self, timeout: float | None) -> None:
+        if self._ended:
+            return
+        self._serving = threading.get_ident()
+        try:
+            wakened = False
+            for key, events in self._selector.select(timeout):
+                if key.data is None:
+                    wakened = True
+                else:
+                    self._serve(key.data, events)
+            if wakened:
+                self._obey()
+        finally:
+            self._serving = 0
+
+    def _serve(self, channel: Channel, events: int) -> None:
+        try:
+            if events & _WRITE and channel in self._channels:
+                channel.writable()
+            if events & _READ and channel in self._channels:
+                channel.readable()
+        except Exception:
+            logger.exception("the connection to %s is closed because of an error", channel.peer)
+            channel.close()
+
+    def _obey(self) -> None:
+        with self._lock:
+            with contextlib.suppress(BlockingIOError):
+                self._wake_out.recv(4096)
+            commands, self._commands = self._commands, []
+        for command in commands:
+            command()
+
+    # -- the end -----------------------------------------------------------------------------
+
+    def _finish(self) -> None:
+        self._stopping = True
+
+    def _end(self) -> None:
+        with self._turn:
+            with self._lock:
+                self._ended = True
+            for command in self._commands:
+                command()
+            self._serving = threading.get_ident()
+            for channel in list(self._channels):
+                channel.close()
+            self._serving = 0
+            self._selector.close()
+            self._wake_in.close()
+            self._wake_out.close()
+
+    def syncstop(self, timeout: float | None = None) -> None:
+        """Close every channel, end the thread and wait for that, at most ``timeout`` seconds."""
+        if not self.is_alive():
+            if not self._ended:
+                self._end()
+            return
+        self.command(self._finish)
+        if not self.is_serving():
+            self.join(timeout)
