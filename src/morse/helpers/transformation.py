@@ -51,7 +51,10 @@ class Transformation3d:
         An object may have a method ``world_pose()`` that returns the arguments of `set_pose`: that spares
         making a vector and a matrix.
         """
-        world_pose = getattr(obj, "world_pose", None)
+        try:
+            world_pose = obj.world_pose  # type: ignore[attr-defined]
+        except AttributeError:
+            world_pose = None
         if world_pose is not None:
             self._position, self._rotation = world_pose()
         else:
@@ -67,6 +70,15 @@ class Transformation3d:
         """
         self._position = position
         self._rotation = rotation
+
+    def numbers(self) -> tuple[float, float, float, float, float, float]:
+        """x, y, z, yaw, pitch and roll at once, for those who need them all."""
+        x, y, z = self._position
+        m = self._rotation
+        sine = m[6]
+        if -_LOCKED < sine < _LOCKED:
+            return x, y, z, atan2(m[3], m[0]), -asin(sine), atan2(m[7], m[8])
+        return x, y, z, self.yaw, self.pitch, self.roll
 
     @property
     def x(self) -> float:

@@ -16,12 +16,13 @@ def floats3(value: Any, what: str) -> tuple[float, float, float]:
     """
     try:
         x, y, z = value
-        result = (float(x), float(y), float(z))
+        x, y, z = float(x), float(y), float(z)
     except (TypeError, ValueError):
         raise ValueError(f"a {what} is three numbers [x, y, z], not {value!r}") from None
-    if not (math.isfinite(result[0]) and math.isfinite(result[1]) and math.isfinite(result[2])):
+    # 0 times an infinite number is no number
+    if 0.0 * x + 0.0 * y + 0.0 * z != 0.0:
         raise ValueError(f"a {what} is three finite numbers, not {value!r}")
-    return result
+    return x, y, z
 
 
 def rotation_of(value: Any) -> tuple[float, ...]:

@@ -49,6 +49,7 @@ class GameObject(LegacyNames):
         self._offset: _Pose | None = None
         self._stamp = -1
         self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
+        self._is_turned = False
         self._start_local, self._start_offset = self._poses_of_scene()
         self.visible = node.visible
 
@@ -66,7 +67,8 @@ class GameObject(LegacyNames):
 
     def restore(self) -> None:
         """Back to what the scene says; called by the reset of the world."""
-        self._local, self._offset = self._start_local, self._start_offset
+        self._local = self._start_local
+        self._take_offset(self._start_offset)
         self._stamp = -1
         self.properties = dict(self.node.properties)
         self.visible = self.node.visible
@@ -159,11 +161,14 @@ class GameObject(LegacyNames):
         """Position (3) and rotation (9, row-major) in the world, as plain floats."""
         world = self._world
         if self._stamp != world.stamp:
-            slot = self.slot
+            position, rotation = world.positions[self.slot], world.rotations[self.slot]
             if self._offset is None:
-                self._pose = (world.positions[slot], world.rotations[slot])
+                self._pose = (position, rotation)
+            elif self._is_turned:
+                self._pose = rigid.compose(position, rotation, *self._offset)
             else:
-                self._pose = rigid.compose(world.positions[slot], world.rotations[slot], *self._offset)
+                x, y, z = rigid.turn(rotation, self._offset[0])
+                self._pose = ((position[0] + x, position[1] + y, position[2] + z), rotation)
             self._stamp = world.stamp
         return self._pose
 
@@ -209,13 +214,18 @@ class GameObject(LegacyNames):
         world = self._world
         assert self.node.parent is not None
         outer = world.object_of(self.node.parent)
-        self._offset = rigid.compose(*outer.offset, *self._local)
+        self._take_offset(rigid.compose(*outer.offset, *self._local))
         self._stamp = -1
         world.move_shapes(self)
         for child in self.node.children:
             below = world.object_of(child)
             if below.slot == self.slot:
                 below._follow()
+
+    def _take_offset(self, offset: _Pose | None) -> None:
+        # most components sit on their robots unturned, many at its origin: their poses cost less
+        self._is_turned = offset is not None and _differ(offset[1], rigid.IDENTITY)
+        self._offset = offset if offset is not None and (self._is_turned or _differ(offset[0], _ORIGIN)) else None
 
     @property
     def offset(self) -> _Pose:
@@ -343,6 +353,10 @@ class GameObject(LegacyNames):
         if recursive:
             for child in self.childrenRecursive:
                 child.setVisible(visible)
+
+
+def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
+    return max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-14
 
 
 def _flat(matrix: Matrix) -> tuple[float, ...]:

@@ -21,6 +21,5 @@ class Pose(Sensor):
 
     def default_action(self) -> None:
         """Take the pose."""
-        pose, data = self.position_3d, self.local_data
-        data["x"], data["y"], data["z"] = pose.x, pose.y, pose.z
-        data["yaw"], data["pitch"], data["roll"] = pose.yaw, pose.pitch, pose.roll
+        data = self.local_data
+        data["x"], data["y"], data["z"], data["yaw"], data["pitch"], data["roll"] = self.position_3d.numbers()

@@ -264,7 +264,8 @@ class Simulation:
         clock.advance()
         if profile is not None:
             profile.mark("physics")
-        self._act(self._robots, profile)
+        for robot in self._robots:
+            robot.update_pose()
         self._cast_rays(due)
         if profile is not None:
             profile.mark("rays")
