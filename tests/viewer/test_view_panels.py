@@ -1,10 +1,9 @@
-"""The page in a real browser: components, plots, overlays, moving, keeping."""
+"""The page in a real browser: components, plots, overlays, the point of view."""
 
 from __future__ import annotations
 
 import csv
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from view_pages import until
 from view_worlds import box, mesh_node
 
 from morse.scene import CollisionShape, Scene, ShapeKind
-from morse.viewer.page_messages import Activate, CallService, Drag, DragEnd, SetProperty, Teleport, ToggleCapturing
-from morse.viewer.view_messages import Capturing, Cone, Log, MassCentre
+from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
+from morse.viewer.view_messages import Capturing, Cone, MassCentre
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -342,179 +341,3 @@ def test_the_camera_is_remembered_and_forgotten(running, open_page) -> None:
     page.reload()
     until(lambda: page.evaluate("!!window.morse?.world.value"))
     assert page.evaluate("morse.stage.view.position.z") == pytest.approx(8.0)
-
-
-# moving and keeping --------------------------------------------------------------------------------------
-
-
-def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
-    driver.speed = 1.0
-    page.locator('[data-name="robot2"]').click()
-    driver.time = 0.0
-    driver.running = False
-    until(lambda: page.evaluate("morse.poses.value?.running === false"))
-    page.keyboard.press("c")
-    page.keyboard.press("m")
-    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot2")
-    page.evaluate("morse.panels.mover.handles.detach()")  # its handles lie over the robot
-    x, y = place_of(page, "robot2")
-    page.mouse.move(x + 12, y + 6)
-    page.mouse.down()
-    page.mouse.move(x + 80, y - 30, steps=5)
-    page.mouse.up()
-    until(lambda: events(driver, Teleport))
-    last = events(driver, Teleport)[-1]
-    assert last.node == "robot2"
-    assert np.linalg.norm(last.quaternion) == pytest.approx(1.0, abs=1e-4)
-    assert not events(driver, Drag)
-    driver.running = True
-    until(lambda: page.evaluate("morse.poses.value?.running"))
-    count = len(events(driver, Teleport))
-    driver.time = 0.0
-    page.keyboard.press("3")
-    page.keyboard.press("0")
-    for _ in range(5):
-        x, y = place_of(page, "robot2")
-        page.mouse.move(x, y)
-        page.mouse.down()
-        if page.evaluate("morse.panels.mover.held !== null"):
-            break
-        page.mouse.up()
-    page.mouse.move(x + 60, y, steps=4)
-    until(lambda: events(driver, Drag))
-    page.mouse.up()
-    until(lambda: events(driver, DragEnd))
-    assert len(events(driver, Teleport)) == count
-    assert np.linalg.norm(events(driver, Drag)[0].anchor) < 1.0
-
-
-def test_handles_put_things_somewhere(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
-    page.locator('[data-name="robot0"]').click()
-    page.keyboard.press("m")
-    until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot0")
-    page.evaluate(
-        """() => { const m = morse.panels.mover; m.handles.dragging = true; m.proxy.position.set(1, 2, 3);
-        m.handles.dispatchEvent({type: 'mouseUp'}); m.handles.dragging = false }"""
-    )
-    until(lambda: events(driver, Teleport))
-    assert events(driver, Teleport)[0].position == pytest.approx((1.0, 2.0, 3.0))
-    page.keyboard.press("Escape")
-    until(lambda: page.evaluate("morse.panels.mover.node.value") is None)
-
-
-def test_screenshot_film_and_pose_as_code(running, open_page, tmp_path) -> None:
-    _, url = running
-    page = open_page(url, permissions=["clipboard-read", "clipboard-write"], **WIDE)
-    with page.expect_download() as shot:
-        page.keyboard.press("x")
-    shot.value.save_as(tmp_path / "view.png")
-    pixels = np.asarray(Image.open(tmp_path / "view.png").convert("RGB"))
-    assert pixels.std() > 10  # a picture, not a blank
-    page.get_by_role("button", name="Film the view").click()
-    until(lambda: page.evaluate("morse.panels.capture.recorder !== null"))
-    frames = page.evaluate("morse.stage.frames")
-    until(lambda: page.evaluate("morse.stage.frames") > frames + 5)
-    with page.expect_download() as film:
-        page.get_by_role("button", name="Film the view").click()
-    film.value.save_as(tmp_path / "view.webm")
-    assert Path(tmp_path / "view.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, what WebM is made of
-    until(lambda: page.locator('[data-name="robot0"]').count() == 1)
-    code = page.evaluate("morse.panels.object.code(morse.world.value.find('ball'))")
-    assert code == "ball.translate(-2, 1.5, 0.7)\nball.rotate(0, 0, 0)\n"
-
-
-def test_the_gamepad_is_told(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url)
-    page.evaluate(
-        "navigator.getGamepads = () => [{axes: [0.03, -0.5], buttons: [{pressed: true}]}];"
-        "document.hasFocus = () => true"
-    )
-    until(lambda: driver.server.gamepad() == ((0.0, -0.5), (True,)))
-    page.evaluate("navigator.getGamepads = () => [{axes: [0, 0], buttons: [{pressed: false}]}]")
-    until(lambda: driver.server.gamepad() == ((0.0, 0.0), (False,)))
-
-
-# readable by everybody -----------------------------------------------------------------------------------
-
-
-def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
-    page.get_by_role("button", name="Plots and messages").click()
-    driver.server.send(Log("info", "wheels are on", "robot0", 1.5))
-    driver.server.send(Log("error", "wheels came off", "robot0", 2.5))
-    until(lambda: "1.50 robot0 wheels are on" in page.get_by_role("log").inner_text())
-    until(lambda: page.locator(".toast.error").inner_text() == "wheels came off")
-
-
-@pytest.mark.parametrize(("width", "height"), [(390, 780), (640, 360)])
-def test_small_screens_scroll_nowhere_and_keep_the_view(running, open_page, width, height) -> None:
-    _, url = running
-    page = open_page(url, width=width, height=height)
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    view = page.locator("main").bounding_box()
-    assert view is not None
-    assert view["width"] == width
-    assert view["height"] > height * 0.6
-    page.get_by_role("button", name="Robots and components").click()
-    until(lambda: page.locator('[data-name="robot0"]').is_visible())
-    page.get_by_role("button", name="Plots and messages").click()
-    until(lambda: not page.locator('[data-name="robot0"]').is_visible())
-
-
-def test_every_control_has_a_name_and_is_reached_by_tab(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE)
-    select(page)
-    nameless = page.evaluate(
-        """[...document.querySelectorAll('button, select, input, summary')].filter(e => e.checkVisibility() && !(
-        e.ariaLabel || e.innerText?.trim() || e.labels?.length)).map(e => e.outerHTML)"""
-    )
-    assert nameless == []
-    page.evaluate("document.activeElement?.blur()")
-    reached = set()
-    for _ in range(60):
-        page.keyboard.press("Tab")
-        reached.add(page.evaluate("document.activeElement.ariaLabel || document.activeElement.innerText || ''"))
-    for name in (
-        "Pause",
-        "One tick",
-        "Reset",
-        "speed",
-        "view",
-        "Screenshot",
-        "Keys",
-        "find in the tree",
-        "scan_window",
-        "call",
-    ):
-        assert name in reached, name
-
-
-def test_twice_the_text_size_still_fits(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, width=1280, height=800)
-    page.evaluate("document.documentElement.style.fontSize = '28px'")
-    until(lambda: page.evaluate("document.documentElement.scrollWidth") <= 1280)
-    view = page.locator("main").bounding_box()
-    assert view is not None
-    assert view["width"] > 400
-    assert view["height"] > 300
-    page.keyboard.press("h")
-    box_of = page.get_by_role("dialog").bounding_box()
-    assert box_of is not None
-    assert box_of["height"] <= 800
-
-
-def test_the_bundle_stays_small() -> None:
-    import gzip
-
-    from morse.viewer.site import STATIC
-
-    packed = sum(len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file())
-    assert packed <= 350_000

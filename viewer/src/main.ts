@@ -1,5 +1,9 @@
 import { App } from "./app";
-import "./ui/style.css";
+import "./style/base.css";
+import "./style/bar.css";
+import "./style/panels.css";
+import "./style/view.css";
+import "./style/small.css";
 
 const app = new App();
 

@@ -10,13 +10,13 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-import msgspec
 from websockets.asyncio.server import serve
 from websockets.exceptions import ConnectionClosed
 
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
+from morse.viewer.requests import Requests
 from morse.viewer.seat import Seat
 from morse.viewer.site import Site, refuse
 from morse.viewer.view_messages import Answer, Refused, Welcome
@@ -73,8 +73,7 @@ class Hub:
         self._pages: dict[int, Page] = {}
         self._numbers = 0
         self._dragging: int | None = None
-        self._requests: dict[int, tuple[int, int]] = {}
-        self._last_request = 0
+        self._requests = Requests()
         self._lasting: dict[Subject, str | bytes] = {}
         self._server: Server | None = None
         self._cookie = ""
@@ -203,7 +202,7 @@ class Hub:
     def _leave(self, page: Page) -> None:
         del self._pages[page.number]
         self._drop_drag(page)
-        self._requests = {n: asked for n, asked in self._requests.items() if asked[0] != page.number}
+        self._requests.forget(page.number)
         self.seat.leave(page.number)
         self._seat_changed()
         self._wishes_changed()
@@ -243,7 +242,7 @@ class Hub:
             case pm.ViewEvent():
                 if isinstance(message, pm.Drag | pm.DragEnd):
                     self._dragging = page.number if isinstance(message, pm.Drag) else None
-                self.events.append(self._numbered(page, message))
+                self.events.append(self._requests.number(page.number, message))
             case _:
                 raise NotUnderstood(f"{type(message).__name__} comes once, at the beginning")
 
@@ -252,25 +251,12 @@ class Hub:
             self._dragging = None
             self.events.append(pm.DragEnd())
 
-    def _numbered(self, page: Page, event: pm.ViewEvent) -> pm.ViewEvent:
-        """The event with a request number that no other page uses."""
-        given = getattr(event, "request", None)
-        if given is None:
-            return event
-        if isinstance(event, pm.CancelService):
-            number = next((n for n, asked in self._requests.items() if asked == (page.number, given)), 0)
-        else:
-            self._last_request += 1
-            number = self._last_request
-            self._requests[number] = (page.number, given)
-        return msgspec.structs.replace(event, request=number)
-
     def answer(self, answer: Answer) -> None:
         """Give the answer to the page that asked."""
-        number, request = self._requests.pop(answer.request, (0, 0))
+        number, own = self._requests.take(answer)
         page = self._pages.get(number)
         if page is not None:
-            self._tell(page, msgspec.structs.replace(answer, request=request))
+            self._tell(page, own)
 
     def _refuse(self, page: Page, message: pm.PageMessage, why: str) -> None:
         request = getattr(message, "request", None)
