@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import math
 from time import perf_counter
@@ -115,6 +116,9 @@ class Simulation:
             if options and manager not in self.context.stream_managers:
                 self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
         self._managers = list(self.context.stream_managers.values())
+        # what exists now stays to the end: the collector need not look through it again and again
+        gc.collect()
+        gc.freeze()
 
     def _make_components(self) -> None:
         self.loaded = load_components(self.context)
