@@ -17,6 +17,14 @@ if TYPE_CHECKING:
 FOLDER = "library"
 
 
+def page_names() -> list[str]:
+    """The names of all pages, below the folder of the library."""
+    names = [f"robots/{name.lower()}" for name in robot_pages.robot_classes()]
+    for kind in ("sensors", "actuators"):
+        names += [f"{kind}/{name.lower()}" for name in component_pages.builder_classes(kind)]
+    return ["index", *names, "models", "services"]
+
+
 def write(folder: Path) -> list[Path]:
     """Write all pages into a folder, which is emptied first, and return their paths."""
     shutil.rmtree(folder, ignore_errors=True)

@@ -109,4 +109,5 @@ def _own_methods(builder: type[ComponentCreator]) -> str:
 
 def _signature(function: Any) -> str:
     signature = inspect.signature(function)
-    return str(signature.replace(parameters=list(signature.parameters.values())[1:])).replace("'", "")
+    own = signature.replace(parameters=list(signature.parameters.values())[1:])
+    return str(own).replace("'", "").removesuffix(" -> None")

@@ -66,9 +66,9 @@ def service_list(cls: type, declarations: Iterable[ServiceDeclaration]) -> str:
 
 def _service(cls: type, declaration: ServiceDeclaration) -> str:
     method = getattr(cls, declaration.attribute)
-    signature = signature_of(method)
-    parameters = [p for p in signature.parameters.values() if p.name not in ("self", "callback")]
-    shown = f"{declaration.name}{signature.replace(parameters=parameters)}".replace("'", "").replace(" -> None", "")
+    # of a method of an object, because clients give no `self`
+    signature = signature_of(method.__get__(object()))
+    shown = f"{declaration.name}{signature}".replace("'", "").removesuffix(" -> None")
     plain = inspect.getdoc(method) or ""
     lines = [f"`{shown}`", f": {' '.join(prose(plain).split())}"]
     if declaration.asynchronous:

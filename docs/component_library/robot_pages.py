@@ -56,10 +56,15 @@ def _page(name: str, builder: type[Robot]) -> str:
         name,
         prose(inspect.getdoc(builder)),
         table(["", ""], _facts(name, robot)),
-        section("Use", block("python", scenes.robot_scene(name, motion=motion_of(builder)))),
+        section("Use", block("python", _scene(name, builder))),
         section("Properties", property_table(cls, robot.scene_node.properties)),
         section("Services", service_list(cls, own_services(cls))),
     )
+
+
+def _scene(name: str, builder: type[Robot]) -> str:
+    on_the_ground = issubclass(builder, (GroundRobot, WheeledRobot))
+    return scenes.robot_scene(name, motion=motion_of(builder), height=0.0 if on_the_ground else 1.0)
 
 
 def _facts(name: str, robot: Robot) -> Iterator[list[str]]:

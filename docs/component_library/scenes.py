@@ -23,14 +23,15 @@ def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
     return "\n".join([*lines, "env = Environment('empty')"])
 
 
-def robot_scene(name: str, *, motion: str) -> str:
-    """A scene script with a robot that a client can drive."""
+def robot_scene(name: str, *, motion: str, height: float) -> str:
+    """A scene script with a robot that a client can drive, at some height above the ground, m."""
+    up = f", z={height}" if height else ""
     return "\n".join(
         [
             "from morse.builder import *",
             "",
             f"robot = {name}()",
-            "robot.translate(x=1.0, z=0.2)",
+            f"robot.translate(x=1.0{up})",
             "",
             f"motion = {motion}()",
             "robot.append(motion)",

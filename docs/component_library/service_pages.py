@@ -30,12 +30,13 @@ def pages() -> dict[str, str]:
         "time": (TimeServices,),
         "communication": (CommunicationServices,),
     }
-    parts = [section(name, _SECTIONS[name] + "\n", *(_services(cls) for cls in classes[name])) for name in _SECTIONS]
-    every = section("Every component", "Under its own name, such as `robot.pose`.\n", _services(Sensor))
+    parts = [
+        section(name, _SECTIONS[name] + "\n", *(service_list(cls, declared_services(cls)) for cls in classes[name]))
+        for name in _SECTIONS
+    ]
+    every = section(
+        "Every component",
+        "Under its own name, such as `robot.pose`.\n",
+        service_list(Sensor, declared_services(Sensor)),
+    )
     return {"services": page("Services of the simulation", _INTRODUCTION, *parts, every)}
-
-
-def _services(cls: type) -> str:
-    # what clients call `sleep` is declared by a method that nobody calls, `_sleep`
-    public = [(d.name.lstrip("_"), d) for d in declared_services(cls)]
-    return service_list(cls, [d if d.name == name else d._replace(name=name, attribute=name) for name, d in public])

@@ -8,6 +8,7 @@ Needs what the tests of the tutorial need: MORSE installed, Chromium, Blender. W
 from __future__ import annotations
 
 import contextlib
+import subprocess
 import sys
 import tempfile
 import time
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pexpect
+from PIL import Image
 from studio import Studio, beside, save
 
 import morse
@@ -99,11 +101,33 @@ def keys(journey: Journey) -> None:
         save("keys", [studio.still(simulation)])
 
 
+def view(journey: Journey) -> None:
+    """The live view with its panels: what a sensor measures, over time."""
+    with journey.running() as (running, simulation), Studio() as studio:
+        studio.watch(running.url)
+        page = studio.page
+        page.get_by_role("treeitem", name="pose").click()
+        page.locator(".inspector tr.numeric").first.wait_for()
+        for field in ("x", "yaw"):
+            page.locator(".inspector .data th").get_by_text(field, exact=True).press("Enter")
+        page.evaluate("document.activeElement.blur()")
+        for keys, seconds in ((["ArrowUp"], 1.0), (["ArrowUp", "ArrowLeft"], 3.0), (["ArrowUp"], 0.5)):
+            for key in keys:
+                page.keyboard.down(key)
+            simulation.sleep(seconds)
+            for key in keys:
+                page.keyboard.up(key)
+        pose = simulation.robot.pose.get()
+        studio.look((pose["x"] - 3.2, pose["y"] - 4.0, 2.8), (pose["x"] + 0.4, pose["y"], 0.7))
+        save("view", [studio.still(simulation)])
+
+
 def ranger(journey: Journey) -> None:
     """A robot of one's own: before it has an actuator for the eyes."""
     journey.own_robot()
     with journey.running() as (running, simulation), Studio() as studio:
         studio.watch(running.url)
+        studio.hide_tree()
         studio.look((4.6, -2.6, 2.0), (1.0, 0.15, 0.5))
         save("ranger", [studio.still(simulation)])
 
@@ -111,28 +135,22 @@ def ranger(journey: Journey) -> None:
 def controller(journey: Journey) -> None:
     """A program drives the ranger."""
     journey.own_robot()
-    with journey.running() as (running, simulation), Studio(800, 600) as studio:
+    with journey.running() as (running, simulation), Studio(860, 560) as studio:
         studio.watch(running.url)
-        terminal = journey.client("keyboard_second.py", simulation.port)
+        studio.hide_tree()
+        studio.look((4.6, -2.2, 1.8), (1.6, 0.1, 0.45))
+        terminal = journey.client("keyboard_first.py", simulation.port)
         said = "$ python3 ranger_sim/scripts/keyboard_ctrl.py\n"
-        for key in "wwwa":
-            said += _hear(terminal, "WASD?") + f"WASD?{key}\n"
+        for key in "wwwwaa":
+            terminal.expect_exact("WASD?")
+            said += f"{terminal.before.strip()}\nWASD?".lstrip("\n")
             terminal.sendline(key)
-            time.sleep(0.3)
-        wait_for(lambda: simulation.robot.pose.get()["x"] > START[0] + 2.0, "the ranger to drive")
-        said += _hear(terminal, "\n", lines=14)
-        pose = simulation.robot.pose.get()
-        studio.look((pose["x"] + 3.4, pose["y"] - 2.6, 1.9), (pose["x"] - 0.6, pose["y"], 0.4))
-        view = studio.still(simulation)
+        wait_for(lambda: simulation.robot.pose.get()["x"] > START[0] + 0.8, "the ranger to drive")
+        picture = studio.still(simulation)
+        terminal.expect_exact("WASD?")
+        said += f"{terminal.before.strip()}\nWASD?"
         terminal.close()
-        save("controller", [beside(view, studio.terminal(said, 560, view.height))])
-
-
-def _hear(terminal: pexpect.spawn, prompt: str, lines: int = 3) -> str:
-    """The last lines that a program has printed up to a prompt."""
-    terminal.expect_exact(prompt)
-    heard = terminal.before.replace("\r", "").splitlines()[-lines:]
-    return "".join(line + "\n" for line in heard if line.strip())
+        save("controller", [beside(picture, studio.terminal(said, 460, picture.height))])
 
 
 def eyes(journey: Journey) -> None:
@@ -140,15 +158,16 @@ def eyes(journey: Journey) -> None:
     journey.own_robot()
     journey.own_actuator()
     frames = []
-    with journey.running() as (running, simulation), Studio(640, 400) as studio:
+    with journey.running() as (running, simulation), Studio(900, 560) as studio:
         studio.watch(running.url)
-        studio.look((4.4, -0.9, 1.5), (1.5, 0.0, 0.62))
+        studio.hide_tree()
+        studio.look((4.2, -0.9, 1.4), (1.5, 0.0, 0.62))
         simulation.rpc("simulation", "pause")
         for turn in (0.0, 0.5, 1.0, 1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5, -1.0, -0.5):
             simulation.robot.eyes.publish({"left": turn, "right": turn})
             time.sleep(0.2)
             simulation.rpc("simulation", "step", 3)
-            frames.append(studio.shot())
+            frames.append(studio.shot().crop((130, 150, 770, 550)))
     save("eyes", frames, 160)
 
 
@@ -180,11 +199,26 @@ def robots(journey: Journey) -> None:
     scene.write_text(ROBOTS.format(robots="\n".join(lines)))
     with journey.running(str(scene)) as (running, simulation), Studio() as studio:
         studio.watch(running.url)
+        studio.hide_tree()
         studio.look((8.6, -0.3, 2.9), (0.0, -0.15, 0.75))
         save("robots", [studio.still(simulation)])
 
 
-PICTURES = {made.__name__: made for made in (morsy, keys, ranger, controller, eyes, robots)}
+#: pictures of the live view's own gallery that the documentation shows
+_GALLERY = ("indoors", "outdoors")
+
+
+def gallery(journey: Journey) -> None:
+    """Other worlds."""
+    folder = journey.person.folder / "gallery"
+    take = Path(__file__).parents[2] / "tools" / "gallery" / "take.py"
+    subprocess.run([sys.executable, str(take), str(folder), *_GALLERY], check=True)
+    for name in _GALLERY:
+        with Image.open(folder / f"{name}.png") as picture:
+            save(name, [picture.convert("RGB").resize((1280, 800), Image.Resampling.LANCZOS)])
+
+
+PICTURES = {made.__name__: made for made in (morsy, keys, view, ranger, controller, eyes, robots, gallery)}
 
 
 def main(names: list[str]) -> None:
@@ -192,7 +226,7 @@ def main(names: list[str]) -> None:
     for name in names or PICTURES:
         with tempfile.TemporaryDirectory() as folder:
             PICTURES[name](Journey(Path(folder)))
-        print(f"made {name}.webp")
+        print(f"made {name}")
 
 
 if __name__ == "__main__":

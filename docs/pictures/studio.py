@@ -60,6 +60,10 @@ class Studio:
         self.page.goto(f"{url}?quality=high")
         self._until("window.morse?.world.value && window.morse?.poses.value", "the world")
 
+    def hide_tree(self) -> None:
+        """Leave the page to the world."""
+        self.page.evaluate("window.morse.shell.left.hidden || window.morse.shell.toggle('left')")
+
     def look(self, position: Sequence[float], target: Sequence[float]) -> None:
         """Put the camera somewhere, metres in the world."""
         self.page.evaluate(_LOOK, [list(position), list(target)])
@@ -76,15 +80,14 @@ class Studio:
         return Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
 
     def terminal(self, text: str, width: int, height: int) -> Image.Image:
-        """Lines of a terminal; those that begin with ``$`` are what somebody typed."""
-        page = self._browser.new_page(viewport={"width": width, "height": height})
+        """Lines of a terminal; those that begin with ``$`` are what somebody typed. Leaves the live view."""
+        self.page.goto("about:blank")
+        self.page.set_viewport_size({"width": width, "height": height})
         lines = [html.escape(line) for line in text.splitlines()]
-        page.set_content(
+        self.page.set_content(
             _TERMINAL + "\n".join(f"<i>$</i> <b>{line[2:]}</b>" if line[:2] == "$ " else line for line in lines)
         )
-        picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-        page.close()
-        return picture
+        return self.shot()
 
     def _until(self, condition: str, what: str) -> None:
         # the page's own rules forbid what Playwright's waiting needs

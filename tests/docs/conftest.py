@@ -1,0 +1,21 @@
+from __future__ import annotations
+
+import sys
+
+import pytest
+from pages import DOCS
+
+from morse.testing.fixtures import simulate
+
+__all__ = ["simulate"]
+
+
+@pytest.fixture
+def library(monkeypatch: pytest.MonkeyPatch):
+    """The extension that writes the component library."""
+    monkeypatch.syspath_prepend(str(DOCS))
+    import component_library
+
+    yield component_library
+    for name in [name for name in sys.modules if name.partition(".")[0] == "component_library"]:
+        del sys.modules[name]

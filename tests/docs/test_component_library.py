@@ -1,0 +1,125 @@
+"""The component library says what the components declare, and its examples run."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+from pages import DOCS, ROOT
+
+from morse.assets import search
+from morse.builder import actuators, robots, sensors, workspace
+from morse.builder.script import load_scene
+from morse.core import declarations
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+_BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(autouse=True)
+def _fresh_builder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(sys, "argv", list(sys.argv))
+    yield
+    workspace.reset()
+    search.set_project_dirs([])
+
+
+@pytest.fixture
+def pages(library, tmp_path: Path) -> dict[str, str]:
+    """All pages by name."""
+    folder = tmp_path / "library"
+    written = library.write(folder)
+    return {path.relative_to(folder).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in written}
+
+
+def test_every_component_has_a_page(pages: dict[str, str], library):
+    names = {"robots": robots.__all__, "sensors": sensors.__all__, "actuators": actuators.__all__}
+    for kind, members in names.items():
+        expected = {f"{kind}/{name.lower()}" for name in members if not name.endswith("Creator")}
+        assert expected == {name for name in pages if name.startswith(f"{kind}/")}
+    assert set(library.page_names()) == set(pages)
+
+
+@pytest.mark.parametrize("kind", ["sensors", "actuators"])
+def test_pages_show_what_is_declared(pages: dict[str, str], kind: str):
+    module = {"sensors": sensors, "actuators": actuators}[kind]
+    for name in module.__all__:
+        if name.endswith("Creator"):
+            continue
+        workspace.reset()
+        cls = getattr(module, name)().component_class()
+        text = pages[f"{kind}/{name.lower()}"]
+        for field, entry in declarations.data_fields(cls).items():
+            (row,) = re.findall(rf"^\| `{re.escape(field)}` \|.*$", text, re.MULTILINE)
+            assert entry.unit in row
+            assert " ".join(entry.doc.split()) in row
+        for entry in declarations.properties(cls).values():
+            assert f"| `{entry.name}` |" in text
+        for level in declarations.levels(cls):
+            assert f"| `{level}` |" in text
+
+
+def test_a_unit_is_known_for_every_length_and_angle(pages: dict[str, str]):
+    """Fields called x or yaw are metres or radians: the page has to say which."""
+    for name, text in pages.items():
+        for field, unit in re.findall(r"^\| `(\w+)` \| float \| ([^|]*) \|", text, re.MULTILINE):
+            if field in ("x", "y", "z", "yaw", "pitch", "roll", "v", "w", "timestamp"):
+                assert unit, f"{field} of {name} has no unit"
+
+
+def test_services_are_shown_with_their_arguments(pages: dict[str, str]):
+    assert "`set_speed(v: float, w: float)`" in pages["actuators/motionvw"]
+    assert "`sleep(seconds: float)`" in pages["services"]
+    assert "callback" not in "".join(pages.values())
+
+
+def test_examples_load(pages: dict[str, str], tmp_path: Path):
+    script = tmp_path / "example.py"
+    for name, text in pages.items():
+        for block in _BLOCK.findall(text):
+            if "pymorse" in block:
+                compile(block, name, "exec")
+                continue
+            script.write_text(block, encoding="utf-8")
+            scene = load_scene(RunOptions(str(script)))
+            assert scene.components, name
+
+
+@pytest.mark.parametrize("name", ["atrv", "pioneer3dx", "quad2012", "fakerobot"])
+def test_robots_do_what_their_examples_say(pages: dict[str, str], name: str, simulate, tmp_path: Path):
+    script = tmp_path / "robot.py"
+    (example,) = _BLOCK.findall(pages[f"robots/{name}"])
+    script.write_text(example, encoding="utf-8")
+    simu = simulate(script)
+    simu.rpc("simulation", "pause")
+    start = simu.rpc("simulation", "get_scene_objects")["robot"][1][0]
+    if hasattr(simu.robot.motion, "set_speed"):
+        simu.robot.motion.set_speed(1.0, 0.0)
+    else:
+        simu.robot.motion.translate(1.0)
+    simu.rpc("simulation", "step", 60)
+    moved = simu.rpc("simulation", "get_scene_objects")["robot"][1][0] - start
+    assert moved == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+def test_the_documentation_builds_without_a_warning(tmp_path: Path):
+    sphinx = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", str(tmp_path / "cache")]
+    done = subprocess.run(
+        [*sphinx, str(DOCS), str(tmp_path / "html")],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "html" / "library" / "sensors" / "pose.html").is_file()

@@ -1,0 +1,199 @@
+"""The examples of the documentation run, and do what the text says."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from pages import DOCS, Block, blocks, named
+
+from morse.cli.app import execute
+from pymorse import MorseServiceFailed, MorseServicePreempted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+SCENES = [block for block in blocks("python") if block.is_scene and "ranger_sim" not in block.text]
+CLIENTS = [block for block in blocks("python") if block.is_client and "input(" not in block.text]
+
+
+@pytest.fixture
+def template(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The scene that `morse create` makes: a robot with motion, keyboard and pose."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    assert execute(["create", "example_sim"]) == 0
+    return tmp_path / "example_sim" / "default.py"
+
+
+def block_with(page: str, text: str) -> str:
+    """The block of a page that has some text in it."""
+    return next(block.text for block in blocks("python") if block.page == DOCS / page and text in block.text)
+
+
+@pytest.mark.parametrize("block", named(SCENES))
+def test_scenes_run(block: Block, simulate, tmp_path: Path):
+    script = tmp_path / "example.py"
+    # two examples may ask for the same fixed port at once
+    script.write_text(block.text.replace("sync_port=6000", "sync_port=0"), encoding="utf-8")
+    simu = simulate(script)
+    assert simu.robots
+    log = (tmp_path / "scene0.log").read_text(encoding="utf-8")
+    assert "warning" not in log.lower()
+
+
+@pytest.mark.parametrize("block", named(CLIENTS))
+def test_clients_run(block: Block, simulate, template: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    simu = simulate(template)
+    script = tmp_path / "client.py"
+    script.write_text(block.text, encoding="utf-8")
+    monkeypatch.setenv("MORSE_SOCKET_PORT", str(simu.port))
+    done = run([sys.executable, str(script)], tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_loops_name_their_robots(simulate, tmp_path: Path):
+    script = tmp_path / "loop.py"
+    script.write_text(block_with("scenes.md", "close_context"), encoding="utf-8")
+    simu = simulate(script)
+    assert set(simu.robots) == {"m", "m_001", "m_002", "chief"}
+    assert len(simu.ms) == 3
+
+
+def test_the_transcript_of_the_socket(simulate, template: Path):
+    import socket
+
+    simu = simulate(template)
+    (transcript,) = [block.text for block in blocks("text") if block.page == DOCS / "socket.md"]
+    with socket.create_connection(("127.0.0.1", simu.port), timeout=20) as connection:
+        replies = connection.makefile(encoding="utf-8")
+        for line in transcript.splitlines():
+            way, _, text = line.partition(" ")
+            if way == "→":
+                connection.sendall(text.encode() + b"\n")
+                continue
+            assert way == "←"
+            reply = replies.readline().rstrip("\n")
+            if "…" in text:
+                assert reply.startswith(text.partition("…")[0])
+            else:
+                assert reply == text
+
+
+def own_component(folder: Path, code: str, name: str, kind: str, robot: str) -> Path:
+    """A scene with a component of one's own on a robot: path of the script."""
+    package = folder / "own"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "part.py").write_text(code, encoding="utf-8")
+    base = f"{kind.capitalize()}Creator"
+    script = folder / "scene.py"
+    script.write_text(
+        "from morse.builder import *\n"
+        f"class {name}({base}):\n"
+        f"    _classpath = 'own.part.{name}'\n"
+        f"{robot}\n"
+        f"part = {name}()\n"
+        "robot.append(part)\n"
+        "robot.add_default_interface('socket')\n"
+        "env = Environment('empty')\n"
+    )
+    return script
+
+
+def test_a_sensor_in_one_file(simulate, tmp_path: Path):
+    code = block_with("architecture.md", "class Slope(Sensor)")
+    lean = "robot = FakeRobot()\nrobot.rotate(y=0.25)"
+    simu = simulate(own_component(tmp_path, code, "Slope", "sensor", lean))
+    assert simu.robot.part.get()["slope"] == pytest.approx(0.25, abs=1e-6)
+    assert not simu.robot.part.is_steep().result()
+    simu.robot.part.set_property("Limit", 0.2).result()
+    assert simu.robot.part.is_steep().result() is True
+
+
+def test_a_service_that_takes_its_time(simulate, tmp_path: Path):
+    code = block_with("services.md", "class Door(Actuator)")
+    simu = simulate(own_component(tmp_path, code, "Door", "actuator", "robot = FakeRobot()"))
+    door = simu.robot.part
+    simu.rpc("simulation", "pause")
+    opening = door.open_to(0.2)
+    # half a radian a second, 60 ticks a second: a fifth is reached after 24 ticks
+    simu.rpc("simulation", "step", 20)
+    assert not opening.done()
+    assert door.get_angle().result() == pytest.approx(20 * 0.5 / 60)
+    simu.rpc("simulation", "step", 10)
+    assert opening.result(10) == pytest.approx(0.2)
+    first, second = door.open_to(1.0), door.open_to(0.0)
+    with pytest.raises(MorseServicePreempted):
+        first.result(10)
+    second.cancel()
+    with pytest.raises(MorseServicePreempted):
+        second.result(10)
+    with pytest.raises(MorseServiceFailed):
+        door.open_to("wide").result(10)
+
+
+def test_random_numbers_follow_from_the_seed(simulate, tmp_path: Path):
+    code = block_with("time.md", "class Dice(Sensor)")
+    simu = simulate(own_component(tmp_path, code, "Dice", "sensor", "robot = FakeRobot()"))
+
+    def throws(seed: int) -> list[Any]:
+        simu.rpc("simulation", "pause")
+        simu.rpc("simulation", "reset", seed)
+        found = []
+        for _ in range(20):
+            simu.rpc("simulation", "step")
+            found.append(simu.robot.part.get_local_data().result()["eyes"])
+        return found
+
+    first = throws(7)
+    assert throws(7) == first
+    assert throws(8) != first
+    assert set(first) <= set(range(1, 7))
+
+
+def test_the_pytest_example(tmp_path: Path):
+    (tmp_path / "conftest.py").write_text(block_with("testing.md", "pytest_plugins"), encoding="utf-8")
+    (tmp_path / "test_it.py").write_text(block_with("testing.md", "def test_it_drives"), encoding="utf-8")
+    done = run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"], tmp_path)
+    assert done.returncode == 0, done.stdout
+    assert "1 passed" in done.stdout
+
+
+def test_the_unittest_example(tmp_path: Path):
+    (tmp_path / "stands.py").write_text(block_with("testing.md", "MorseTestCase"), encoding="utf-8")
+    done = run([sys.executable, "stands.py"], tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "OK" in done.stderr
+
+
+def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder."""
+    import morse
+
+    source = os.path.dirname(os.path.dirname(morse.__file__))
+    path = os.pathsep.join(filter(None, [source, os.environ.get("PYTHONPATH")]))
+    return subprocess.run(
+        command,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+
+
+def test_the_stepping_example_gives_the_same_numbers_twice(simulate, template: Path, tmp_path: Path, monkeypatch):
+    script = tmp_path / "client.py"
+    script.write_text(block_with("services.md", "simu.step("), encoding="utf-8")
+    simu = simulate(template)
+    monkeypatch.setenv("MORSE_SOCKET_PORT", str(simu.port))
+    outputs = [run([sys.executable, str(script)], tmp_path).stdout for _ in range(2)]
+    assert len(outputs[0].splitlines()) == 100
+    assert outputs[0] == outputs[1]
