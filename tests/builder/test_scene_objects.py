@@ -212,7 +212,7 @@ def test_deleting_something_of_the_environment() -> None:
 
 
 def test_settings_of_the_environment() -> None:
-    for call in (bpymorse.set_speed, bpymorse.fullscreen, bpymorse.set_viewport):
+    for call in (bpymorse.fullscreen, bpymorse.set_viewport):
         with pytest.raises(MorseBuilderError, match="follow the Environment"):
             call()
     env = Environment("empty")

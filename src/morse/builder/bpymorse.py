@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.builder import checks, naming, workspace
 from morse.builder.game import checked_property
+from morse.builder.named import NamedList
 from morse.builder.objects import ObjectMaterial, SceneObject, material_slots
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 
@@ -46,9 +47,9 @@ def get_object(name: str) -> SceneObject:
     return SceneObject(node)
 
 
-def get_objects() -> list[SceneObject]:
-    """Every object, parents before their children."""
-    return [SceneObject(node) for node in workspace.current().nodes()]
+def get_objects() -> NamedList[SceneObject]:
+    """Every object, by name or in order: parents before their children."""
+    return NamedList([SceneObject(node) for node in workspace.current().nodes()], "object")
 
 
 def get_material(name: str) -> ObjectMaterial:
@@ -109,16 +110,14 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
 
 
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
-    """Set the frequency of the simulation (old name of ``env.simulator_frequency``).
-
-    Raises:
-        MorseBuilderError: there is no environment yet.
-    """
+    """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also before there is an env."""
     logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", naming.source_line())
-    environment = workspace.current().environment
-    if environment is None:
-        raise MorseBuilderError("bpymorse.set_speed has to follow the Environment: write env.simulator_frequency(...)")
-    environment.simulator_frequency(fps or 60, logic_step_max or 20, physics_step_max or 20)
+    scene = workspace.current()
+    speed = (fps or 60, logic_step_max or 20, physics_step_max or 20)
+    if scene.environment is None:
+        scene.speed = speed
+    else:
+        scene.environment.simulator_frequency(*speed)
 
 
 def fullscreen(fullscreen: bool = True) -> None:

@@ -63,6 +63,8 @@ class Environment(ViewMethods, TimeMethods):
         self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
         self._display_camera: AbstractComponent | None = None
         self._init_time()
+        if scene.speed is not None:
+            self.simulator_frequency(*scene.speed)
         renaming = checks.boolean(component_renaming, "Environment(component_renaming)")
         library = load(find(self.filename, "environments"))
         scene.environment = self

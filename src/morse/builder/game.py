@@ -2,20 +2,45 @@
 
 from __future__ import annotations
 
+import logging
 import math
-from collections.abc import Mapping
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
-from morse.builder import checks
+from morse.builder import checks, naming
+from morse.builder.named import NamedList
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from morse.scene import Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
+
+
+logger = logging.getLogger("morse." + __name__)
+
+#: settings of Blender's game engine that the physics of MORSE has no use for
+_WITHOUT_EFFECT = (
+    "collision_group",
+    "collision_margin",
+    "collision_mask",
+    "elasticity",
+    "fall_speed",
+    "form_factor",
+    "friction_coefficients",
+    "jump_speed",
+    "obstacle_radius",
+    "step_height",
+    "use_activity_culling",
+    "use_anisotropic_friction",
+    "use_material_physics_fh",
+    "use_obstacle_create",
+    "use_record_animation",
+    "use_rotate_from_normal",
+    "use_sleep",
+    "velocity_max",
+    "velocity_min",
+)
 
 
 class timer(float):  # noqa: N801 (scripts of 1.4 write it so)
@@ -68,26 +93,6 @@ class GameProperty:
     def type(self) -> str:
         """BOOL, INT, FLOAT, STRING or TIMER."""
         return property_type(self.value)
-
-
-class GameProperties(Mapping[str, GameProperty]):
-    """The properties of an object by name."""
-
-    __slots__ = ("_properties",)
-
-    def __init__(self, properties: dict[str, object]) -> None:
-        self._properties = properties
-
-    def __getitem__(self, name: str) -> GameProperty:
-        if name not in self._properties:
-            raise KeyError(f"no property '{name}'{checks.suggestion(name, self._properties)}")
-        return GameProperty(self._properties, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._properties)
-
-    def __len__(self) -> int:
-        return len(self._properties)
 
 
 class _Number:
@@ -168,6 +173,15 @@ class GameSettings:
 
         unknown_attribute(self, name)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _WITHOUT_EFFECT:
+            logger.warning("%s: game.%s has no effect", naming.source_line(), name)
+            return
+        try:
+            object.__setattr__(self, name, value)
+        except AttributeError:
+            self.__getattr__(name)
+
     mass = _Number("mass", above=0.0)
     radius = _Number("radius", above=0.0)
     damping = _Number("linear_damping", maximum=1.0)
@@ -214,6 +228,7 @@ class GameSettings:
         self.node.shapes = None
 
     @property
-    def properties(self) -> GameProperties:
-        """The properties by name."""
-        return GameProperties(self.node.properties)
+    def properties(self) -> NamedList[GameProperty]:
+        """The properties, by name or in the order in which they were set."""
+        own = self.node.properties
+        return NamedList([GameProperty(own, name) for name in own], "property")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from morse.builder import checks, workspace
 from morse.builder.game import GameSettings
+from morse.builder.named import NamedList
 from morse.builder.pose import LiveEuler, LiveVector
 
 if TYPE_CHECKING:
@@ -104,14 +105,14 @@ class SceneObject:
             raise TypeError(f"parent takes an object of the scene or None, got {checks.shown(parent)}")
 
     @property
-    def children(self) -> list[SceneObject]:
+    def children(self) -> NamedList[SceneObject]:
         """The objects whose parent it is."""
-        return [SceneObject(child) for child in self.node.children]
+        return NamedList([SceneObject(child) for child in self.node.children], "child")
 
     @property
-    def material_slots(self) -> list[MaterialSlot]:
-        """The surfaces of its mesh."""
-        return [MaterialSlot(self.node, index) for index in range(len(material_slots(self.node)))]
+    def material_slots(self) -> NamedList[MaterialSlot]:
+        """The surfaces of its mesh; their names are those of the materials."""
+        return NamedList([MaterialSlot(self.node, index) for index in range(len(material_slots(self.node)))], "slot")
 
     @property
     def game(self) -> GameSettings:

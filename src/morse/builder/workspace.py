@@ -24,6 +24,7 @@ class Workspace:
         components: robots, sensors, things, ... in the order in which they were made.
         environment: the environment, once the script has made it.
         selected: the node that was selected last.
+        speed: what ``bpymorse.set_speed`` asked the environment for before there was one.
         script: the script itself, kept so that its functions still find their names.
     """
 
@@ -32,6 +33,7 @@ class Workspace:
         self.components: list[AbstractComponent] = []
         self.environment: Environment | None = None
         self.selected: Node | None = None
+        self.speed: tuple[float, int, int] | None = None
         self.script: ModuleType | None = None
         self._nodes: dict[str, Node] = {}
         self._counters: dict[str, int] = {}

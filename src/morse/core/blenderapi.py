@@ -2,9 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.context import current
+
+if TYPE_CHECKING:
+    from morse.core.object import Object
+
+#: the Blender whose names objects and properties go by: components of 1.4 chose between ways of calling
+_VERSION = (2, 79, 0)
+
+
+class _ZoneManager:
+    """Asks which zones a component is in."""
+
+    def contains(self, component: Object, name: str | None = None, type: str | None = None) -> set[str]:
+        """Names of the zones around the component, of that name or type if given."""
+        return component.in_zones(name, type)
+
+
+class _Scene:
+    """The world under the names of Blender's game engine."""
+
+    @property
+    def objects(self) -> Any:
+        """Every object; asked for a name, the object of that name."""
+        return current().world.object_list()
+
+    @property
+    def gravity(self) -> list[float]:
+        """m/s^2, in the world."""
+        return gravity_vector()
 
 
 class _PersistantStorage:
@@ -31,6 +59,18 @@ class _PersistantStorage:
         return {obj: obj for obj in current().world.objects() if "Object" in obj}
 
     @property
+    def zone_manager(self) -> _ZoneManager:
+        return _ZoneManager()
+
+    @property
+    def datastreams(self) -> dict[str, list[list[str]]]:
+        return {
+            component.name: [[stream.manager, stream.direction] for stream in component.streams]
+            for component in current().scene.components
+            if component.streams
+        }
+
+    @property
     def stream_managers(self) -> dict[str, Any]:
         return current().stream_managers
 
@@ -55,6 +95,29 @@ def persistantstorage() -> _PersistantStorage:
     return _storage
 
 
-def scene() -> Any:
-    """The world: ``scene().objects`` holds every object by name."""
-    return current().world
+_scene = _Scene()
+
+
+def scene() -> _Scene:
+    """The world: ``scene().objects["Ground"]`` is an object."""
+    return _scene
+
+
+def version() -> tuple[int, ...]:
+    """The version of Blender that the names of objects follow; there is no Blender behind them."""
+    return _VERSION
+
+
+def isfastmode() -> bool:
+    """Whether the scene asked for a view without pictures and textures."""
+    return current().scene.settings.fastmode
+
+
+def gravity() -> float:
+    """m/s^2, positive, downward."""
+    return current().scene.settings.gravity
+
+
+def gravity_vector() -> list[float]:
+    """m/s^2, in the world."""
+    return [0.0, 0.0, -gravity()]

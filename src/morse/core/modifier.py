@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from morse.core.object import Object
+
+logger = logging.getLogger("morse." + __name__)
 
 
 class AbstractModifier(ABC):
@@ -20,6 +23,7 @@ class AbstractModifier(ABC):
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         self.component_instance = component_instance
         self.kwargs = kwargs
+        self._complaints: set[str] = set()
 
     @property
     def data(self) -> dict[str, Any]:
@@ -34,6 +38,20 @@ class AbstractModifier(ABC):
         if prop is not None and prop in environment:
             return environment[prop]
         return default
+
+    def key_error(self, detail: object) -> None:
+        """Say, once, that the component has no field that this modifier changes."""
+        complaint = str(detail)
+        if complaint not in self._complaints:
+            self._complaints.add(complaint)
+            fields = ", ".join(self.data)
+            logger.warning(
+                "%s has no field %s for %s to change; it has %s",
+                self.component_instance.name(),
+                complaint,
+                type(self).__name__,
+                fields,
+            )
 
     def initialize(self) -> None:
         """Called once before the first tick."""

@@ -79,6 +79,10 @@ class Object(AbstractObject):
         """Switch between active and inactive."""
         self._active = not self._active
 
+    def periodic_call(self) -> bool:
+        """Whether it is the turn of this component: always, as its action is called at its frequency alone."""
+        return True
+
     def gettime(self) -> float:
         """Simulated time, s."""
         return self.clock.time

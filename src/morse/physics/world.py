@@ -10,6 +10,7 @@ import numpy as np
 
 from morse.physics import rigid
 from morse.physics.attachments import Attachments
+from morse.physics.children import ObjectList
 from morse.physics.compile import compile_scene
 from morse.physics.drives import Drives
 from morse.physics.gameobject import GameObject
@@ -107,6 +108,10 @@ class World:
     def objects(self) -> Iterator[GameObject]:
         """Every object, parents before their children."""
         return iter(self._objects.values())
+
+    def object_list(self) -> ObjectList:
+        """Every object, found by number or by name."""
+        return ObjectList(list(self._objects.values()))
 
     def object_of(self, node: Node) -> GameObject:
         """The object of a node."""
