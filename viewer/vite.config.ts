@@ -1,9 +1,23 @@
+import { readFileSync } from "node:fs";
 import { defineConfig } from "vite";
+
+const simulator = "http://127.0.0.1:8765";
+const libraries = ["three", "uplot"];
+
+/** The licences of the libraries go with the page that contains them. */
+const licences = {
+  name: "licences",
+  generateBundle(this: { emitFile(file: { type: "asset"; fileName: string; source: string }): void }) {
+    const source = libraries.map((name) => `${name}\n\n${readFileSync(`node_modules/${name}/LICENSE`, "utf8")}`).join("\n\n");
+    this.emitFile({ type: "asset", fileName: "assets/licences.txt", source });
+  },
+};
 
 export default defineConfig({
   base: "./",
+  plugins: [licences],
   build: {
-    outDir: process.env["MORSE_VIEWER_OUT"] ?? "../src/morse/viewer/static",
+    outDir: "../src/morse/viewer/static",
     emptyOutDir: true,
     target: "es2022",
     chunkSizeWarningLimit: 1200,
@@ -11,5 +25,5 @@ export default defineConfig({
   },
   worker: { format: "es" },
   // while working on the page: a simulation on the usual port
-  server: { proxy: { "/ws": { target: "ws://127.0.0.1:8765", ws: true }, "/worlds": "http://127.0.0.1:8765", "/files": "http://127.0.0.1:8765" } },
+  server: { proxy: { "/ws": { target: simulator, ws: true }, "/worlds": simulator, "/files": simulator } },
 });

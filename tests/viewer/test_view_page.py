@@ -207,10 +207,11 @@ def test_twice_the_text_size_still_fits(running, open_page) -> None:
     assert box_of["height"] <= 800
 
 
-def test_the_bundle_stays_small() -> None:
+def test_the_bundle_stays_small_and_names_its_libraries() -> None:
     import gzip
 
     from morse.viewer.site import STATIC
 
+    assert "Leon Sorokin" in (STATIC / "assets" / "licences.txt").read_text()
     packed = sum(len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file())
     assert packed <= 350_000

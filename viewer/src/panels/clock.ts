@@ -13,7 +13,8 @@ export class Clock {
   private running = true;
   private readonly time = h("output", { class: "time", title: "simulated time", "aria-label": "simulated time" }, "–");
   private readonly factor = h("output", { class: "factor", title: "real-time factor", "aria-label": "real-time factor" }, "");
-  private readonly warning = h("span", { class: "late", hidden: true });
+  /** said over the view when the machine cannot keep up */
+  readonly warning = h("p", { class: "late", role: "status", hidden: true });
   private readonly play = iconButton(icons.pause, "Pause", () => this.toggle(), "P");
   private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
   private readonly speed = h("select", { title: "speed", "aria-label": "speed", onchange: () => this.setSpeed() });
@@ -27,7 +28,7 @@ export class Clock {
     for (const speed of SPEEDS) this.speed.append(h("option", { value: String(speed) }, `×${speed}`));
     this.speed.append(h("option", { value: "max" }, "max"));
     this.speed.value = "1";
-    this.element = h("div", { class: "clock" }, this.play, this.stepButton, reset, this.speed, this.time, this.factor, this.warning);
+    this.element = h("div", { class: "clock" }, this.play, this.stepButton, reset, this.speed, this.time, this.factor);
     connection.on("pace", (pace) => {
       this.pace = pace;
       this.showPace();

@@ -16,7 +16,7 @@ const HELD: [string, [string, string][]][] = [
     ["R F", "up, down"],
     ["Shift", "four times as fast"],
     ["drag", "orbit"],
-    ["right drag, Shift + drag", "pan"],
+    ["right drag", "pan (also Shift + drag)"],
     ["wheel", "zoom to the pointer"],
   ]],
 ];
@@ -42,6 +42,7 @@ export class Help {
     this.element.replaceChildren(
       h("header", {}, h("h2", {}, "Keys"), iconButton(icons.close, "Close", () => this.element.close(), "Esc")),
       h("div", { class: "columns" }, ...[...HELD, ...groups].map(([title, rows]) => section(title, rows))),
+      h("footer", { class: "quiet" }, "Made with three.js and uPlot: ", h("a", { href: "assets/licences.txt", target: "_blank" }, "licences")),
     );
     this.element.showModal();
   }
