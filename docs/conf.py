@@ -20,6 +20,8 @@ myst_heading_anchors = 3
 suppress_warnings = ["myst.xref_missing"]
 
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["style.css"]
 html_title = "MORSE"
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#1f7a70", "color-brand-content": "#b4560f"},

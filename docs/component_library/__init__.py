@@ -22,20 +22,20 @@ def page_names() -> list[str]:
     names = [f"robots/{name.lower()}" for name in robot_pages.robot_classes()]
     for kind in ("sensors", "actuators"):
         names += [f"{kind}/{name.lower()}" for name in component_pages.builder_classes(kind)]
-    return ["index", *names, "models", "services"]
+    return ["index", *(f"{kind}/index" for kind in index_page.KINDS), *names, "models", "services"]
 
 
 def write(folder: Path) -> list[Path]:
     """Write all pages into a folder, which is emptied first, and return their paths."""
     shutil.rmtree(folder, ignore_errors=True)
     pages = {
+        **index_page.pages(),
         **robot_pages.pages(),
         **component_pages.pages("sensors"),
         **component_pages.pages("actuators"),
         **model_pages.pages(),
         **service_pages.pages(),
     }
-    pages["index"] = index_page.page(list(pages))
     for name, text in pages.items():
         path = folder / f"{name}.md"
         path.parent.mkdir(parents=True, exist_ok=True)

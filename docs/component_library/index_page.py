@@ -1,43 +1,58 @@
-"""The first page of the component library."""
+"""The first pages of the component library: what there is, of each kind."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from component_library import component_pages, markdown, robot_pages
-from component_library.markdown import section, table
+from component_library import component_pages, robot_pages
+from component_library.markdown import page, section, table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable
 
 _INTRODUCTION = """Everything that a scene script can use. These pages are made from what the components say of
 themselves, so they are never older than the code.
 
 ![All robots of MORSE](../pictures/robots.webp)"""
+KINDS = ("robots", "sensors", "actuators")
 
 
-def page_of(kind: str, name: str) -> str:
-    """A link to the page of a component."""
-    return f"[{name}]({kind}/{name.lower()}.md)"
-
-
-def page(names: Sequence[str]) -> str:
-    """The page, with links to pages of these names."""
-    parts = [section("Robots", _robots())]
-    for kind in ("sensors", "actuators"):
-        rows = [
-            [page_of(kind, name), component_pages.short_description(cls)]
-            for name, cls in component_pages.builder_classes(kind).items()
-        ]
-        parts.append(section(kind.capitalize(), table([kind[:-1], "what it does"], rows)))
+def pages() -> dict[str, str]:
+    """Name of a page, below the folder of the library, to its text."""
+    kinds = {
+        f"{kind}/index": page(kind.capitalize(), _list(kind, ""), _tree(map(str.lower, _names(kind)))) for kind in KINDS
+    }
+    parts = [section(kind.capitalize(), _list(kind, f"{kind}/")) for kind in KINDS]
     parts.append(section("And", "- [Environments and things](models.md)\n- [Services of the simulation](services.md)"))
-    tree = "\n".join(["```{toctree}", ":hidden:", "", *names, "```"])
-    return markdown.page("Component library", _INTRODUCTION, *parts, tree)
+    parts.append(_tree([*kinds, "models", "services"]))
+    return {"index": page("Component library", _INTRODUCTION, *parts), **kinds}
 
 
-def _robots() -> str:
-    rows = [
-        [page_of("robots", name), robot_pages.short_description(cls), robot_pages.moved_by(cls)]
-        for name, cls in robot_pages.robot_classes().items()
-    ]
-    return table(["robot", "what it is", "moved by"], rows)
+def _names(kind: str) -> list[str]:
+    return list(robot_pages.robot_classes() if kind == "robots" else component_pages.builder_classes(kind))
+
+
+def _list(kind: str, folder: str) -> str:
+    if kind == "robots":
+        return table(
+            ["robot", "what it is", "moved by"],
+            (
+                [_link(folder, name), robot_pages.short_description(cls), robot_pages.moved_by(cls)]
+                for name, cls in robot_pages.robot_classes().items()
+            ),
+        )
+    return table(
+        [kind[:-1], "what it does"],
+        (
+            [_link(folder, name), component_pages.short_description(cls)]
+            for name, cls in component_pages.builder_classes(kind).items()
+        ),
+    )
+
+
+def _link(folder: str, name: str) -> str:
+    return f"[{name}]({folder}{name.lower()}.md)"
+
+
+def _tree(names: Iterable[str]) -> str:
+    return "\n".join(["```{toctree}", ":hidden:", "", *names, "```"])

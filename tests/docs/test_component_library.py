@@ -43,7 +43,7 @@ def pages(library, tmp_path: Path) -> dict[str, str]:
 def test_every_component_has_a_page(pages: dict[str, str], library):
     names = {"robots": robots.__all__, "sensors": sensors.__all__, "actuators": actuators.__all__}
     for kind, members in names.items():
-        expected = {f"{kind}/{name.lower()}" for name in members if not name.endswith("Creator")}
+        expected = {f"{kind}/{name.lower()}" for name in members if not name.endswith("Creator")} | {f"{kind}/index"}
         assert expected == {name for name in pages if name.startswith(f"{kind}/")}
     assert set(library.page_names()) == set(pages)
 
