@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
+#: rounds of the loop from the making of a connection to the reading of what it sent at once
+_ROUNDS = 4
+#: new connections delay what arrives on others by so many rounds at most
+_MOST_ROUNDS = 16
 #: wall-clock seconds for which a loop that is borrowed may stay unserved
 _UNSERVED = 0.002
 
@@ -34,6 +38,7 @@ class Network:
         self._asked_for = self._ending = self._woken = False
         self._borrower: int | None = None
         self._served = 0.0
+        self._newcomers = 0
         self._alarm: asyncio.TimerHandle | None = None
         self._thread.start()
 
@@ -77,6 +82,33 @@ class Network:
         """
         self.give_back()
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(timeout)
+
+    # -- the order in which things arrive ----------------------------------------------------
+
+    def newcomer(self) -> None:
+        """A connection has been made; to be called in the loop, where the connection gets its protocol."""
+        self._newcomers += 1
+        self._count_down(_ROUNDS)
+
+    def _count_down(self, rounds: int) -> None:
+        if rounds:
+            self._loop.call_soon(self._count_down, rounds - 1)
+        else:
+            self._newcomers -= 1
+
+    def when_read(self, function: Callable[[], object], rounds: int = _MOST_ROUNDS) -> None:
+        """Run ``function()`` when all that has arrived by now is read; to be called in the loop.
+
+        The loop reads connections in any order, and new ones some rounds late. A client that sends a
+        command on one and then asks for a tick on another means the tick to see the command.
+        """
+        self._loop.call_soon(self._if_read, function, rounds)
+
+    def _if_read(self, function: Callable[[], object], rounds: int) -> None:
+        if self._newcomers and rounds:
+            self.when_read(function, rounds - 1)
+        else:
+            function()
 
     # -- the loop in the thread that waits ---------------------------------------------------
 

@@ -100,7 +100,7 @@ class SocketDatastreamManager(DatastreamManager):
         elif hint not in (0, port):
             logger.warning("%s: port %d is in use, its stream is on port %d", name, hint, port)
         server = StreamServer(name, listener)
-        self.context.network.call(server.start())
+        self.context.network.call(server.start(self.context.network))
         self._servers[name] = server
         self._ports[name] = port
         return server

@@ -13,6 +13,8 @@ from morse.middleware.socket.complaints import Complaints
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from morse.core.network import Network
+
 logger = logging.getLogger("morse." + __name__)
 
 MAX_LINE = 16 << 20
@@ -111,10 +113,14 @@ class LineServer:
         self._make = make
         self._server: asyncio.Server | None = None
 
-    async def start(self) -> None:
+    async def start(self, network: Network) -> None:
         """Begin to accept clients."""
-        loop = asyncio.get_running_loop()
-        self._server = await loop.create_server(lambda: self._make(self), sock=self._listener)
+
+        def make() -> LineClient:
+            network.newcomer()
+            return self._make(self)
+
+        self._server = await network.loop.create_server(make, sock=self._listener)
 
     def join(self, client: LineClient) -> None:
         """A client has connected."""

@@ -78,7 +78,7 @@ class SocketRequestManager(RequestManager):
         else:
             logger.info("services are on port %d", self.port)
         self._server = LineServer("services", listener, lambda server: ServiceClient(server, self._arrived))
-        self._context.network.call(self._server.start())
+        self._context.network.call(self._server.start(self._context.network))
         return True
 
     def finalization(self) -> bool:
@@ -90,10 +90,8 @@ class SocketRequestManager(RequestManager):
         return True
 
     def _arrived(self, client: ServiceClient, line: bytes) -> None:
-        # A client that publishes a command and then asks for a step means the step to see the command.
-        # Both may be read in the same round of the network thread, in any order: requests wait for its end.
         if not self._arriving:
-            self._context.network.loop.call_soon(self._all_arrived)
+            self._context.network.when_read(self._all_arrived)
         self._arriving.append((client, line))
 
     def _all_arrived(self) -> None:

@@ -34,11 +34,15 @@ class TimeSync:
 
     async def start(self) -> None:
         """Begin to accept clients."""
-        await self._server.start()
+        await self._server.start(self._context.network)
 
     async def close(self) -> None:
         """Free the simulation."""
         await self._server.close()
+
+    def arrived(self) -> None:
+        """Bytes have arrived; runs in the network loop."""
+        self._context.network.when_read(self.release)
 
     def release(self) -> None:
         """Let one tick begin, or see that nobody paces any more; runs in the network loop."""
@@ -63,7 +67,7 @@ class _SyncClient(LineClient):
         logger.info("the client %s paces the simulation", self.peer)
 
     def data_received(self, data: bytes) -> None:
-        self._sync.release()
+        self._sync.arrived()
 
     def connection_lost(self, exc: Exception | None) -> None:
         super().connection_lost(exc)

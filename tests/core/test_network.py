@@ -1,0 +1,164 @@
+"""The loop of the network: in its own thread, or in the one that waits."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from morse.core.network import Network
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+@pytest.fixture
+def network() -> Iterator[Network]:
+    made = Network()
+    yield made
+    made.stop()
+
+
+def wait_until(condition: Callable[[], Any], timeout: float = 10.0) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+def test_what_is_posted_runs_in_the_network_thread(network: Network) -> None:
+    threads: list[int] = []
+    network.post(lambda: threads.append(threading.get_ident()))
+    wait_until(lambda: threads)
+    assert threads[0] != threading.get_ident()
+
+
+def test_a_call_brings_its_result_or_its_error(network: Network) -> None:
+    async def add(a: int, b: int) -> int:
+        return a + b
+
+    async def fail() -> None:
+        raise LookupError("nothing there")
+
+    assert network.call(add(1, 2)) == 3
+    with pytest.raises(LookupError, match="nothing there"):
+        network.call(fail())
+    with pytest.raises(TimeoutError):
+        network.call(asyncio.sleep(10), timeout=0.01)
+
+
+def test_who_waits_serves_the_network(network: Network) -> None:
+    threads: list[int] = []
+
+    def note() -> None:
+        threads.append(threading.get_ident())
+        network.wake()
+
+    network.post(note)
+    network.wait(10.0)
+    network.post(note)
+    assert len(threads) < 2  # it is for the next wait to do it
+    network.wait(10.0)
+    assert threads[-1] == threading.get_ident()
+    network.give_back()
+    network.post(note)
+    wait_until(lambda: len(threads) == 3)
+    assert threads[-1] != threading.get_ident()
+
+
+def test_waiting_ends_after_its_time(network: Network) -> None:
+    begin = time.monotonic()
+    for _ in range(5):
+        network.wait(0.02)
+    assert time.monotonic() - begin < 5.0
+
+
+def test_any_thread_can_end_a_wait(network: Network) -> None:
+    threading.Timer(0.05, network.wake).start()
+    begin = time.monotonic()
+    network.wait(60.0)
+    assert time.monotonic() - begin < 30.0
+
+
+def test_a_wake_before_the_wait_is_not_lost(network: Network) -> None:
+    network.wake()
+    begin = time.monotonic()
+    network.wait(60.0)
+    network.wake()
+    network.wait(60.0)
+    assert time.monotonic() - begin < 30.0
+
+
+def test_calls_go_on_when_the_loop_is_borrowed(network: Network) -> None:
+    network.wait(0.001)
+    assert network.call(asyncio.sleep(0, "done")) == "done"
+    network.wait(0.001)
+
+
+def test_the_loop_changes_hands_a_thousand_times_and_keeps_the_order(network: Network) -> None:
+    seen: list[int] = []
+    for n in range(1000):
+        network.post(seen.append, 2 * n)
+        network.wait(0.0)
+        network.post(seen.append, 2 * n + 1)
+        network.give_back()
+    wait_until(lambda: len(seen) == 2000)
+    assert seen == list(range(2000))
+
+
+def test_a_loop_that_nobody_serves_goes_back_to_its_thread(network: Network) -> None:
+    seen: list[int] = []
+    network.wait(0.0)
+    network.post(seen.append, 1)
+    network.tend()
+    wait_until(lambda: not network.tend() and seen)
+
+
+def test_it_ends_while_its_loop_is_borrowed() -> None:
+    network = Network()
+    network.wait(0.0)
+    network.stop()
+    assert network.loop.is_closed()
+    network.post(print)  # too late, and no error
+
+
+class _Reader(asyncio.Protocol):
+    def __init__(self, network: Network, received: Callable[[bytes], object]) -> None:
+        network.newcomer()
+        self._received = received
+
+    def data_received(self, data: bytes) -> None:
+        self._received(data)
+
+
+@pytest.mark.parametrize("waiting", [True, False])
+def test_what_was_sent_before_on_a_new_connection_is_read_before(network: Network, waiting: bool) -> None:
+    """A connection that is just made has its say before a request that came after it on an old one."""
+    seen: list[bytes] = []
+    done = threading.Event()
+
+    def asked(data: bytes) -> None:
+        network.when_read(lambda: (seen.append(data), done.set(), network.wake()))
+
+    def serve(received: Callable[[bytes], object]) -> int:
+        async def start() -> asyncio.Server:
+            return await network.loop.create_server(lambda: _Reader(network, received), "127.0.0.1", 0)
+
+        return int(network.call(start()).sockets[0].getsockname()[1])
+
+    commands, requests = serve(seen.append), serve(asked)
+    with socket.create_connection(("127.0.0.1", requests)) as caller:
+        for _ in range(100):
+            seen.clear()
+            done.clear()
+            with socket.create_connection(("127.0.0.1", commands)) as commander:
+                commander.sendall(b"command")
+                caller.sendall(b"request")
+                while waiting and not done.is_set():
+                    network.wait(1.0)
+                assert done.wait(10.0)
+                assert seen == [b"command", b"request"]

@@ -1,0 +1,244 @@
+"""A client holds the clock: pause, step, resume, reset."""
+
+from __future__ import annotations
+
+import math
+import socket
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from morse.builder import ATRV, Environment, MotionVW, Pose
+from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
+
+if TYPE_CHECKING:
+    from morse.testing.process import SimulationProcess
+
+HZ = 60
+
+
+def scene():
+    robot = ATRV("robot")
+    pose = Pose("pose")
+    robot.append(pose)
+    motion = MotionVW("motion")
+    robot.append(motion)
+    slow = Pose("slow")
+    slow.frequency(10)
+    robot.append(slow)
+    robot.add_default_interface("socket")
+    env = Environment("empty", fastmode=True)
+    env.set_seed(42)
+
+
+class Wire:
+    """A raw connection that carries lines."""
+
+    def __init__(self, port: int) -> None:
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=10)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._lines = self.socket.makefile("rb")
+
+    def send(self, line: bytes) -> None:
+        self.socket.sendall(line)
+
+    def line(self) -> bytes:
+        return self._lines.readline()
+
+    def waiting(self) -> bytes:
+        """All that has arrived; nothing is waited for."""
+        self.socket.setblocking(False)
+        received = b""
+        try:
+            while data := self.socket.recv(1 << 20):
+                received += data
+        except BlockingIOError:
+            pass
+        self.socket.settimeout(10)
+        return received
+
+
+@pytest.fixture
+def services(process: SimulationProcess, simu: Morse) -> Wire:
+    return Wire(process.port)
+
+
+def test_no_time_passes_while_paused(simu: Morse) -> None:
+    simu.step(3)
+    before, state = simu.time(), simu.rpc("simulation", "state_hash")
+    deadline = time.monotonic() + 0.3
+    while time.monotonic() < deadline:
+        assert simu.time() == before
+    assert simu.rpc("simulation", "state_hash") == state
+
+
+@pytest.mark.parametrize("ticks", [1, 2, 59, 600])
+def test_steps_are_so_many_ticks(simu: Morse, ticks: int) -> None:
+    simu.step(ticks)
+    assert simu.time() == pytest.approx(ticks / HZ)
+    simu.step()
+    assert simu.time() == pytest.approx((ticks + 1) / HZ)
+
+
+def test_the_answer_to_a_step_comes_after_its_data(simu: Morse, services: Wire) -> None:
+    """What every stream has to say of the steps lies at the client when it hears that they are done."""
+    ports = simu.rpc("simulation", "get_all_stream_ports")
+    pose, slow = Wire(ports["robot.pose"]), Wire(ports["robot.slow"])
+    for round_ in range(50):
+        services.send(b"7 simulation step [6]\n")
+        assert services.line() == b"7 SUCCESS\n"
+        lines = pose.waiting().splitlines()
+        assert len(lines) == 6
+        assert f'"timestamp": {(round_ + 1) * 6 / HZ}'[:20].encode() in lines[-1]
+        assert len(slow.waiting().splitlines()) == 1
+
+
+def test_a_step_obeys_the_command_that_was_sent_before_it(simu: Morse, services: Wire) -> None:
+    motion = Wire(simu.rpc("simulation", "get_stream_port", "robot.motion"))
+    x = 0.0
+    for n in range(40):
+        speed = 1.0 + n % 2
+        motion.send(b'{"v": %f, "w": 0.0}\n' % speed)
+        services.send(b"7 simulation step\n8 robot.pose get_local_data\n")
+        services.line()
+        before, x = x, simu.robot.pose.get_local_data().result()["x"]
+        services.line()
+        if n > 1:  # the robot starts from rest on its springs
+            assert x - before == pytest.approx(speed / HZ, rel=0.05)
+
+
+def test_a_step_obeys_a_command_on_a_connection_that_is_just_made(simu: Morse, services: Wire) -> None:
+    port = simu.rpc("simulation", "get_stream_port", "robot.motion")
+    hashes = set()
+    for _ in range(40):
+        services.send(b"1 simulation reset\n")
+        services.line()
+        motion = Wire(port)
+        motion.send(b'{"v": 1.0, "w": 0.0}\n')
+        services.send(b"2 simulation step\n3 simulation state_hash\n")
+        services.line()
+        hashes.add(services.line())
+    assert len(hashes) == 1
+    assert simu.robot.pose.get_local_data().result()["x"] > 0.0
+
+
+def test_steps_that_are_asked_for_at_once_are_done_one_after_the_other(simu: Morse, services: Wire) -> None:
+    services.send(b"1 simulation step [10]\n2 simulation step [20]\n3 simulation step\n")
+    assert [services.line() for _ in range(3)] == [b"1 SUCCESS\n", b"2 SUCCESS\n", b"3 SUCCESS\n"]
+    assert simu.time() == pytest.approx(31 / HZ)
+
+
+def test_a_step_pauses_a_simulation_that_runs(simu: Morse) -> None:
+    simu.resume()
+    simu.sleep(0.1)
+    simu.step()
+    now = simu.time()
+    assert now > 0.1
+    assert simu.time() == now
+
+
+def test_a_simulation_that_is_resumed_goes_on(simu: Morse) -> None:
+    simu.resume()
+    simu.sleep(0.2)
+    assert simu.time() >= 0.2
+
+
+def test_a_pause_ends_the_steps(simu: Morse) -> None:
+    steps = simu.call("simulation", "step", 10_000_000)
+    simu.pause()
+    with pytest.raises(MorseServicePreempted):
+        steps.result(10)
+    now = simu.time()
+    assert simu.time() == now < 1e5
+
+
+def test_steps_can_be_cancelled(simu: Morse) -> None:
+    steps = simu.call("simulation", "step", 10_000_000)
+    assert simu.time() >= 0.0  # it runs
+    steps.cancel()
+    with pytest.raises(MorseServicePreempted):
+        steps.result(10)
+    now = simu.time()
+    assert simu.time() == now
+
+
+def test_a_new_beginning_ends_the_steps(simu: Morse) -> None:
+    steps = simu.call("simulation", "step", 10_000_000)
+    simu.reset(seed=1)
+    with pytest.raises(MorseServicePreempted):
+        steps.result(10)
+    assert simu.time() == 0.0
+
+
+@pytest.mark.parametrize("n", [0, -1, 1.5, 1e9, math.nan, math.inf, "3", None, True, [1], 10**30])
+def test_numbers_of_steps_that_are_none_are_refused(simu: Morse, n: object) -> None:
+    with pytest.raises(MorseServiceFailed):
+        simu.rpc("simulation", "step", n)
+    assert simu.time() == 0.0
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, math.nan, "3", True, [1], 2**63, 10**30])
+def test_seeds_that_are_none_are_refused(simu: Morse, seed: object) -> None:
+    simu.step(7)
+    with pytest.raises(MorseServiceFailed):
+        simu.rpc("simulation", "reset", seed)
+    assert simu.time() == pytest.approx(7 / HZ)
+
+
+def test_the_seed(simu: Morse) -> None:
+    simu.reset(seed=42)
+    assert simu.rpc("simulation", "get_seed") == 42
+    simu.reset(seed=2**63 - 1)
+    assert simu.rpc("simulation", "get_seed") == 2**63 - 1
+    simu.rpc("simulation", "reset")
+    assert simu.rpc("simulation", "get_seed") == 2**63 - 1
+    simu.reset(seed=42)
+
+
+def test_a_new_beginning_is_a_beginning(simu: Morse) -> None:
+    """Time, poses, commands and data are as at the start; a client that was connected stays so."""
+    simu.reset(seed=42)
+    start = simu.rpc("simulation", "state_hash")
+    motion, pose = simu.robot.motion, simu.robot.pose
+    motion.publish({"v": 1.0, "w": 0.5})
+    pose.last()
+    simu.step(60)
+    moved = simu.rpc("simulation", "state_hash")
+    assert moved != start
+    simu.reset(seed=42)
+    assert simu.time() == 0.0
+    assert simu.rpc("simulation", "state_hash") == start
+    simu.step(60)
+    assert pose.last()["x"] == pytest.approx(0.0, abs=1e-3)
+    motion.publish({"v": 1.0, "w": 0.5})
+    simu.reset(seed=42)
+    motion.publish({"v": 1.0, "w": 0.5})
+    simu.step(60)
+    assert simu.rpc("simulation", "state_hash") == moved
+    assert pose.last()["timestamp"] == pytest.approx(1.0)
+
+
+def test_a_command_from_before_the_new_beginning_is_forgotten(simu: Morse, services: Wire) -> None:
+    motion = Wire(simu.rpc("simulation", "get_stream_port", "robot.motion"))
+    motion.send(b'{"v": 1.0, "w": 0.0}\n')
+    services.send(b"1 simulation reset\n2 simulation step [30]\n")
+    assert [services.line(), services.line()] == [b"1 SUCCESS\n", b"2 SUCCESS\n"]
+    assert simu.robot.pose.get_local_data().result()["x"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_state_is_told_by_a_hash(simu: Morse) -> None:
+    state = simu.rpc("simulation", "state_hash")
+    assert len(state) == 64
+    assert set(state) <= set("0123456789abcdef")
+    simu.step()
+    assert simu.rpc("simulation", "state_hash") != state
+
+
+def test_a_paused_simulation_answers_at_once(simu: Morse, services: Wire) -> None:
+    """Not only when the next tick would be due: 60 calls take far less than a second."""
+    begin = time.monotonic()
+    for _ in range(60):
+        services.send(b"1 time now\n")
+        services.line()
+    assert time.monotonic() - begin < 0.5
