@@ -176,8 +176,8 @@ def test_it_climbs_a_ramp_alike():
 def test_a_body_that_keeps_touching_costs_few_repetitions(monkeypatch):
     w = with_ground(lambda: node("Wall", box(0.2, 4, 1), at=(0.8, 0, 0.5)))()
     taken_back = []
-    original = w.gliding.take_back
-    monkeypatch.setattr(w.gliding, "take_back", lambda: original() and not taken_back.append(1))
+    original = w.gliding._take_back
+    monkeypatch.setattr(w.gliding, "_take_back", lambda: original() and not taken_back.append(1))
     run(w, 5.0, lambda: drive(w, 0.5))
     assert len(taken_back) <= 3
 
@@ -312,3 +312,60 @@ def test_a_robot_without_weight_is_left_alone():
     twins.run(1.0, lambda w, t: drive(w))
     assert twins.glided == 0
     assert twins.gliding.game_object("robot").worldPosition.z == pytest.approx(0.25, abs=1e-6)
+
+
+# long steps ---------------------------------------------------------------------------------
+
+
+def long_steps(w, monkeypatch):
+    """Counts the ticks that are done in one step."""
+    done = []
+    original = w.gliding._stride
+    monkeypatch.setattr(w.gliding, "_stride", lambda: original() and not done.append(1))
+    return done
+
+
+def test_robots_alone_take_one_step_a_tick(monkeypatch):
+    twins = Twins(with_ground(lambda: node("Below", box(40, 40, 1), at=(0, 0, -0.51))))
+    done = long_steps(twins.gliding, monkeypatch)
+    assert twins.run(5.0, lambda w, t: drive(w, 0.8, -0.6)) < 1e-6
+    assert len(done) > 280
+
+
+def test_nobody_takes_long_steps_while_something_else_moves(monkeypatch):
+    w = with_ground(lambda: rigid("Ball", sphere(0.1), at=(3, 3, 50.0)))()
+    done = long_steps(w, monkeypatch)
+    run(w, 2.0, lambda: drive(w, 0.5))
+    assert not done
+    ball = w.game_object("Ball").worldPosition.z
+    assert ball == pytest.approx(50.0 - 9.81 / 2 * 4.0, abs=0.1)
+
+
+def test_a_fast_robot_does_not_jump_into_a_thin_wall():
+    twins = Twins(with_ground(lambda: node("Wall", box(0.02, 4, 1), at=(6, 0, 0.5))))
+    assert twins.run(1.0, lambda w, t: drive(w, 9.0)) < 1e-5
+    assert twins.gliding.game_object("robot").worldPosition.x < 6.0
+
+
+def test_robots_that_pass_closely_do_not_slow_each_other_forever(monkeypatch):
+    def make():
+        first, second = robot(at=(-1, 0, 0.25)), robot("other", at=(1, 0.405, 0.25))
+        return world(ground(), first, second, robots=[first, second])
+
+    twins = Twins(make)
+    done = long_steps(twins.gliding, monkeypatch)
+
+    def act(w, t):
+        drive(w, 0.5)
+        drive(w, -0.5, name="other")
+
+    assert twins.run(6.0, act) < 1e-6
+    assert len(done) > 150
+
+
+def test_a_sleeping_box_is_woken_alike():
+    # the box lies still for seconds before the robot comes
+    twins = Twins(with_ground(lambda: rigid("Box", box(0.3, 0.3, 0.3), at=(2.6, 0.0, 0.15))))
+    assert twins.run(5.0, lambda w, t: drive(w, 0.4)) < 1e-5
+    twins.run(1.5, lambda w, t: drive(w, 0.4))
+    assert twins.gliding.game_object("Box").worldPosition.x > 2.65

@@ -5,6 +5,9 @@ touches it, the floor does no more than carry its weight: its height and tilt st
 as its velocity says. Then the contacts of its feet need not be solved: the robot is made weightless,
 and passes through that floor, which it never enters; that spares two thirds of the time of a physics step.
 
+If nothing else is awake, there is nothing to solve at all: one step as long as the tick does the same as
+several short ones, as long as nothing comes near enough to be met within the tick.
+
 Everything else goes on touching it. Should anything do so within a tick, or should anything try to lift,
 turn over or push down the robot, the tick is taken back and done again with its feet on the floor.
 """
@@ -23,6 +26,8 @@ from morse.physics.floors import ALL_BITS, Floor, find_floors
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from numpy.typing import NDArray
+
     from morse.physics.compile import Slot
     from morse.physics.drive import Command
     from morse.physics.world import World
@@ -31,12 +36,16 @@ if TYPE_CHECKING:
 _SETTLED = 1e-9
 #: feet stand on a floor that is so near to them, m: a body sinks in by a little
 _NEAR = 2e-3
+#: what lies lower than the feet by more than that, m, cannot be met
+_CLEAR = 1e-6
 #: speeds within a tick that are not those of the command, m/s and rad/s: something acts on the robot
 _DISTURBED = 1e-7
 #: the tilt is looked at so often, in ticks: a body that turns about a slanting axis begins to tumble
 _LOOK = 300
 #: metres to the edge of the floor at which feet touch it again
 _EDGE = 0.01
+#: a centre of mass that is so near above the origin, m, follows it in one step as in several
+_CENTRED = 1e-7
 #: ticks that a robot which was disturbed waits before it glides again: at first, and at most
 _WAIT, _LONGEST_WAIT = 4, 256
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -70,6 +79,7 @@ class _Glide:
         look: tick at which it could be near an edge.
         speed: m/s at which that was worked out.
         since: tick at which it began.
+        margin: metres that it and another robot as fast may come nearer in a tick.
     """
 
     slot: Slot
@@ -78,6 +88,7 @@ class _Glide:
     look: int
     speed: float
     since: int
+    margin: float = 0.0
 
 
 class Gliding:
@@ -100,7 +111,9 @@ class Gliding:
         self._owner = np.full(model.ngeom, -1)
         for index in self._able:
             self._owner[self._geoms(world.slots[index])] = index
+        self._extent = {index: self._outline(world.slots[index]) for index in self._able}
         self._state = np.empty(mujoco.mj_stateSize(model, _STATE))
+        self._step = model.opt.timestep
         self.reset()
 
     @staticmethod
@@ -112,6 +125,14 @@ class Gliding:
         places = self._world.model.geom_pos[slot.feet]
         return float(np.hypot(places[:, 0], places[:, 1]).max())
 
+    def _outline(self, slot: Slot) -> float:
+        """Metres from the origin of a robot to its outermost point; 0 for one that takes no long steps."""
+        model = self._world.model
+        if np.abs(model.body_ipos[slot.body, :2]).max() > _CENTRED:
+            return 0.0
+        geoms = self._geoms(slot)
+        return float((np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms]).max())
+
     @staticmethod
     def _geoms(slot: Slot) -> list[int]:
         return [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
@@ -120,9 +141,10 @@ class Gliding:
         """Nobody glides; the model is as it was compiled."""
         self._glides: dict[int, _Glide] = {}
         self._stands: dict[int, _Stand] = {}
-        self._gone: set[int] = set()
         self._tick = 0
         self._look = 0
+        self._strides = False
+        self._stride_at, self._stride_wait = 0, _WAIT
 
     # -- masks -----------------------------------------------------------------------------
 
@@ -168,8 +190,7 @@ class Gliding:
     def _floor_under(self, index: int, slot: Slot) -> Floor | None:
         """The floor that all feet stand on, none of them near its edge."""
         world = self._world
-        places, radii = world.data.geom_xpos[slot.feet], world.model.geom_size[slot.feet, 0]
-        soles = places[:, 2] - radii
+        soles = self._soles(slot)
         x, y, _ = world.positions[index]
         for floor in self._floors:
             if floor.slot in world.loose or floor.room(x, y) < self._able[index] + 2 * _EDGE:
@@ -178,6 +199,10 @@ class Gliding:
             if gaps.min() > -_NEAR and gaps.max() <= 0.0 and world.model.geom_contype[floor.geom]:
                 return floor
         return None
+
+    def _soles(self, slot: Slot) -> NDArray[np.float64]:
+        """(4,) heights of the undersides of the feet, m."""
+        return np.asarray(self._world.data.geom_xpos[slot.feet, 2] - self._world.model.geom_size[slot.feet, 0])
 
     def _touches_else(self, index: int, floor: Floor) -> bool:
         data = self._world.data
@@ -188,12 +213,19 @@ class Gliding:
 
     def _begin(self, index: int, slot: Slot, floor: Floor, command: Command) -> None:
         model = self._world.model
+        # what lies lower than its feet cannot be met either
+        mask = ALL_BITS & ~floor.bit
+        lowest = float(self._soles(slot).min()) - _CLEAR
+        for other in self._floors:
+            if other.height < lowest and other.slot not in self._world.loose:
+                mask &= ~other.bit
         for geom in self._geoms(slot):
             if model.geom_contype[geom]:
-                model.geom_contype[geom] = model.geom_conaffinity[geom] = ALL_BITS & ~floor.bit
+                model.geom_contype[geom] = model.geom_conaffinity[geom] = mask
         model.body_gravcomp[slot.body] = 1.0
         self._glides[index] = glide = _Glide(slot, floor, self._world.rotations[index][6:9], 0, 0.0, self._tick)
         self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))
+        self._strides = False
         if glide.look <= self._tick:
             self.leave(index)
 
@@ -216,6 +248,14 @@ class Gliding:
             if model.geom_contype[geom]:
                 model.geom_contype[geom] = model.geom_conaffinity[geom] = ALL_BITS
         model.body_gravcomp[glide.slot.body] = 0.0
+        self._set_margin(glide.slot, 0.0)
+
+    def _set_margin(self, slot: Slot, margin: float) -> None:
+        """Have the engine notice what is so near, without pushing it."""
+        model = self._world.model
+        geoms = self._geoms(slot)
+        model.geom_margin[geoms] = model.geom_gap[geoms] = margin
+        model.body_margin[slot.body] = margin
 
     def leave_all(self) -> None:
         """Stand on the feet again: a floor may have moved."""
@@ -234,7 +274,13 @@ class Gliding:
         speed = math.sqrt(vx * vx + vy * vy)
         if speed > glide.speed:
             self._plan(index, glide, speed)
-            return glide.look > self._tick
+            if glide.look <= self._tick:
+                return False
+        nearer = 2.0 * (speed + abs(wz) * self._extent[index]) * self._world.period
+        if nearer > glide.margin:
+            glide.margin = 1.5 * nearer
+            if self._strides:
+                self._set_margin(glide.slot, glide.margin)
         return True
 
     def look(self) -> None:
@@ -255,14 +301,62 @@ class Gliding:
         if glide.look <= self._tick:
             self.leave(index)
 
-    def save(self) -> None:
-        """Remember the state, to take the tick back if need be."""
-        if self._glides:
-            data = self._world.data
-            mujoco.mj_getState(self._world.model, data, self._state, _STATE)
-            data.maxuse_con = 0
+    def step(self) -> None:
+        """Let the engine take the steps of a tick."""
+        world = self._world
+        model, data = world.model, world.data
+        if not self._glides:
+            mujoco.mj_step(model, data, world.steps)
+            return
+        mujoco.mj_getState(model, data, self._state, _STATE)
+        data.maxuse_con = 0
+        if self._can_stride() and self._stride():
+            return
+        mujoco.mj_step(model, data, world.steps)
+        while self._take_back():
+            mujoco.mj_step(model, data, world.steps)
 
-    def take_back(self) -> bool:
+    # -- long steps ------------------------------------------------------------------------
+
+    def _can_stride(self) -> bool:
+        can = (
+            self._tick >= self._stride_at
+            and self._world.data.nv_awake == 6 * len(self._glides)
+            and all(self._extent[index] and glide.since < self._tick for index, glide in self._glides.items())
+        )
+        if can != self._strides:
+            self._strides = can
+            for glide in self._glides.values():
+                self._set_margin(glide.slot, glide.margin if can else 0.0)
+        return can
+
+    def _stride(self) -> bool:
+        """Try one step as long as the tick; False, and all as before, if something is near or wakes up."""
+        world = self._world
+        model, data = world.model, world.data
+        model.opt.timestep = self._step * world.steps
+        mujoco.mj_step(model, data)
+        model.opt.timestep = self._step
+        alone = data.nv_awake == 6 * len(self._glides)
+        if alone and data.ncon:
+            near = set(self._owner[data.contact.geom[: data.ncon]].ravel().tolist())
+            alone = not any(index in near for index in self._glides)
+        if alone:
+            return True
+        mujoco.mj_setState(model, data, self._state, _STATE)
+        data.maxuse_con = 0
+        self._strides = False
+        for glide in self._glides.values():
+            self._set_margin(glide.slot, 0.0)
+        if self._tick - self._stride_at > _LONGEST_WAIT:
+            self._stride_wait = _WAIT
+        self._stride_at = self._tick + self._stride_wait
+        self._stride_wait = min(2 * self._stride_wait, _LONGEST_WAIT)
+        return False
+
+    # -- what happens within a tick ----------------------------------------------------------
+
+    def _take_back(self) -> bool:
         """If a robot was disturbed while it glided, go back to the state remembered, and let it stand on its feet."""
         data = self._world.data
         if not self._glides or data.maxuse_con == 0:

@@ -43,6 +43,9 @@ _CHANGED_WHILE_RUNNING = (
     "geom_priority",
     "geom_contype",
     "geom_conaffinity",
+    "geom_margin",
+    "geom_gap",
+    "body_margin",
 )
 
 
@@ -155,10 +158,7 @@ class World:
         """One tick: apply the commands, let the engine take its steps, read the poses."""
         self.attachments.before_step()
         self.drives.apply()
-        self.gliding.save()
-        mujoco.mj_step(self.model, self.data, self.steps)
-        while self.gliding.take_back():
-            mujoco.mj_step(self.model, self.data, self.steps)
+        self.gliding.step()
         self.drives.release()
         if self._forces:
             self.data.xfrc_applied[:] = 0.0
