@@ -54,7 +54,7 @@ def circles(plan: Plan) -> Iterator[Result]:
     for count in plan.counts(1, 10, 100):
         yield _compare(plan, "W1", count, "planar", "scan", at_least(_WANTED[count]))
     for count in plan.counts(1, 10, 100):
-        yield _compare(plan, "W1 wheels", count, "wheels", "pose", at_least(_WANTED[count]))
+        yield _compare(plan, "W1 wheels", count, "wheels", "scan", at_least(_WANTED[count]))
 
 
 def growth(plan: Plan) -> Iterator[Result]:
