@@ -24,7 +24,7 @@ DATA = Path(morse.__file__).parent / "data"
 #: bounding boxes are those of 1.4 to a centimetre; the recorded positions have three digits
 SIZE, PLACE, ANGLE = 0.011, 0.006, 0.006
 #: names of shapes that only physics sees
-COLLIDER = re.compile(r"_bb|^BB_|_bound|_collision$", re.IGNORECASE)
+COLLIDER = re.compile(r"_bb|^BB_|_bou|_collision$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from common.objects import empty, exact
 from common.parts import rotation
 from common.terrain import Terrain
 from common.textures import speckle
-from common.town import Masonry, house
+from common.town import Masonry, house, quarter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,3 +63,9 @@ def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: 
         if free and land.min() > foot - 0.1:
             parts += [p.moved(x, y) for p in house(masonry, width, depth, 2 + number % 2, number)]
     exact("City.3", parts, size, centre, at, (0, 0, TOWN_TURN), parent=root, collision="mesh", **still)
+
+
+def block(name: str, at: Triple, size: Triple, centre: Triple, turn: float, seed: int, masonry: Masonry) -> None:
+    """A quarter of a town that fills a box."""
+    parts = quarter(masonry, size[0], size[1], size[2], seed)
+    exact(name, parts, size, centre, at, (0, 0, turn), physics_type="STATIC", collision="mesh")

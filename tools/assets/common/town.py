@@ -86,3 +86,31 @@ def wall_box(x: float, y: float, height: float) -> Part:
         uv = np.column_stack([corners[:, along] - corners[:, along].min(), corners[:, 2]])
         uvs.append(np.zeros_like(uv) if extent[2] < 1e-6 else uv / STOREY)
     return Part(part.vertices, part.faces, uvs=uvs, smooth=False)
+
+
+def tower(masonry: Masonry, x: float, y: float, storeys: int, look: int) -> list[Part]:
+    """A tall house with a flat roof."""
+    x, y = (max(round(v / STOREY), 2) * STOREY for v in (x, y))
+    height = storeys * STOREY
+    return [
+        wall_box(x, y, height).painted(masonry.facades[look % len(masonry.facades)]),
+        box(x + 0.4, y + 0.4, 0.5).moved(z=height + 0.25).painted(masonry.chimney),
+        box(x * 0.3, y * 0.3, 1.6).moved(x * 0.15, 0, height + 1.1).painted(masonry.chimney),
+    ]
+
+
+def quarter(masonry: Masonry, x: float, y: float, height: float, seed: int) -> list[Part]:
+    """Houses on all plots of x times y metres, the tallest about ``height`` high."""
+    random = np.random.default_rng(seed)
+    columns, rows = max(round(x / 15.0), 1), max(round(y / 15.0), 1)
+    plot_x, plot_y = x / columns, y / rows
+    most = max(int((height - 2.1) / STOREY), 1)
+    parts = []
+    for number, (i, j) in enumerate((i, j) for i in range(columns) for j in range(rows)):
+        wide, deep = max(plot_x - 4.0, 6.0), max(plot_y - 4.0, 6.0)
+        at = ((i + 0.5) * plot_x - x / 2, (j + 0.5) * plot_y - y / 2)
+        storeys = most if number == 0 else int(random.integers(max(most // 2, 1), most + 1))
+        build = tower if storeys > 3 else house
+        made = build(masonry, wide, deep, storeys, number + seed)
+        parts += [p.moved(*at) for p in made]
+    return parts
