@@ -195,6 +195,8 @@ class Simulation:
         except UnstableError as error:
             self._stepping.end(status.FAILED, str(error))
             raise
+        finally:
+            network.give_back()
 
     def _wait_paused(self) -> None:
         """No time passes: carry out what clients and pages ask for, and wait for more."""
