@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from morse import mathutils
 from morse.assets import search
 from morse.assets.formats import SUFFIXES
 from morse.builder import workspace
@@ -42,6 +44,9 @@ def load_scene(options: RunOptions) -> Scene:
     search.set_project_dirs(options.resource_paths)
     _extend_path([*options.source_paths, str(script.parent)])
     sys.argv[:] = [str(script), *options.arguments]
+    if importlib.util.find_spec("mathutils") is None:
+        # it came with Blender, which ran the scripts and components of 1.4
+        sys.modules["mathutils"] = mathutils
     workspace.reset()
     _loading = True
     try:
