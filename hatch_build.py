@@ -52,17 +52,23 @@ def _build(root: Path, static: Path) -> None:
     viewer = root / "viewer"
     generated = viewer / "src" / "generated"
     generated.mkdir(parents=True, exist_ok=True)
-    path = os.pathsep.join(filter(None, [str(root / "src"), os.environ.get("PYTHONPATH", "")]))
-    subprocess.run(
-        [sys.executable, "-m", "morse.viewer.typescript", str(generated / "protocol.ts")],
-        check=True,
-        env={**os.environ, "PYTHONPATH": path},
-    )
+    (generated / "protocol.ts").write_text(_protocol(root / "src"), encoding="utf-8")
     environment = {**os.environ, "PATH": _path_with_node(), "npm_config_update_notifier": "false"}
     _npm(viewer, environment, "ci", "--no-audit", "--no-fund", hint=True)
     _npm(viewer, environment, "run", "build")
     if not (static / "index.html").is_file():
         raise RuntimeError(f"The live view was built, but {static / 'index.html'} is not there.")
+
+
+def _protocol(sources: Path) -> str:
+    """The types of the protocol, from the package that is being built."""
+    sys.path.insert(0, str(sources))
+    try:
+        from morse.viewer.typescript import typescript
+
+        return typescript()
+    finally:
+        sys.path.remove(str(sources))
 
 
 def _path_with_node() -> str:
