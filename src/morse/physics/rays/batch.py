@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.physics.rays.embree import single
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -44,6 +46,7 @@ class Batch:
     solids: NDArray[np.intp] = field(init=False)
     faces: NDArray[np.int32] = field(init=False)
     _ray_owners: NDArray[np.intp] | None = field(init=False, default=None)
+    _singles: tuple[NDArray[np.float32], NDArray[np.float32]] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         self.spread_viewpoints()
@@ -76,6 +79,13 @@ class Batch:
         if self._ray_owners is None:
             self._ray_owners = self.owners.repeat(self.counts)
         return self._ray_owners
+
+    @property
+    def singles(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Origins and directions in single precision."""
+        if self._singles is None:
+            self._singles = single(self.origins), single(self.directions)
+        return self._singles
 
     def meet(
         self,

@@ -37,6 +37,8 @@ class MovingScene:
         self._middles = narrow.positions[members] + turned
         self._radii = np.linalg.norm(self._halves, axis=1)
         self._scene: TriangleScene | None = None
+        self._solid_of: NDArray[np.intp]
+        self._alone: NDArray[np.bool_]
 
     def cast(self, batch: Batch) -> None:
         """Find what each ray meets first."""

@@ -42,8 +42,8 @@ class Narrow:
         rotations = self.rotations.take(solids, axis=0)
         origins = batch.origins.take(rays, axis=0) - self.positions.take(solids, axis=0)
         # R^T v, as columns
-        origins = np.einsum("kij,ki->jk", rotations, origins)
-        directions = np.einsum("kij,ki->jk", rotations, batch.directions.take(rays, axis=0))
+        origins = np.einsum("kij,ki->jk", rotations, origins, order="C")
+        directions = np.einsum("kij,ki->jk", rotations, batch.directions.take(rays, axis=0), order="C")
         faces = np.full(len(rays), -1, dtype=np.int32)
         kinds = self.solids.kinds.take(solids)
         present = np.bincount(kinds).nonzero()[0].tolist()

@@ -205,15 +205,20 @@ def _rays_of(group: list[RayBundle]) -> tuple[Any, ...]:
     if first.upright:
         rotations = np.tile(np.eye(3), (len(group), 1, 1))
     else:
-        rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3).transpose(0, 2, 1)
+        rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3)
     owners = np.array([bundle.owner for bundle in group], dtype=np.intp)
-    directions = (first.directions @ rotations).reshape(-1, 3)
+    directions = _turned(first.directions, rotations)
     distances = np.full(len(directions), first.limit)
     starts = np.concatenate([bundle.starts for bundle in group]) if len(group) > 1 else first.starts
     if first.origins is not None:
-        viewpoints = (first.origins @ rotations + positions[:, None, :]).reshape(-1, 3)
+        viewpoints = _turned(first.origins, rotations) + positions.repeat(count, axis=0)
         owners, counts = owners.repeat(count), np.ones(len(viewpoints), dtype=np.intp)
         return viewpoints, counts, directions, distances, owners, starts, starts
     counts = np.full(len(group), count)
     clearances = np.array([bundle.clearance for bundle in group])
     return positions, counts, directions, distances, owners, starts, clearances
+
+
+def _turned(vectors: NDArray[np.float64], rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(B N, 3) vectors (N, 3) turned by each rotation (B, 3, 3)."""
+    return (vectors @ rotations.transpose(0, 2, 1)).reshape(-1, 3)

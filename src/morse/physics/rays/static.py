@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.physics.rays.embree import TriangleScene
+from morse.physics.rays.embree import TriangleScene, single
 from morse.physics.rays.solids import BOX, MESH
 from morse.physics.rays.sweep import margins, sweep
 from morse.physics.rays.triangles import BOX_CORNERS, BOX_TRIANGLES, Triangles, on_plane
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from morse.physics.rays.batch import Batch
     from morse.physics.rays.narrow import Narrow
+
+#: sine of the angle to a plane from which on rounding errors move the point on it by more than a thousandfold
+_GRAZING = 1e-3
 
 
 class StaticScene:
@@ -67,12 +70,26 @@ class StaticScene:
             self._batch = batch
             sweep(self._scene, self._solid_of, self._resolve, batch, grain, owned=owned)
             return
-        faces, rough = self._scene.cast(batch.origins, batch.directions, batch.distances + grain)
-        distances = on_plane(faces, rough, self._normals, self._offsets, batch.origins, batch.directions)
+        faces = self._scene.first(*batch.singles, single(batch.distances + grain))
+        normals = self._normals.take(faces, axis=0)
+        slopes = np.einsum("ij,ij->i", normals, batch.directions)
+        distances = self._offsets.take(faces) - np.einsum("ij,ij->i", normals, batch.origins)
+        distances /= slopes
+        grazing = np.flatnonzero(np.abs(slopes) < _GRAZING)
+        if len(grazing):
+            distances[grazing] = self._graze(batch, grazing, grain)
+        distances[faces < 0] = np.inf
         met = distances < batch.distances
         np.copyto(batch.distances, distances, where=met)
         np.copyto(batch.solids, self._solid_of.take(faces), where=met)
         np.copyto(batch.faces, faces, where=met)
+
+    def _graze(self, batch: Batch, rays: NDArray[np.intp], grain: float) -> NDArray[np.float64]:
+        """Distances (K,) of rays that may meet the plane of a triangle far from the triangle."""
+        origins, directions = (single(part.take(rays, axis=0)) for part in batch.singles)
+        faces, rough = self._scene.cast(origins, directions, single(batch.distances.take(rays) + grain))
+        chosen = batch.origins.take(rays, axis=0), batch.directions.take(rays, axis=0)
+        return on_plane(faces, rough, self._normals, self._offsets, *chosen)
 
     def normal(self, solid: int, face: int) -> NDArray[np.float64] | None:
         """Unit normal (3,), world axes, of a triangle, if it is the surface of a solid that stands still."""

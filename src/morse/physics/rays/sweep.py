@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.physics.rays.embree import single
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -56,11 +58,12 @@ def sweep(
         alone: (S,) the solids that have no other in their boxes: nothing can come before them.
         starts: (N,) metres from which on each ray can meet anything.
     """
+    origins, directions = batch.singles
     if starts is None:
-        faces, step = scene.cast(batch.origins, batch.directions, batch.distances + grain)
+        faces, step = scene.cast(origins, directions, single(batch.distances + grain))
     else:
-        origins = batch.origins + batch.directions * starts[:, None]
-        faces, step = scene.cast(origins, batch.directions, batch.distances - starts + grain)
+        moved = single(batch.origins + batch.directions * starts[:, None])
+        faces, step = scene.cast(moved, directions, single(batch.distances - starts + grain))
     rays = np.flatnonzero(faces >= 0)
     faces = faces.take(rays)
     travelled = step.take(rays).astype(np.float64)
@@ -88,9 +91,9 @@ def sweep(
         if not len(going):
             return
         rays, travelled, left = rays.take(going), travelled.take(going), left.take(going)
-        directions = batch.directions.take(rays, axis=0)
-        origins = batch.origins.take(rays, axis=0) + directions * travelled[:, None]
-        faces, step = scene.cast(origins, directions, left + grain)
+        ways = batch.directions.take(rays, axis=0)
+        places = batch.origins.take(rays, axis=0) + ways * travelled[:, None]
+        faces, step = scene.cast(single(places), single(ways), single(left + grain))
         going = np.flatnonzero(faces >= 0)
         rays, faces = rays.take(going), faces.take(going)
         travelled = travelled.take(going) + step.take(going)

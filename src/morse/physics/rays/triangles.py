@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.physics.rays import embree
+from morse.physics.rays.embree import TriangleScene, single
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,9 +57,9 @@ class Triangles:
         return (low + high) / 2, (high - low) / 2
 
     @cached_property
-    def scene(self) -> embree.TriangleScene:
+    def scene(self) -> TriangleScene:
         """The triangles, ready for rays in their own frame, relative to the centre of their box."""
-        return embree.TriangleScene(self.vertices - self.box[0], self.faces)
+        return TriangleScene(self.vertices - self.box[0], self.faces)
 
     @cached_property
     def _middle(self) -> NDArray[np.float64]:
@@ -71,7 +71,7 @@ class Triangles:
         """Distance (N,), infinite for none, and triangle (N,) that each ray meets first, up to its limit."""
         if not len(self.faces):
             return np.full(len(origins), np.inf), np.full(len(origins), -1, dtype=np.int32)
-        faces, rough = self.scene.cast(origins - self._middle, directions, limits)
+        faces, rough = self.scene.cast(single(origins - self._middle), single(directions), single(limits))
         return on_plane(faces, rough, self.normals, self.offsets, origins, directions), faces
 
 
