@@ -133,7 +133,9 @@ class Poller(threading.Thread):
         try:
             while not self._stopping:
                 with self._turn:
-                    self._round(None)
+                    # a guest that came in between has seen nobody whom to wake up
+                    if not self._has_guest():
+                        self._round(None)
                 self._stand_back()
         finally:
             self._end()
@@ -147,7 +149,7 @@ class Poller(threading.Thread):
         return not self.is_serving() and self._serve_as_guest(done, timeout)
 
     def _serve_as_guest(self, done: Callable[[], bool], timeout: float) -> bool:
-        if not self.is_alive() or not self._guest.acquire(blocking=False):
+        if self._stopping or not self.is_alive() or not self._guest.acquire(blocking=False):
             return False
         deadline = time.monotonic() + timeout
         try:
@@ -170,9 +172,12 @@ class Poller(threading.Thread):
 
     def _stand_back(self) -> None:
         with self._standing_back:
-            while not self._stopping and not self._commands and time.monotonic() < self._until:
+            while not self._stopping and self._has_guest():
                 # in short naps: a guest that leaves early does not spend time on waking anybody
                 self._standing_back.wait(_COURTESY)
+
+    def _has_guest(self) -> bool:
+        return not self._commands and time.monotonic() < self._until
 
     def _return(self) -> None:
         with self._standing_back:

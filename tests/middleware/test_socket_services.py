@@ -193,7 +193,7 @@ def test_blank_lines_are_skipped(bench: Bench, client: Peer) -> None:
     assert bench.call(client, b"\n \r\n\t\n1 robot1.motion nothing\r\n") == b"1 SUCCESS\n"
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_requests_may_arrive_in_any_pieces(data: st.DataObject) -> None:
     bench = Bench()

@@ -151,7 +151,7 @@ def test_an_actuator_takes_the_latest_and_keeps_the_rest(bench: Bench) -> None:
     client.close()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_messages_may_arrive_in_any_pieces(data: st.DataObject) -> None:
     bench = Bench()
