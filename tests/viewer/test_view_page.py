@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from view_pages import until
+from view_worlds import playground
 
 from morse.viewer.page_messages import Drag, DragEnd, Teleport
 from morse.viewer.view_messages import Log
@@ -215,3 +216,22 @@ def test_the_bundle_stays_small_and_names_its_libraries() -> None:
     assert "Leon Sorokin" in (STATIC / "assets" / "licences.txt").read_text()
     packed = sum(len(gzip.compress(path.read_bytes())) for path in STATIC.rglob("*") if path.is_file())
     assert packed <= 350_000
+
+
+def test_a_browser_without_webgl_is_told(served, open_page) -> None:
+    _, url = served
+    page = open_page(url, wait=False)
+    page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page.goto(url)
+    until(lambda: "needs WebGL 2" in page.inner_text("body"))
+
+
+def test_what_the_script_asks_of_the_view(running, open_page) -> None:
+    driver, url = running
+    scene, moving = playground()
+    scene.settings.view.display_camera = "robot2.lidar"
+    scene.settings.view.show_framerate = True
+    driver.server.set_scene(scene, moving)
+    page = open_page(url, **WIDE)
+    until(lambda: driver.server.wishes.images == {"robot2.lidar"})
+    until(lambda: "frames/s" in page.locator(".rate").inner_text())

@@ -54,7 +54,11 @@ export class App {
     });
     this.connection.on("world", ({ url }) => {
       // one after another: the last one told is the one that stays
-      this.loading = this.loading.then(() => this.load(url)).catch((error: unknown) => this.toasts.show(String(error), "error"));
+      this.shell.view.ariaBusy = "true";
+      this.loading = this.loading
+        .then(() => this.load(url))
+        .catch((error: unknown) => this.toasts.show(String(error), "error"))
+        .finally(() => (this.shell.view.ariaBusy = "false"));
     });
     this.connection.on("appearance", (message) => {
       this.stage.world?.change(message);

@@ -1,11 +1,24 @@
 import { App } from "./app";
+import { h } from "./ui/dom";
 import "./style/base.css";
 import "./style/bar.css";
 import "./style/panels.css";
 import "./style/view.css";
 import "./style/small.css";
 
-const app = new App();
+/** The page; or, in a browser that cannot show it, a sentence that says so. */
+function start(): App | null {
+  try {
+    return new App();
+  } catch (error) {
+    const why = error instanceof Error ? error.message : String(error);
+    const help = "The live view needs WebGL 2: switch on hardware acceleration, or use another browser.";
+    document.body.replaceChildren(h("main", { class: "unable" }, h("h1", {}, "MORSE"), h("p", {}, help), h("p", { class: "quiet" }, why)));
+    return null;
+  }
+}
+
+const app = start();
 
 // the token has become a cookie: keep it out of the address, of bookmarks and of screenshots
 const address = new URL(location.href);
@@ -17,7 +30,7 @@ if (address.searchParams.has("token")) {
 declare global {
   interface Window {
     /** for tests, and for a look from the browser's console */
-    morse: App;
+    morse: App | null;
   }
 }
 window.morse = app;

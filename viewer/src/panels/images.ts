@@ -27,13 +27,10 @@ export class Images {
     connection.on("capturing", ({ active }) => this.element.classList.toggle("stopped", !active));
   }
 
-  /** The camera that the script chose for display. */
+  /** The camera that the script chose for display: shown, until it is closed. */
   prefer(camera: string | null): void {
+    if (camera !== null && camera !== this.preferred && !this.panels.has(camera)) this.open(camera);
     this.preferred = camera;
-  }
-
-  isOpen(camera: string): boolean {
-    return this.panels.has(camera);
   }
 
   /** Show or hide what a camera sees; without a name, the one that was chosen, or the first. */

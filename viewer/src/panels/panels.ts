@@ -14,6 +14,7 @@ import { LinkBanner } from "./link";
 import { LogPanel } from "./log";
 import { ObjectPanel } from "./object";
 import { PlotsPanel } from "./plots";
+import { Rate } from "./rate";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
 
@@ -56,7 +57,7 @@ export class Panels {
     shell.bottom.append(this.plots.element, new LogPanel(connection, toasts).element);
     shell.corner.append(this.images.element);
     this.fillHeader();
-    shell.view.append(this.layers.names.element, app.clock.warning, new LinkBanner(connection).element, toasts.element);
+    shell.view.append(this.layers.names.element, app.clock.warning, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));

@@ -43,6 +43,7 @@ export class Stage {
       this.lights.setShadowSize(level.shadows);
       this.invalidate();
     });
+    this.renderer.domElement.addEventListener("webglcontextrestored", this.invalidate);
     new ResizeObserver(() => this.resize()).observe(element);
     theme.watch((now) => this.paint(now));
   }

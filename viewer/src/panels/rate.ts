@@ -1,0 +1,16 @@
+import { h } from "../ui/dom";
+import type { Stage } from "../view/stage";
+
+/** How many pictures a second are drawn, where the script asks for that. */
+export class Rate {
+  readonly element = h("p", { class: "rate", hidden: true });
+
+  constructor(stage: Stage) {
+    let frames = 0;
+    setInterval(() => {
+      this.element.hidden = stage.world?.description.view.show_framerate !== true;
+      this.element.textContent = `${stage.frames - frames} frames/s`;
+      frames = stage.frames;
+    }, 1000);
+  }
+}
