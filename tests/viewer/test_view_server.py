@@ -219,7 +219,7 @@ def test_a_slow_page_sees_less_not_later_and_the_tick_does_not_wait(served) -> N
             longest = max(longest, time.perf_counter() - began)
             until(lambda: (quick.receive(), quick.poses and quick.poses[-1][4] == tick)[1])  # noqa: B023
             quick.send("taken", count=len(quick.poses))
-        assert longest < 0.25
+        assert longest < 1.0
         assert len(quick.poses) == 100
         server.send(Log("info", "end"))
         slow.expect("log", text="end")
