@@ -10,9 +10,12 @@ from component_library import scenes
 from component_library.declared import data_table, level_table, own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
 from morse.builder import workspace
+from morse.builder.classes import load_class
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.core.declarations import data_fields
 from morse.middleware import registry
+
+_NAMED = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 
 
 def builder_classes(kind: str) -> dict[str, type[ComponentCreator]]:
@@ -31,41 +34,50 @@ def pages(kind: str) -> dict[str, str]:
     return {f"{kind}/{name.lower()}": _page(name, cls, kind) for name, cls in builder_classes(kind).items()}
 
 
+def component_class(builder: type[ComponentCreator]) -> type[Any]:
+    """The class that runs."""
+    assert builder._classpath is not None, f"{builder.__name__} does not say which class runs"
+    return load_class(builder._classpath)
+
+
 def short_description(builder: type[ComponentCreator]) -> str:
     """What a component is, in one sentence."""
-    workspace.reset()
-    cls = builder().component_class()
+    cls = component_class(builder)
     own = inspect.getdoc(builder) if builder.__module__ != f"morse.builder.{builder._kind}s" else None
     text = own or getattr(cls, "_short_desc", "") or inspect.getdoc(cls) or ""
     return prose(text).split("\n\n")[0].rstrip(".") + "."
 
 
-def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
+def _sample(builder: type[ComponentCreator]) -> ComponentCreator | None:
+    """A component as the builder makes it, or None if that needs arguments."""
+    needed = [p for p in inspect.signature(builder).parameters.values() if p.default is p.empty and p.kind in _NAMED]
     workspace.reset()
-    component = builder()
-    cls = component.component_class()
-    assert cls is not None, f"{name} does not say which class runs"
+    return None if needed else builder()
+
+
+def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
+    cls = component_class(builder)
+    sample = _sample(builder)
     sensor = kind == "sensors"
     fields = bool(data_fields(cls))
-    interfaces = _interfaces(cls, "OUT" if sensor else "IN") if component.is_exportable() else ""
-    use = [block("python", scenes.component_scene(name, sensor=sensor, fields=fields))]
-    if interfaces:
-        use += ["Its client:\n", block("python", scenes.client(name, cls, sensor=sensor))]
+    interfaces = _interfaces(cls, "OUT" if sensor else "IN") if fields else ""
+    facts = [["in scene scripts", code(f"{name}{_signature(builder.__init__) if sample is None else '()'}")]]
+    facts.append(["runs", code(builder._classpath)])
+    use = []
+    if sample is not None:
+        facts.append(["rate", f"{sample._frequency:g} Hz"])
+        use.append(block("python", scenes.component_scene(name, sensor=sensor, fields=fields)))
+        if interfaces:
+            use += ["Its client:\n", block("python", scenes.client(name, cls, sensor=sensor))]
+    changed = {} if sample is None else sample.scene_node.properties
     return page(
         name,
         short_description(builder),
         _more(cls),
-        table(
-            ["", ""],
-            [
-                ["in scene scripts", code(f"{name}()")],
-                ["runs", code(builder._classpath or component.classpath)],
-                ["rate", f"{component._frequency:g} Hz"],
-            ],
-        ),
+        table(["", ""], facts),
         section("Use", *use),
         section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls)) if fields else "",
-        section("Properties", property_table(cls, component.scene_node.properties)),
+        section("Properties", property_table(cls, changed)),
         section("Levels", level_table(cls)),
         section("In scene scripts", _own_methods(builder)),
         section("Services", service_list(cls, own_services(cls)), _common_services(sensor)),

@@ -91,4 +91,9 @@ def _folded(rows: Iterable[list[str]]) -> list[list[str]]:
     folded: dict[tuple[str, ...], list[str]] = {}
     for name, *facts in rows:
         folded.setdefault(tuple(facts), []).append(name)
-    return [[", ".join(names), *facts] for facts, names in folded.items()]
+    return [[_several(names), *facts] for facts, names in folded.items()]
+
+
+def _several(names: list[str]) -> str:
+    """Names in one cell; of many, the first and the last."""
+    return ", ".join(names) if len(names) <= 4 else f"{names[0]} … {names[-1]} ({len(names)})"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import sys
 
 import pytest
-from pages import DOCS
+from doc_pages import DOCS
 
 from morse.testing.fixtures import simulate
 

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import pytest
-from pages import DOCS, ROOT
+from doc_pages import DOCS, ROOT
 
 from morse.assets import search
 from morse.builder import actuators, robots, sensors, workspace
@@ -49,13 +49,12 @@ def test_every_component_has_a_page(pages: dict[str, str], library):
 
 
 @pytest.mark.parametrize("kind", ["sensors", "actuators"])
-def test_pages_show_what_is_declared(pages: dict[str, str], kind: str):
+def test_pages_show_what_is_declared(pages: dict[str, str], kind: str, library):
     module = {"sensors": sensors, "actuators": actuators}[kind]
     for name in module.__all__:
         if name.endswith("Creator"):
             continue
-        workspace.reset()
-        cls = getattr(module, name)().component_class()
+        cls = library.component_pages.component_class(getattr(module, name))
         text = pages[f"{kind}/{name.lower()}"]
         for field, entry in declarations.data_fields(cls).items():
             (row,) = re.findall(rf"^\| `{re.escape(field)}` \|.*$", text, re.MULTILINE)

@@ -8,7 +8,7 @@ import shlex
 
 import pytest
 import typer.main
-from pages import DOCS, PAGES, PICTURES, ROOT, Block, Link, anchors, blocks, links
+from doc_pages import DOCS, PAGES, PICTURES, ROOT, Block, Link, anchors, blocks, links
 from PIL import Image
 
 from morse.cli.app import app

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from pages import DOCS, Block, blocks, named
+from doc_pages import DOCS, Block, blocks, named
 
 from morse.cli.app import execute
 from pymorse import MorseServiceFailed, MorseServicePreempted
