@@ -61,6 +61,8 @@ def morse(
     monkeypatch.setenv("HOME", str(home))
     monkeypatch.setenv("USERPROFILE", str(home))
     for variable in ("MORSE_ROOT", "MORSE_RESOURCE_PATH", "MORSE_NODE", "MORSE_BLENDER"):
-        monkeypatch.delenv(variable, raising=False)
+        # set at first, so that what a command sets is undone, too
+        monkeypatch.setenv(variable, "")
+        monkeypatch.delenv(variable)
     monkeypatch.chdir(directory)
     return Terminal(home, directory, capsys, monkeypatch)

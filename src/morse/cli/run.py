@@ -75,12 +75,15 @@ def command(
     """
     check_geometry(geometry)
     resolved = resolve(scene or [])
+    node = name or os.environ.get("MORSE_NODE") or socket.gethostname()
+    # scripts of several nodes look there which one they describe
+    os.environ["MORSE_NODE"] = node
     options = RunOptions(
         script=str(resolved.script),
         arguments=resolved.arguments,
         source_paths=resolved.source_paths,
         resource_paths=resolved.resource_paths,
-        node_name=name or os.environ.get("MORSE_NODE"),
+        node_name=node,
         view=_view(headless, view),
         host=_host(host),
         view_token=_token(view_token),

@@ -306,7 +306,7 @@ class Simulation:
                     profile.component(component.name(), begin, perf_counter())
             except Exception as error:
                 component.active = False
-                logger.error("%s failed and is deactivated: %s", component.name(), describe(error))
+                logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
 
     def restart(self, seed: int | None = None) -> None:
         """Everything as after the launch, with that seed or the present one; not while components act.
