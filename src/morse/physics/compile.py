@@ -29,6 +29,10 @@ _TORSIONAL, _ROLLING = 0.005, 0.0001
 #: what a wheel motor can give, N m; and how hard it holds its speed, N m s
 WHEEL_TORQUE, WHEEL_GAIN = 300.0, 20.0
 
+#: bytes for each pair of bodies, and for the rest: the engine's own estimate forgets bodies that stand still,
+#: and ends the process when it runs out
+_PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
+
 _TYPES = {
     ShapeKind.BOX: mujoco.mjtGeom.mjGEOM_BOX,
     ShapeKind.SPHERE: mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -92,6 +96,10 @@ def compile_scene(scene: Scene) -> Compiled:
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
     model = spec.compile()
+    needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY
+    if model.narena < needed:
+        spec.memory = needed
+        model = spec.compile()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
