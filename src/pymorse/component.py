@@ -70,6 +70,7 @@ class Component:
         with self._opening:
             if self._stream is None:
                 self._stream = self._morse._open_stream(self._port)
+                self._stream.peer = f"{self.fqn} ({self._stream.peer})"
             return self._stream
 
     def _part(self, name: str) -> Component | None:

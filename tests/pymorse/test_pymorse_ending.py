@@ -80,6 +80,16 @@ def test_calls_end_when_the_simulation_does(simulation: ScriptedSimulation) -> N
             simu.rpc("simulation", "details")
 
 
+def test_the_end_of_a_stream_names_its_component(simulation: ScriptedSimulation) -> None:
+    with Morse("127.0.0.1", simulation.port) as simu:
+        pose = simu.robot1.pose
+        assert pose.last() is None
+        wait_until(lambda: simulation.streams["robot1.pose"].connections)
+        simulation.streams["robot1.pose"].drop()
+        with pytest.raises(ConnectionError, match=r"robot1\.pose \(127\.0\.0\.1:\d+\) closed the stream"):
+            pose.get()
+
+
 def test_quitting_needs_no_answer(simulation: ScriptedSimulation) -> None:
     def hang_up(*_: str) -> None:
         simulation.rpc.drop()
