@@ -143,6 +143,8 @@ class Gliding:
         self._stands: dict[int, _Stand] = {}
         self._tick = 0
         self._look = 0
+        self._newest = 0
+        self._lopsided: set[int] = set()
         self._strides = False
         self._stride_at, self._stride_wait = 0, _WAIT
 
@@ -226,6 +228,10 @@ class Gliding:
         self._glides[index] = glide = _Glide(slot, floor, self._world.rotations[index][6:9], 0, 0.0, self._tick)
         self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))
         self._strides = False
+        # how far it gets in a tick is known from the next command on
+        self._newest = self._tick
+        if not self._extent[index]:
+            self._lopsided.add(index)
         if glide.look <= self._tick:
             self.leave(index)
 
@@ -243,6 +249,7 @@ class Gliding:
         glide = self._glides.pop(index, None)
         if glide is None:
             return
+        self._lopsided.discard(index)
         model = self._world.model
         for geom in self._geoms(glide.slot):
             if model.geom_contype[geom]:
@@ -322,7 +329,8 @@ class Gliding:
         can = (
             self._tick >= self._stride_at
             and self._world.data.nv_awake == 6 * len(self._glides)
-            and all(self._extent[index] and glide.since < self._tick for index, glide in self._glides.items())
+            and self._tick > self._newest
+            and not self._lopsided
         )
         if can != self._strides:
             self._strides = can
