@@ -1,4 +1,4 @@
-"""Robots on a floor between walls and boxes, each with a pose and, if asked, with more.
+"""Robots on the ground of the empty environment between walls and boxes, each with a pose and, if asked, with more.
 
 Arguments: ``count=10``; ``drive=planar`` or ``wheels``; ``sensors=pose``, ``scan`` or ``panorama``;
 ``port=60000`` for the pose of the first robot.
@@ -53,7 +53,6 @@ def wheeled_robot(number):
     return Pioneer3DX(f"r{number}"), MotionVWDiff(f"motion{number}")
 
 
-block("Floor", 0, 0, -0.5, 40, 40, 1)
 for number, sizes in enumerate(work.blocks()):
     block(f"Block{number}", *sizes)
 
