@@ -26,6 +26,8 @@ MAX_STEP = 1.0 / 240.0
 #: Coulomb coefficient of everything that names none
 DEFAULT_FRICTION = 0.7
 _TORSIONAL, _ROLLING = 0.005, 0.0001
+#: a dynamic robot, unlike a rigid one, is turned by commands only: so many times harder than its mass says
+_UNTURNABLE = 1e6
 #: what a wheel motor can give, N m; and how hard it holds its speed, N m s
 WHEEL_TORQUE, WHEEL_GAIN = 300.0, 20.0
 
@@ -179,6 +181,8 @@ class _Builder:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
+            if frame.node.body.type is PhysicsType.DYNAMIC:
+                body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)
 
     def _stance(self, frame: Frame, slot: Slot) -> Stance | None:

@@ -16,6 +16,7 @@ from morse.physics.drives import Drives
 from morse.physics.gameobject import GameObject
 from morse.physics.gliding import Gliding
 from morse.physics.layout import Motion
+from morse.physics.locks import Locks
 from morse.physics.raycast import cast_ray
 from morse.physics.rays import Rays
 from morse.physics.stability import check_stable
@@ -76,6 +77,7 @@ class World:
         self.rotations: list[Sequence[float]] = []
         self.drives = Drives(self)
         self.attachments = Attachments(self)
+        self.locks = Locks(self)
         self._slot_of: dict[Node, int] = {
             node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
         }
@@ -158,8 +160,10 @@ class World:
         """One tick: apply the commands, let the engine take its steps, read the poses."""
         self.attachments.before_step()
         self.drives.apply()
+        self.locks.before_step()
         self.gliding.step()
         self.drives.release()
+        self.locks.after_step()
         if self._forces:
             self.data.xfrc_applied[:] = 0.0
             self._forces = False

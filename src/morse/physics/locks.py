@@ -1,0 +1,52 @@
+"""Bodies that do not move along, or turn about, some axes of the world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.layout import Motion
+
+if TYPE_CHECKING:
+    from morse.physics.world import World
+
+
+class Locks:
+    """Holds the locked coordinates of free bodies during every tick.
+
+    Velocities along locked axes are taken away before the engine steps, and what it moved along
+    them is put back afterwards; a body can still be put somewhere else by hand. Rotations are
+    locked as a whole: the axes of a body turn with it.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        positions: list[int] = []
+        velocities: list[int] = []
+        for slot in world.slots:
+            if slot.frame.motion is not Motion.FREE or slot.qpos < 0:
+                continue
+            body = slot.frame.node.body
+            for axis in range(3):
+                if body.lock_location[axis]:
+                    positions.append(slot.qpos + axis)
+                    velocities.append(slot.dof + axis)
+            if any(body.lock_rotation):
+                positions += range(slot.qpos + 3, slot.qpos + 7)
+                velocities += range(slot.dof + 3, slot.dof + 6)
+        self._positions = np.array(positions, dtype=np.intp)
+        self._velocities = np.array(velocities, dtype=np.intp)
+        self._held = np.zeros(len(positions))
+
+    def before_step(self) -> None:
+        """The tick begins, and the velocities asked for are set."""
+        if len(self._positions):
+            self._world.data.qvel[self._velocities] = 0.0
+            self._held = self._world.data.qpos[self._positions]
+
+    def after_step(self) -> None:
+        """The tick ends."""
+        if len(self._positions):
+            self._world.data.qpos[self._positions] = self._held
+            self._world.data.qvel[self._velocities] = 0.0
