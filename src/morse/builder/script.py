@@ -30,6 +30,14 @@ def is_loading() -> bool:
     return _loading
 
 
+def _offer_mathutils() -> None:
+    """Scripts and components of 1.4 import ``mathutils``, which came with the Blender that ran them."""
+    spec = importlib.util.find_spec("mathutils")
+    # a folder of that name on the path is no module
+    if spec is None or spec.origin is None:
+        sys.modules["mathutils"] = mathutils
+
+
 def load_scene(options: RunOptions) -> Scene:
     """Run a scene script and return the scene that it describes.
 
@@ -44,9 +52,7 @@ def load_scene(options: RunOptions) -> Scene:
     search.set_project_dirs(options.resource_paths)
     _extend_path([*options.source_paths, str(script.parent)])
     sys.argv[:] = [str(script), *options.arguments]
-    if importlib.util.find_spec("mathutils") is None:
-        # it came with Blender, which ran the scripts and components of 1.4
-        sys.modules["mathutils"] = mathutils
+    _offer_mathutils()
     workspace.reset()
     _loading = True
     try:
