@@ -165,7 +165,14 @@ class View:
         for name in sorted(self._server.wishes.values):
             component = context.components.get(name) or context.robots.get(name)
             if component is not None:
-                self._server.send(Values(name, context.clock.time, dict(component.local_data)))
+                self._send_data(name, dict(component.local_data))
+
+    def _send_data(self, name: str, data: dict[str, Any]) -> None:
+        now = self._simulation.context.clock.time
+        try:
+            self._server.send(Values(name, now, data))
+        except Exception:  # data of users may hold anything
+            self._server.send(Values(name, now, {field: f"{value!r:.200}" for field, value in data.items()}))
 
     def _set_paused(self, paused: bool) -> None:
         if paused:

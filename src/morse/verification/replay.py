@@ -1,16 +1,17 @@
 """Runs a scene for some ticks and writes the fingerprint of every part after each of them.
 
 ``python -m morse.verification.replay OPTIONS`` is what `morse.verification.verify` starts; OPTIONS is
-JSON: the fields of `RunOptions`, ``ticks``, and ``restarts``, how often to start anew afterwards.
-One JSON object a tick goes to the file ``output``.
+JSON: the fields of a `Replay`. One JSON object a tick goes to its file ``output``.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.assets.collision import resolve_shapes
 from morse.builder.script import load_scene
@@ -18,37 +19,76 @@ from morse.core import log
 from morse.simulation.digest import fingerprints
 from morse.simulation.options import RunOptions
 from morse.simulation.simulation import Simulation
-from morse.simulation.viewing import open_view
+from morse.simulation.viewing import View
+from morse.verification.onlookers import Onlookers
+
+if TYPE_CHECKING:
+    from typing import TextIO
+
+#: a run that is paced by the wall clock takes no longer than that, s
+_PACED = 3.0
 
 
-def replay(options: RunOptions, ticks: int, restarts: int, output: Path) -> None:
-    """Write the fingerprints of ``1 + restarts`` runs of ``ticks`` ticks, one after the other."""
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """What to run.
+
+    Attributes:
+        options: fields of `RunOptions`.
+        ticks: length of each run.
+        output: file to write.
+        restarts: how often to start anew afterwards.
+        clients: readers of every stream.
+        paced: wait for the wall clock between ticks.
+    """
+
+    options: dict[str, Any]
+    ticks: int
+    output: str
+    restarts: int = 0
+    clients: int = 0
+    paced: bool = False
+
+
+def replay(wanted: Replay) -> None:
+    """Write the fingerprints of ``1 + restarts`` runs, one after the other."""
+    options = RunOptions(**wanted.options)
     scene = load_scene(options)
     resolve_shapes(scene)
     simulation = Simulation(scene, options)
     try:
         simulation.load()
-        simulation.view = open_view(simulation)
-        if simulation.view is not None:
+        if options.view != "none":
+            simulation.view = View(simulation)
             simulation.view.announce()
-        with output.open("w") as file:
-            for again in range(1 + restarts):
-                if again:
+        watched = bool(wanted.clients or simulation.view)
+        with (
+            Onlookers(simulation, wanted.clients) if watched else nullcontext(),
+            Path(wanted.output).open("w", encoding="utf-8") as file,
+        ):
+            for run in range(1 + wanted.restarts):
+                if run:
                     simulation.restart()
-                for tick in range(1, ticks + 1):
-                    simulation.tick()
-                    file.write(
-                        json.dumps({"run": again, "tick": tick, "parts": fingerprints(simulation.context)}) + "\n"
-                    )
+                _run(simulation, wanted, file)
     finally:
         simulation.shut_down()
 
 
+def _run(simulation: Simulation, wanted: Replay, file: TextIO) -> None:
+    pacer = simulation.pacer
+    if wanted.paced:
+        pacer.set_speed(max(1.0, wanted.ticks * simulation.clock.period / _PACED))
+    for _ in range(wanted.ticks):
+        simulation.tick()
+        file.write(json.dumps(fingerprints(simulation.context)) + "\n")
+        if wanted.paced:
+            pacer.wait()
+
+
 def main(argument: str) -> None:
     """Run what the JSON text says."""
-    wanted: dict[str, Any] = json.loads(argument)
     log.setup(level="ERROR")
-    replay(RunOptions(**wanted["options"]), wanted["ticks"], wanted["restarts"], Path(wanted["output"]))
+    replay(Replay(**json.loads(argument)))
 
 
 if __name__ == "__main__":

@@ -1,21 +1,24 @@
-"""Checks that a scene gives the same bits again: in another process, with a view, after a restart."""
+"""Checks that a scene gives the same bits again, whoever looks on and however fast it runs."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from morse.verification.replay import Replay
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from morse.simulation.options import RunOptions
 
-#: tick, and the fingerprint of every part after it
+#: the fingerprint of every part after a tick
 _Record = dict[str, str]
 
 
@@ -25,18 +28,31 @@ class ReplayError(Exception):
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Difference:
-    """The first tick and the first part of it that differ between two runs."""
+    """The first tick and the first part of it that differ between two runs.
+
+    Attributes:
+        runs: which two.
+        tick: counted from 1.
+        part: name of a robot or component, or ``physics``.
+    """
 
     runs: str
     tick: int
     part: str
 
 
-def verify(options: RunOptions, ticks: int, progress: Callable[[str], None]) -> list[Difference]:
+def verify(
+    options: RunOptions, ticks: int, progress: Callable[[str], object] = print, *, clients: int = 2
+) -> list[Difference]:
     """Run a scene several times and compare every tick, to the bit.
+
+    A first process runs it as fast as possible, then starts it anew. A second one runs it with the
+    live view and a page of it, with clients that read every stream, paced by the wall clock, and
+    with other hashes of strings.
 
     Args:
         progress: told what is being run.
+        clients: on every stream.
 
     Returns:
         The differences, one at most for each comparison; none if all runs are equal.
@@ -46,24 +62,29 @@ def verify(options: RunOptions, ticks: int, progress: Callable[[str], None]) -> 
     """
     with tempfile.TemporaryDirectory(prefix="morse-verify-") as folder:
         progress("a first run, and one more after a restart in the same process")
-        first = _replay(options, "none", ticks, 1, Path(folder) / "first")
-        progress("another process, with the live view open")
-        second = _replay(options, "web", ticks, 0, Path(folder) / "second")
+        first = _replay(
+            dataclasses.replace(options, view="none"), "1", ticks=ticks, restarts=1, output=str(Path(folder) / "first")
+        )
+        progress("another process, with the live view open, clients that read, and the pace of the wall clock")
+        watched = dataclasses.replace(options, view="web")
+        second = _replay(watched, "2", ticks=ticks, clients=clients, paced=True, output=str(Path(folder) / "second"))
     comparisons = [
         ("a new process and a restart", first[:ticks], first[ticks:]),
-        ("two processes, one of them with the live view", first[:ticks], second),
+        ("two processes, one of them watched and paced", first[:ticks], second),
     ]
     return [d for name, a, b in comparisons for d in _first_difference(name, a, b)]
 
 
-def _replay(options: RunOptions, view: str, ticks: int, restarts: int, output: Path) -> list[_Record]:
-    plain = dataclasses.asdict(dataclasses.replace(options, view=view, view_port=0, open_browser=False, speed=None))
-    wanted = {"options": plain, "ticks": ticks, "restarts": restarts, "output": str(output)}
-    command = [sys.executable, "-m", "morse.verification.replay", json.dumps(wanted)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
+    plain = dataclasses.replace(options, view_port=0, open_browser=False, profile=False)
+    replay = Replay(options=dataclasses.asdict(plain), **wanted)
+    # programs that rely on the order of sets show it if strings have other hashes
+    environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
+    command = [sys.executable, "-m", "morse.verification.replay", json.dumps(dataclasses.asdict(replay))]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     if done.returncode:
         raise ReplayError((done.stdout + done.stderr).strip())
-    return [json.loads(line)["parts"] for line in output.read_text().splitlines()]
+    return [json.loads(line) for line in Path(replay.output).read_text(encoding="utf-8").splitlines()]
 
 
 def _first_difference(runs: str, a: list[_Record], b: list[_Record]) -> Iterator[Difference]:

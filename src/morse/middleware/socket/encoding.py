@@ -45,7 +45,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, (set, frozenset)):
-        return list(value)
+        return sorted(value, key=str)  # the order of a set differs from process to process
     if hasattr(value, "tolist"):  # numpy arrays and numbers
         return value.tolist()
     raise TypeError(f"{type(value).__name__} {value!r:.80} cannot be written as JSON")

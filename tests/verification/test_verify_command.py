@@ -1,0 +1,90 @@
+"""`morse verify` names what differs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from morse.cli.app import execute
+from morse.simulation.options import RunOptions
+from morse.verification.verify import Difference, ReplayError, verify
+
+SCENE = """
+import sys
+sys.path.insert(0, {here!r})
+from morse.builder import *
+from morse.builder.creator import SensorCreator
+
+class Honest(SensorCreator):
+    _classpath = "verification_parts.Fair"
+
+class Eye(SensorCreator):
+    _classpath = "verification_parts.{component}"
+
+robot = ATRV()
+honest = Honest()
+robot.append(honest)
+eye = Eye()
+robot.append(eye)
+env = Environment("empty", fastmode=True)
+"""
+
+
+def scene(tmp_path: Path, component: str) -> str:
+    path = tmp_path / "scene.py"
+    path.write_text(SCENE.format(here=str(Path(__file__).parent), component=component), encoding="utf-8")
+    return str(path)
+
+
+def differences(tmp_path: Path, component: str, ticks: int) -> list[Difference]:
+    return verify(RunOptions(scene(tmp_path, component)), ticks, clients=0)
+
+
+@pytest.mark.parametrize(
+    ("component", "part", "tick"), [("WallClock", "robot.eye", 5), ("Dice", "robot.eye", 60), ("Shaky", "physics", 7)]
+)
+def test_the_first_tick_and_component_that_differ_are_named(
+    tmp_path: Path, component: str, part: str, tick: int
+) -> None:
+    found = differences(tmp_path, component, 70)
+    assert [(d.part, d.tick) for d in found] == [(part, tick)] * 2
+
+
+def test_what_only_a_restart_shows(tmp_path: Path) -> None:
+    (found,) = differences(tmp_path, "Memory", 20)
+    assert (found.part, found.tick) == ("robot.eye", 8)
+    assert "restart" in found.runs
+
+
+def test_what_only_another_process_shows(tmp_path: Path) -> None:
+    (found,) = differences(tmp_path, "Sets", 20)
+    assert (found.part, found.tick) == ("robot.eye", 3)
+    assert "two processes" in found.runs
+
+
+def test_data_that_no_encoder_knows_can_be_compared(tmp_path: Path) -> None:
+    assert differences(tmp_path, "Unwritable", 10) == []
+
+
+def test_the_command_says_what_differs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["verify", "--ticks", "10", scene(tmp_path, "WallClock")]) == 1
+    err = capsys.readouterr().err
+    assert "tick 5" in err
+    assert "'robot.eye'" in err
+    assert execute(["verify", "--ticks", "10", scene(tmp_path, "Fair")]) == 0
+
+
+def test_a_scene_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "broken.py"
+    path.write_text("from morse.builder import *\nrobot = ATRVV()\n")
+    with pytest.raises(ReplayError, match="ATRVV"):
+        verify(RunOptions(str(path)), 5)
+    assert execute(["verify", "--ticks", "5", str(path)]) == 1
+    assert "ATRVV" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("ticks", ["0", "-5", "many", "1.5", "nan"])
+def test_numbers_of_ticks_that_are_none(tmp_path: Path, ticks: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["verify", f"--ticks={ticks}", scene(tmp_path, "Fair")]) == 2
+    assert "--ticks" in capsys.readouterr().err
