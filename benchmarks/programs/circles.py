@@ -20,6 +20,7 @@ def main() -> None:
     parser.add_argument("--sensors", choices=["scan", "pose"], default="scan")
     parser.add_argument("--readers", type=int, default=0, help="clients that read every stream")
     parser.add_argument("--pages", type=int, default=0, help="pages that show the live view")
+    parser.add_argument("--paced", action="store_true", help="in real time")
     arguments = parser.parse_args()
     begin = time.perf_counter()
     simulation = prepare(
@@ -27,8 +28,13 @@ def main() -> None:
     )
     loaded = time.perf_counter() - begin
     command_all(simulation)
+
+    def paced_tick() -> None:
+        simulation.tick()
+        simulation.pacer.wait()
+
     with read_streams(simulation, arguments.readers), read_pages(simulation, arguments.pages):
-        pace, seconds = stopwatch.measure(simulation.tick, arguments.secs)
+        pace, seconds = stopwatch.measure(paced_tick if arguments.paced else simulation.tick, arguments.secs)
         final = poses(simulation)
         scan_error, scan_bad = (None, None)
         if arguments.sensors == "scan":

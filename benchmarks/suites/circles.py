@@ -100,25 +100,25 @@ def _spread(trials: dict[str, Trial], plan: Plan) -> dict[str, object]:
 
 
 def readers(plan: Plan) -> Iterator[Result]:
-    """What clients cost that read every stream, and pages that show the view; ten robots, as fast as possible."""
-    words = ("--n", "10", "--secs", str(plan.seconds(_SECONDS[10])))
-    counts = plan.counts(1, 10)
-    programs = [Program("alone", "benchmarks.programs.circles", words)]
-    programs += [
-        Program(f"{n} client{'s' * (n > 1)}", "benchmarks.programs.circles", (*words, "--readers", str(n)))
-        for n in counts
-    ]
-    programs += [
-        Program(f"{n} page{'s' * (n > 1)}", "benchmarks.programs.circles", (*words, "--pages", str(n)))
-        for n in plan.counts(1, 3)
-    ]
-    try:
-        trials = interleave(programs, plan.repeats, check_planar)
-    except TrialFailed as error:
-        yield failure("readers", "10 robots", str(error))
-        return
-    key = plan.clock("factor")
-    alone = trials.pop("alone").median(key)
-    for name, trial in trials.items():
-        lost = 1.0 - trial.median(key) / alone
-        yield Result("readers", f"10 robots, {name}", 100 * lost, "% slower", at_most(5.0), details={"alone": alone})
+    """What clients cost that read every stream, and pages that show the view, with ten robots.
+
+    As fast as possible, every tick sends all data, too: so much slower is the simulation. In real time: that share of a
+    processor is taken.
+    """
+    for case, words, seconds in (("as fast as possible", (), 10.0), ("in real time", ("--paced",), 3.0)):
+        every = ("--n", "10", "--secs", str(plan.seconds(seconds)), *words)
+        options = [("alone", ())]
+        options += [(f"{n} client{'s' * (n > 1)}", ("--readers", str(n))) for n in plan.counts(1, 10)]
+        options += [(f"{n} page{'s' * (n > 1)}", ("--pages", str(n))) for n in plan.counts(1, 3)]
+        programs = [Program(name, "benchmarks.programs.circles", (*every, *more)) for name, more in options]
+        try:
+            trials = interleave(programs, plan.repeats, check_planar)
+        except TrialFailed as error:
+            yield failure("readers", case, str(error))
+            continue
+        key = "processor_factor" if words else plan.clock("factor")
+        alone = trials.pop("alone").median(key)
+        for name, trial in trials.items():
+            factor = trial.median(key)
+            value, unit = (1 / factor - 1 / alone, "% of a core") if words else (1 - factor / alone, "% slower")
+            yield Result("readers", f"{name}, {case}", 100 * value, unit, at_most(5.0), details={"alone": alone})
