@@ -35,6 +35,10 @@ def _no() -> bool:
     return False
 
 
+def _no_gamepad() -> tuple[float, ...]:
+    return ()
+
+
 def _any_robot() -> str | None:
     return None
 
@@ -49,6 +53,7 @@ class Context:
         stream_managers: by class path.
         service_objects: pseudo components: ``simulation``, ``time``, ``communication``.
         held_keys: names of the keys that are held down in the live view (``ArrowUp``).
+        gamepad: axes of the gamepad at the live view, -1 to 1, right and down positive; empty without one.
         listening_robot: name of the robot that the keys drive, or None for all.
         stopping: whether the simulation has been told to end; what waits within a tick has to ask.
         seed: of all random numbers.
@@ -68,6 +73,7 @@ class Context:
     service_objects: dict[str, AbstractObject] = field(default_factory=dict)
     overlays: dict[str, Any] = field(default_factory=dict)
     held_keys: Callable[[], frozenset[str]] = _no_keys
+    gamepad: Callable[[], tuple[float, ...]] = _no_gamepad
     listening_robot: Callable[[], str | None] = _any_robot
     stopping: Callable[[], bool] = _no
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Any
 
+from morse.actuators.joystick import Joystick
 from morse.actuators.keyboard import Keyboard
 from morse.core.declarations import data_fields, properties
 from morse.core.services import signature_of
@@ -39,8 +40,8 @@ def component_tree(context: Context) -> list[ComponentDescription]:
 
 
 def keyboard_robots(context: Context) -> list[str]:
-    """The robots that obey keys."""
-    names = [c.robot_parent.name() for c in context.components.values() if isinstance(c, Keyboard)]
+    """The robots that obey keys or a gamepad."""
+    names = [c.robot_parent.name() for c in context.components.values() if isinstance(c, Keyboard | Joystick)]
     return list(dict.fromkeys(names))
 
 

@@ -75,6 +75,7 @@ class View:
         self._overlays = ViewOverlays(simulation.context, self._server)
         self._drag = ViewDrag(simulation.context)
         simulation.context.held_keys = self._server.held_keys
+        simulation.context.gamepad = lambda: self._server.gamepad()[0]
         simulation.context.listening_robot = lambda: self._listening
         self._url = self._server.start()
         self._handlers: dict[type[Any], Callable[[Any], None]] = {

@@ -1,0 +1,54 @@
+"""Drives a robot by a gamepad at the live view."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.core.actuator import Actuator
+from morse.helpers.components import add_property
+
+#: a stick that is let go does not stand exactly in the middle
+_DEAD_ZONE = 0.08
+
+
+class Joystick(Actuator):
+    """The first stick of the gamepad drives (forward, backward) and turns (left, right)."""
+
+    _name = "Joystick Actuator"
+    _short_desc = "Drives the robot by a gamepad at the live view"
+
+    add_property(
+        "_type", "Velocity", "ControlType", "string", "Velocity sets the speed, Position shifts the body each tick"
+    )
+    add_property("_speed", 1.0, "Speed", "float", "Speed at full deflection, m/s; and turning rate, rad/s")
+    add_property("_index", 0, "Index", "int", "Which pair of axes: 0 for the first stick, 1 for the second")
+
+    _type: str
+    _speed: float
+    _index: int
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._moving = False
+
+    def default_action(self) -> None:
+        """Drive as the stick says; the zero after it was let go is sent once only."""
+        listens = self.context.listening_robot() in (None, self.robot_parent.name())
+        axes = self.context.gamepad() if listens else ()
+        first = 2 * self._index
+        turn = ahead = 0.0
+        if len(axes) > first + 1:
+            turn, ahead = _beyond(-axes[first]), _beyond(-axes[first + 1])
+        pushed = bool(turn or ahead)
+        if not pushed and not self._moving:
+            return
+        self._moving = pushed
+        self.robot_parent.apply_speed(self._type, (self._speed * ahead, 0.0, 0.0), (0.0, 0.0, self._speed * turn))
+
+
+def _beyond(axis: float) -> float:
+    """Deflection of an axis, -1 to 1, from the edge of the dead zone on."""
+    size = abs(axis)
+    if size <= _DEAD_ZONE:
+        return 0.0
+    return (size - _DEAD_ZONE) / (1.0 - _DEAD_ZONE) * (1.0 if axis > 0.0 else -1.0)
