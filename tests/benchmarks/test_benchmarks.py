@@ -12,13 +12,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks import work  # noqa: E402 (the benchmarks are no installed package)
 from benchmarks.__main__ import SUITES  # noqa: E402
 from benchmarks.plan import Plan  # noqa: E402
 from benchmarks.plot import draw, speed_lines  # noqa: E402
 from benchmarks.result import Result, at_least, at_most  # noqa: E402
 from benchmarks.suites.circles import check_planar, check_wheels  # noqa: E402
 from benchmarks.trial import Program, TrialFailed, interleave  # noqa: E402
+
+from benchmarks import work  # noqa: E402 (the benchmarks are no installed package)
 
 QUICK = Plan(quick=True, repeats=1)
 
