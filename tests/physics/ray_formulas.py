@@ -79,6 +79,7 @@ def grazes(shapes, origin, direction, by=1e-4):
     side /= np.linalg.norm(side)
     up = np.cross(direction, side)
     answers = [first_hit(shapes, origin, direction)]
+    answers += [first_hit(shapes, origin + step * direction, direction) + step for step in (by, -by)]
     answers += [first_hit(shapes, origin + by * step, direction) for step in (side, -side, up, -up)]
     if any(math.isinf(a) for a in answers):
         return not all(math.isinf(a) for a in answers)

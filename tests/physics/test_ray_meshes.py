@@ -12,7 +12,7 @@ from worlds import box, node, robot, scene
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.physics.rays import embree
-from morse.scene import BodySettings, Bounds, Material, Mesh, Node, NodeKind, PhysicsType
+from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
 pytestmark = pytest.mark.skipif(not embree.AVAILABLE, reason="Embree has no wheel for this platform")
 
@@ -164,6 +164,16 @@ def test_each_face_throws_back_the_light_of_its_own_material(kind):
     assert look(w, [[1, 0, 0], *directions(100, 1)], of="left").remissions[0] == pytest.approx(0.9)
     # without any material: what a new material has
     assert look(w, [[-3, 5, 0]]).remissions.tolist() == [Material("new").specular]
+
+
+@pytest.mark.parametrize("kind", [PhysicsType.STATIC, PhysicsType.RIGID_BODY])
+def test_a_ball_throws_back_light_too_from_within_its_outline(kind):
+    ball = node("Ball", CollisionShape(ShapeKind.SPHERE, (1.0,)), at=(3, 0, 0), kind=kind)
+    ball.materials = [Material("shiny", specular=0.9)]
+    w = world_of(ball, node("Wall", box(0.1, 9, 9), at=(5, 0, 0), kind=kind), eye(at=(2.2, 0.8, 0)))
+    seen = look(w, [[0.8, -0.8, 0], [1, 1, 0], *directions(300, 2)])
+    assert seen.distances[0] == pytest.approx(0.8 * math.sqrt(2) - 1.0)
+    assert seen.remissions[:2].tolist() == [0.9, 0.5]
 
 
 def test_a_robot_in_its_own_mesh_sees_what_is_around():

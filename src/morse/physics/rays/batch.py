@@ -30,8 +30,8 @@ class Batch:
         clearances: (B,) the largest of these from each viewpoint.
         origins: (N, 3) the viewpoint of each ray.
         solids: (N,) index of the solid met, -1 for none.
-        faces: (N,) triangle met, -1 where the solid has none: of the static scene if the solid
-            stands still, else of its mesh.
+        faces: (N,) triangle met: of the static scene if that has the surface of the solid, else of the mesh
+            of the solid; of no meaning for other solids.
     """
 
     viewpoints: NDArray[np.float64]

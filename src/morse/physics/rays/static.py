@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.physics.rays.boxes import Boxes
 from morse.physics.rays.embree import TriangleScene, single
 from morse.physics.rays.solids import BOX, MESH
 from morse.physics.rays.sweep import margins, sweep
@@ -46,8 +47,10 @@ class StaticScene:
         self._solid_of = np.concatenate([*solid_of, np.empty(0, dtype=np.intp)])
         self._round = np.isin(solids.kinds, (BOX, MESH), invert=True)[self._solid_of]
         self._is_exact = not self._round.any()
+        is_exact = np.isin(solids.kinds[members], (BOX, MESH))
+        self._boxes = Boxes(narrow, members[~is_exact], grain)
+        self._exact = frozenset(members[is_exact].tolist())
         self._groups = set(solids.owners[members].tolist())
-        self._members = frozenset(members.tolist())
         self.extent = 0.0
         if not len(self._solid_of):
             return
@@ -68,6 +71,7 @@ class StaticScene:
         owned = not usual or not self._groups.isdisjoint(batch.owners.tolist())
         if owned or not self._is_exact:
             self._batch = batch
+            self._boxes.look_around(batch)
             sweep(self._scene, self._solid_of, self._resolve, batch, grain, owned=owned)
             return
         faces = self._scene.first(*batch.singles, single(batch.distances + grain))
@@ -93,13 +97,11 @@ class StaticScene:
 
     def normal(self, solid: int, face: int) -> NDArray[np.float64] | None:
         """Unit normal (3,), world axes, of a triangle, if it is the surface of a solid that stands still."""
-        if solid not in self._members or self._round[face]:
-            return None
-        return np.asarray(self._normals[face])
+        return np.asarray(self._normals[face]) if solid in self._exact else None
 
     def remissions(self, solid: int, faces: NDArray[np.int32]) -> NDArray[np.float64] | None:
-        """(K,) of triangles of a solid, if it stands still."""
-        return self._remissions[faces] if solid in self._members else None
+        """(K,) of triangles, if they are the surface of a solid that stands still."""
+        return self._remissions[faces] if solid in self._exact else None
 
     def _resolve(
         self, rays: NDArray[np.intp], faces: NDArray[np.int32], rough: NDArray[np.float64]
