@@ -28,9 +28,9 @@ Pose = tuple[float, float, float]
 Ray = tuple[float, float, float]
 
 
-def walls() -> list[Block]:
+def walls(scale: float = 1.0) -> list[Block]:
     """Centre and full edge lengths of the four walls."""
-    height, thick, size = WALL_HEIGHT, WALL_THICKNESS, SIZE
+    height, thick, size = WALL_HEIGHT, WALL_THICKNESS, SIZE * scale
     away = size / 2 + thick / 2
     return [
         (away, 0, height / 2, thick, size + 2 * thick, height),
@@ -40,19 +40,20 @@ def walls() -> list[Block]:
     ]
 
 
-def boxes() -> list[Block]:
+def boxes(scale: float = 1.0) -> list[Block]:
     """Centre and full edge lengths of boxes along the walls, at least 1 m apart, always the same."""
     numbers, found = random.Random(7), []
     while len(found) < BOXES:
         x, y = (numbers.random() * 2 - 1) * 9.3, (numbers.random() * 2 - 1) * 9.3
         if max(abs(x), abs(y)) >= 7.0 and all((x - a) ** 2 + (y - b) ** 2 >= 1.0 for a, b, *_ in found):
             found.append((x, y, BOX[2] / 2, *BOX))
-    return found
+    return [(x * scale, y * scale, *rest) for x, y, *rest in found]
 
 
-def blocks() -> list[Block]:
-    """Everything that stands still but the floor."""
-    return walls() + boxes()
+def blocks(count: int = 1) -> list[Block]:
+    """Everything that stands still but the floor; more than a hundred robots need a larger place."""
+    scale = max(1.0, math.ceil(math.sqrt(count)) / 10)
+    return walls(scale) + boxes(scale)
 
 
 # robots that drive in circles ---------------------------------------------------------------
@@ -99,7 +100,9 @@ def scan_angles() -> list[float]:
 def scan(pose: Pose, others: list[Pose]) -> list[float]:
     """Ranges that a laser scanner in the middle of a robot measures, analytically."""
     x, y, yaw = pose
-    rectangles = [(cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in blocks()]
+    rectangles = [
+        (cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in blocks(1 + len(others))
+    ]
     ranges = []
     for angle in scan_angles():
         dx, dy = math.cos(yaw + angle), math.sin(yaw + angle)

@@ -16,7 +16,7 @@ import irsim  # looks at the variable above
 
 
 def _description(count: int) -> str:
-    half = work.SIZE / 2 + 2
+    half = max(x for x, *_ in work.walls()) + 2
     lines = [
         f"world: {{height: {2 * half}, width: {2 * half}, offset: [-{half}, -{half}], "
         f"step_time: {1 / work.TICK}, sample_time: {1 / work.TICK}, collision_mode: 'stop'}}",
@@ -30,7 +30,7 @@ def _description(count: int) -> str:
             f"angle_range: {work.SCAN_VIEW}, number: {work.SCAN_RAYS}}}]}}"
         )
     lines.append("obstacle:")
-    for x, y, _, sx, sy, _ in work.blocks():
+    for x, y, _, sx, sy, _ in work.blocks(count):
         lines.append(f"  - {{shape: {{name: 'rectangle', length: {sx}, width: {sy}}}, state: [{x}, {y}, 0]}}")
     return "\n".join(lines)
 

@@ -25,11 +25,11 @@ _STEPS = 4  # of the engine in a tick: 240 Hz
 def _model(count: int, drive: str) -> mujoco.MjModel:
     parts = [
         f'<mujoco><option timestep="{1 / work.TICK / _STEPS}" integrator="implicitfast"/><worldbody>'
-        '<geom type="plane" size="20 20 1" friction="1 0.005 0.0001"/>'
+        '<geom type="plane" size="60 60 1" friction="1 0.005 0.0001"/>'
     ]
     parts += [
         f'<geom type="box" pos="{x} {y} {z}" size="{sx / 2} {sy / 2} {sz / 2}"/>'
-        for x, y, z, sx, sy, sz in work.blocks()
+        for x, y, z, sx, sy, sz in work.blocks(count)
     ]
     robot = _planar if drive == "planar" else _wheeled
     parts += [robot(f"r{i}", x, y) for i, (x, y, _) in enumerate(work.starts(count))]

@@ -25,7 +25,7 @@ class Fleet:
         bullet.connect(bullet.DIRECT)
         bullet.setTimeStep(1 / work.TICK / _STEPS)
         bullet.setGravity(0, 0, -work.GRAVITY)
-        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 40.0, 40.0, 1.0), *work.blocks()]:
+        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 120.0, 120.0, 1.0), *work.blocks(count)]:
             shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[size / 2 for size in sizes])
             bullet.createMultiBody(0, shape, -1, (x, y, z))
         ball = bullet.createCollisionShape(bullet.GEOM_SPHERE, radius=work.RADIUS)

@@ -24,7 +24,7 @@ class Fleet:
 
     def __init__(self, count: int) -> None:
         self._world = robox3d.World(gravity=(0, 0, -work.GRAVITY))
-        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 40.0, 40.0, 1.0), *work.blocks()]:
+        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 120.0, 120.0, 1.0), *work.blocks(count)]:
             half = tuple(size / 2 for size in sizes)
             self._world.create_body(position=(x, y, z), kind="static").add_box(half, friction=0.0)
         half = work.HEIGHT / 2

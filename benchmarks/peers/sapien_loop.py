@@ -23,7 +23,7 @@ class Fleet:
         self._scene = sapien.Scene([self._physics])
         self._scene.set_timestep(1 / work.TICK / _STEPS)
         slick = sapien.physx.PhysxMaterial(0.0, 0.0, 0.0)
-        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 40.0, 40.0, 1.0), *work.blocks()]:
+        for x, y, z, *sizes in [(0.0, 0.0, -0.5, 120.0, 120.0, 1.0), *work.blocks(count)]:
             builder = self._scene.create_actor_builder()
             builder.add_box_collision(half_size=[size / 2 for size in sizes], material=slick)
             builder.set_initial_pose(sapien.Pose([x, y, z]))

@@ -53,7 +53,7 @@ def wheeled_robot(number):
     return Pioneer3DX(f"r{number}"), MotionVWDiff(f"motion{number}")
 
 
-for number, sizes in enumerate(work.blocks()):
+for number, sizes in enumerate(work.blocks(int(ASKED["count"]))):
     block(f"Block{number}", *sizes)
 
 for number, (x, y, yaw) in enumerate(work.starts(int(ASKED["count"]))):
