@@ -1,0 +1,7 @@
+"""``python -m morse`` is the command ``morse``."""
+
+import sys
+
+from morse.cli import main
+
+sys.exit(main())
