@@ -31,7 +31,8 @@ _PARALLEL = 1e-200
 
 
 def _dot(one: Floats, other: Floats) -> Floats:
-    result: Floats = np.einsum("in,in->n", one, other)
+    # term by term: einsum adds up in another order if there is one ray only
+    result: Floats = one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
     return result
 
 
