@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import socket
 import sys
 import types
 from datetime import date
@@ -208,6 +210,13 @@ def test_name_of_the_node_from_the_environment(morse, project, started, monkeypa
     monkeypatch.setenv("MORSE_NODE", "node2")
     morse("run", "ranger_sim")
     assert started[0].node_name == "node2"
+
+
+def test_scripts_find_the_name_of_the_node_where_1_4_put_it(morse, project, started, monkeypatch):
+    morse("run", "ranger_sim")
+    assert os.environ["MORSE_NODE"] == started[0].node_name == socket.gethostname()
+    morse("run", "--name", "node3", "ranger_sim")
+    assert os.environ["MORSE_NODE"] == started[1].node_name == "node3"
 
 
 def test_headless_means_no_view(morse, project, started):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 import platform
@@ -18,6 +19,8 @@ from morse.simulation.summary import summary
 from morse.version import __version__
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
     from morse.simulation.simulation import Simulation
@@ -72,22 +75,42 @@ def _load_scene(options: RunOptions) -> Scene | None:
     return None
 
 
-def _start(scene: Scene, options: RunOptions) -> Simulation | None:
-    from morse.assets.collision import resolve_shapes
-    from morse.simulation.simulation import Simulation
-    from morse.simulation.viewing import open_view
+@contextlib.contextmanager
+def _interruption_held_back() -> Iterator[list[int]]:
+    """Ctrl+C is only noted, in the list: compiled modules that load, and event loops that begin, do not survive it."""
+    pressed: list[int] = []
 
+    def note(number: int, _frame: Any) -> None:
+        pressed.append(number)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield pressed
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _start(scene: Scene, options: RunOptions) -> Simulation | None:
+    with _interruption_held_back() as pressed:
+        from morse.assets.collision import resolve_shapes
+        from morse.simulation.simulation import Simulation
+        from morse.simulation.viewing import open_view
+    if pressed:
+        raise KeyboardInterrupt
     for name, level in scene.log_levels.items():
         logging.getLogger(f"morse.{name}").setLevel(level)
     try:
         section("SUPERVISION SERVICES INITIALIZATION")
         for warning in resolve_shapes(scene):
             logger.warning("%s", warning)
-        simulation = Simulation(scene, options)
+        with _interruption_held_back() as pressed:
+            simulation = Simulation(scene, options)
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         return None
     _listen_for_signals(simulation)
+    if pressed:
+        simulation.stop()
     endsection("SUPERVISION SERVICES INITIALIZED")
     try:
         section("SCENE INITIALIZATION")
