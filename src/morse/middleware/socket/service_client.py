@@ -30,7 +30,7 @@ class ServiceClient(LineClient):
         super().__init__(server)
         self._arrived = arrived
         self._waiting = 0
-        self._held = False
+        self._held = self._leaving = False
 
     def line(self, line: bytes) -> None:
         """A request has arrived."""
@@ -40,9 +40,16 @@ class ServiceClient(LineClient):
             self.transport.pause_reading()
         self._arrived(self, line)
 
+    def eof_received(self) -> bool:
+        """The client sends no more; it may still read the answers to what it has sent (as ``nc`` does)."""
+        self._leaving = self._waiting > 0
+        return self._leaving
+
     def consumed(self, count: int) -> None:
-        """The simulation has taken ``count`` of the requests."""
+        """The simulation has taken ``count`` of the requests, and answered what could be answered at once."""
         self._waiting -= count
+        if self._leaving and not self._waiting:
+            self.transport.close()
         if self._held and self._waiting < _RESUME_BELOW and not self.transport.is_closing():
             self._held = False
             self.transport.resume_reading()
