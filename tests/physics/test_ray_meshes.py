@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from test_rays import directions, eye, look, names
+from test_rays import directions, eye, look, make_triangles, names
 from worlds import box, node, robot, scene
 
 from morse.assets.collision import resolve_shapes
@@ -15,6 +15,13 @@ from morse.physics.rays import embree
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
 pytestmark = pytest.mark.skipif(not embree.AVAILABLE, reason="Embree has no wheel for this platform")
+
+
+@pytest.fixture(params=["pairs", "triangles"], autouse=True)
+def way(request, monkeypatch):
+    """Each ray compared with each body that moves, or these as triangles."""
+    if request.param == "triangles":
+        make_triangles(monkeypatch)
 
 
 def mesh_node(name, vertices, triangles, *, kind=PhysicsType.STATIC, bounds=None, materials=(), index=None, **settings):
@@ -85,7 +92,7 @@ def test_bounds_that_a_model_names_are_what_rays_hit():
     assert seen.distances[0] == pytest.approx(5 - 0.8, abs=1e-5)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 10_000),
     moves=st.booleans(),

@@ -46,6 +46,7 @@ class Batch:
     solids: NDArray[np.intp] = field(init=False)
     faces: NDArray[np.int32] = field(init=False)
     _ray_owners: NDArray[np.intp] | None = field(init=False, default=None)
+    _columns: tuple[NDArray[np.float64], NDArray[np.float64]] | None = field(init=False, default=None)
     _singles: tuple[NDArray[np.float32], NDArray[np.float32]] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
@@ -79,6 +80,13 @@ class Batch:
         if self._ray_owners is None:
             self._ray_owners = self.owners.repeat(self.counts)
         return self._ray_owners
+
+    @property
+    def columns(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origins (3, N) and directions (3, N)."""
+        if self._columns is None:
+            self._columns = np.ascontiguousarray(self.origins.T), np.ascontiguousarray(self.directions.T)
+        return self._columns
 
     @property
     def singles(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: share of the largest coordinate by which single precision may be wrong: four units in the last place
 _GRAIN = 2.0**-22
+#: bytes: a little less than the largest block whose release makes glibc raise its limits
+_BLOCK = (32 << 20) - 8192
 
 
 class Caster:
@@ -38,6 +40,9 @@ class Caster:
         places = self._narrow.positions if len(solids) else np.zeros((1, 3))
         self.anchor = (places.min(axis=0) + places.max(axis=0)) / 2
         self.grain = float(np.abs(places - self.anchor).max() + solids.halves.max(initial=0.0)) * _GRAIN
+        # glibc hands freed memory back to the system above a limit that it sets to the largest block freed so far
+        # (mallopt(3), M_TRIM_THRESHOLD): else it would take it anew, page by page, in every cast. Nothing is touched.
+        np.empty(_BLOCK, dtype=np.uint8)
         self._loose: set[int] | None = None
         self._stamp = -1
 
@@ -79,8 +84,8 @@ class Caster:
         slots = solids.slots.take(members)
         turns = rotations.take(slots, axis=0)
         places = np.einsum("sij,sj->si", turns, solids.places.take(members, axis=0))
-        self._narrow.positions[members] = positions.take(slots, axis=0) + places - self.anchor
-        self._narrow.rotations[members] = turns @ solids.turns.take(members, axis=0)
+        places += positions.take(slots, axis=0) - self.anchor
+        self._narrow.place(members, places, turns @ solids.turns.take(members, axis=0))
 
     def _moving_scene(self, batch: Batch, extent: float) -> MovingScene | None:
         """The moving solids that the rays can meet, if there are any."""

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from morse.physics.rays.narrow import Narrow
 
 #: up to so many rays, or so many pairs of rays and solids, each ray is compared with each solid: that is quicker
-#: than making triangles
-FEW_RAYS, FEW_PAIRS = 400, 200_000
+#: than making triangles; but never more pairs than the last number, for the sake of memory
+_FEW_RAYS, _FEW_PAIRS, _MOST_PAIRS = 1000, 200_000, 4_000_000
 #: solids are compared with each other if there are at least that many rays for each pair
 _RAYS_A_PAIR = 0.1
 
@@ -39,7 +39,8 @@ class MovingScene:
         """Find what each ray meets first."""
         rays, solids = len(batch), len(self._boxes)
         if self._scene is None:
-            if rays <= FEW_RAYS or rays * solids <= FEW_PAIRS:
+            pairs = rays * solids
+            if pairs <= _FEW_PAIRS or (rays <= _FEW_RAYS and pairs <= _MOST_PAIRS):
                 self._compare(batch)
                 return
             first = np.arange(0, 8 * solids, 8, dtype=np.int32)
@@ -73,14 +74,15 @@ class MovingScene:
         """Each ray with each solid whose bounding sphere it passes through."""
         members, middles, radii = self._boxes.members, self._boxes.middles, self._boxes.radii * 1.001
         squares = ((batch.viewpoints[:, None] - middles) ** 2).sum(axis=2)
-        limits = radii**2 + 1e-12 * (squares + 1.0)
-        squares[batch.groups.take(members) == batch.owners[:, None]] = np.inf
-        if len(batch.counts) > 1:
-            squares, limits = squares.repeat(batch.counts, axis=0), limits.repeat(batch.counts, axis=0)
-        along = batch.directions @ middles.T - np.einsum("ij,ij->i", batch.directions, batch.origins)[:, None]
-        reached = (squares - along**2 <= limits) & (along >= -radii)
-        reached &= along - radii <= batch.distances[:, None]
-        rays, chosen = reached.nonzero()
+        # a ray that touches a sphere goes along at least that far until it is nearest to the middle
+        tangents = np.sqrt(np.maximum(squares * (1.0 - 1e-12) - radii**2, 0.0))
+        tangents[squares <= radii**2] = -np.inf
+        tangents[batch.groups.take(members) == batch.owners[:, None]] = np.inf
+        along = batch.directions @ middles.T
+        along -= np.einsum("ij,ij->i", batch.directions, batch.origins)[:, None]
+        rays, chosen = (along >= tangents.repeat(batch.counts, axis=0)).nonzero()
+        near = along[rays, chosen] - radii.take(chosen) <= batch.distances.take(rays)
+        rays, chosen = rays[near], chosen[near]
         if not len(rays):
             return
         solids = members.take(chosen)

@@ -19,7 +19,7 @@ class Narrow:
     """Solids and where they are.
 
     Attributes:
-        positions: (S, 3) metres, relative to the anchor of the caster.
+        positions: (S, 3) metres, relative to the anchor of the caster; see `place`.
         rotations: (S, 3, 3) from each solid to the world.
     """
 
@@ -27,6 +27,9 @@ class Narrow:
         self.solids = solids
         self.positions = np.zeros((len(solids), 3))
         self.rotations = np.tile(np.eye(3), (len(solids), 1, 1))
+        # the same as columns, of which a ray takes one: several times quicker than rows
+        self._places = np.zeros((3, len(solids)))
+        self._turns = np.zeros((9, len(solids)))
         self._sizes = np.ascontiguousarray(solids.sizes.T)
         self._mesh_of = np.full(len(solids), -1, dtype=np.intp)
         self._meshes = [mesh for mesh in dict.fromkeys(solids.meshes) if mesh is not None]
@@ -35,15 +38,21 @@ class Narrow:
             if mesh is not None:
                 self._mesh_of[index] = number[mesh]
 
+    def place(self, members: NDArray[np.intp], positions: NDArray[np.float64], rotations: NDArray[np.float64]) -> None:
+        """Put some solids (K,) somewhere: (K, 3) metres, (K, 3, 3)."""
+        self.positions[members] = positions
+        self.rotations[members] = rotations
+        self._places[:, members] = positions.T
+        self._turns[:, members] = rotations.reshape(-1, 9).T
+
     def first_surface(
         self, batch: Batch, rays: NDArray[np.intp], solids: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         """Distance (K,) from the origin of each ray (K,) to a solid (K,), infinite for a miss; triangle (K,) or -1."""
-        rotations = self.rotations.take(solids, axis=0)
-        origins = batch.origins.take(rays, axis=0) - self.positions.take(solids, axis=0)
-        # R^T v, as columns
-        origins = np.einsum("kij,ki->jk", rotations, origins, order="C")
-        directions = np.einsum("kij,ki->jk", rotations, batch.directions.take(rays, axis=0), order="C")
+        starts, ways = batch.columns
+        turns = self._turns.take(solids, axis=1)
+        origins = turned_back(turns, starts.take(rays, axis=1) - self._places.take(solids, axis=1))
+        directions = turned_back(turns, ways.take(rays, axis=1))
         faces = np.full(len(rays), -1, dtype=np.int32)
         kinds = self.solids.kinds.take(solids)
         present = np.bincount(kinds).nonzero()[0].tolist()
@@ -92,3 +101,12 @@ class Narrow:
             here = rotation.T @ (point - self.positions[solid])
             local = primitives.normal(KINDS[self.solids.kinds[solid]], here, self.solids.sizes[solid])
         return np.asarray(rotation @ local, dtype=np.float64)
+
+
+def turned_back(turns: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3, K) ``R^T v`` of rotations (9, K), row by row, and vectors (3, K)."""
+    result = np.empty_like(vectors)
+    x, y, z = vectors
+    for axis in range(3):
+        result[axis] = turns[axis] * x + turns[3 + axis] * y + turns[6 + axis] * z
+    return result

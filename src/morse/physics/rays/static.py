@@ -58,6 +58,7 @@ class StaticScene:
         vertices = np.concatenate([part.vertices for part in parts])
         faces = np.concatenate([part.faces + first for part, first in zip(parts, firsts, strict=False)])
         self._normals = np.concatenate([part.normals for part in parts])
+        self._normal_columns = np.ascontiguousarray(self._normals.T)
         self._offsets = np.concatenate([part.offsets for part in parts])
         self._remissions = np.concatenate([part.remissions for part in parts])
         self.extent = float(np.nanmax(np.abs(vertices)))
@@ -75,10 +76,10 @@ class StaticScene:
             sweep(self._scene, self._solid_of, self._resolve, batch, grain, owned=owned)
             return
         faces = self._scene.first(*batch.singles, single(batch.distances + grain))
-        normals = self._normals.take(faces, axis=0)
-        slopes = np.einsum("ij,ij->i", normals, batch.directions)
-        distances = self._offsets.take(faces) - np.einsum("ij,ij->i", normals, batch.origins)
-        distances /= slopes
+        a, b, c = self._normal_columns.take(faces, axis=1)
+        (x, y, z), (u, v, w) = batch.columns
+        slopes = a * u + b * v + c * w
+        distances = (self._offsets.take(faces) - (a * x + b * y + c * z)) / slopes
         grazing = np.flatnonzero(np.abs(slopes) < _GRAZING)
         if len(grazing):
             distances[grazing] = self._graze(batch, grazing, grain)
