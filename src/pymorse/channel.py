@@ -28,6 +28,7 @@ class Channel:
         self.socket = sock
         self.poller = poller
         self.peer = _peer(sock)
+        self.address = _address(sock)
         self._unsent = bytearray()
         self._state = threading.Condition()
         self._up = True
@@ -132,3 +133,12 @@ def _peer(sock: socket.socket) -> str:
     except OSError:
         return "the other side"
     return f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "the other side"
+
+
+def _address(sock: socket.socket) -> str:
+    """Address and port of this end, as the other end sees them if nothing translates between."""
+    try:
+        name = sock.getsockname()
+        return f"{name[0]}:{name[1]}"
+    except (OSError, IndexError, TypeError):  # not every socket is TCP
+        return ""

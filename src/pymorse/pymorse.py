@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import functools
 import logging
 import os
 import threading
@@ -64,6 +65,7 @@ class Morse:
         self._service_poller = Poller("pymorse-services")
         self._stream_poller: Poller | None = None
         self._opening = threading.Lock()
+        self._streams: list[StreamJSON] = []
         self._service_poller.start()
         try:
             self._services = _greet(host, port, self._service_poller)
@@ -177,9 +179,24 @@ class Morse:
         What was published before acts in the first of these ticks, and ``last()`` of a sensor that has
         been used before gives the data of the last one.
         """
-        self.rpc("simulation", "step", n)
-        if self._stream_poller is not None:
-            self._stream_poller.catch_up()
+        if self._stream_poller is None:
+            self.rpc("simulation", "step", n)
+            return
+        sent = self.rpc("simulation", "step", n, True)
+        self._stream_poller.catch_up()
+        self._wait_for_messages(sent or {})
+
+    def _wait_for_messages(self, sent: dict[str, int]) -> None:
+        """Wait until the streams have received as many messages as they were sent.
+
+        Connections do not overtake each other in order: a reply may arrive before data that was sent earlier.
+        """
+        expected = [(stream, sent[stream.address]) for stream in self._streams if stream.address in sent]
+        limit = _time.monotonic() + TIMEOUT
+        for stream, count in expected:
+            while not stream.has_received(count) and stream.is_up() and _time.monotonic() < limit:
+                if not stream.poller.serve_until(functools.partial(stream.has_received, count), 0.05):
+                    stream.wait_for_message(0.005)
 
     def streams(self) -> list[str]:
         """Names of the components that have a stream."""
@@ -215,7 +232,9 @@ class Morse:
             if self._stream_poller is None:
                 self._stream_poller = Poller("pymorse-streams")
                 self._stream_poller.start()
-        return StreamJSON(self.host, port, poller=self._stream_poller)
+        stream = StreamJSON(self.host, port, poller=self._stream_poller)
+        self._streams.append(stream)
+        return stream
 
     def is_up(self) -> bool:
         """Whether the simulation is connected."""

@@ -127,6 +127,16 @@ class StreamB(Channel):
             raw = self._kept[-1]
         return self.decode(raw)
 
+    def has_received(self, count: int) -> bool:
+        """Whether that many messages have arrived since the connection was made."""
+        return self._count >= count
+
+    def wait_for_message(self, timeout: float) -> None:
+        """Wait until another message has arrived, at most ``timeout`` seconds."""
+        with self._arrival:
+            before = self._count
+            self._arrival.wait_for(lambda: self._count != before or not self._up, timeout)
+
     def received(self, data: bytes) -> None:
         """Cut what arrived into messages."""
         first, *others = data.split(MSG_SEPARATOR)

@@ -119,7 +119,7 @@ def stepping() -> Iterator[Bench]:
             asked.clear()
             bench.context.services.process()
 
-    def step(n: int) -> None:
+    def step(n: int, tell_sent: bool = False) -> None:
         for component in bench.components:
             component.action()
         bench.context.clock.advance()

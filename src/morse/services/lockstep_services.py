@@ -69,10 +69,15 @@ class LockstepServices(AbstractObject):
         self._simulation.resume()
 
     @concurrent_service
-    def step(self, ended: Callable[[tuple[str, Any]], object], n: int = 1) -> None:
+    def step(self, ended: Callable[[tuple[str, Any]], object], n: int = 1, tell_sent: bool = False) -> None:
         """Let ``n`` ticks pass, and answer when they are done and the last message of every stream is sent.
 
         A simulation that was running is paused then. Steps that were asked for before come first.
+
+        Args:
+            n: number of ticks.
+            tell_sent: let the socket answer how many messages each client of a stream has been sent, by address: data
+                on one connection may arrive after an answer on another that was sent later.
         """
         self._simulation.step(_integer(n, "the number of steps", 1, _MAX_STEPS), ended)
 

@@ -116,6 +116,12 @@ class SocketDatastreamManager(DatastreamManager):
             self.context.network.post(_send, self._outbox.copy())
             self._outbox.clear()
 
+    def sent(self) -> dict[str, int]:
+        """Number of messages sent to each client of a sensor, by its address; to be called in the network thread."""
+        return {
+            client.peer: client.sent for server in self._servers.values() for client in server.clients if client.sent
+        }
+
     def finalize(self) -> None:
         """Send what is left and close."""
         for stream in self._streams.values():

@@ -6,10 +6,11 @@ import logging
 import os
 import traceback
 from collections import Counter, deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
+from morse.core.status import SUCCESS
 from morse.middleware.socket.lines import LineServer
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.socket.protocol import MalformedRequest, Request, format_failure, format_reply, parse_request
@@ -17,8 +18,12 @@ from morse.middleware.socket.service_client import ServiceClient
 
 if TYPE_CHECKING:
     import uuid
+    from collections.abc import Callable
 
     from morse.core.context import Context
+
+    #: bytes, or what gives them when they are sent
+    _Reply = bytes | Callable[[], bytes]
 
 logger = logging.getLogger("morse." + __name__)
 
@@ -28,6 +33,9 @@ _PORT_VARIABLE = "MORSE_SOCKET_PORT"
 #: a tick takes no more than this from its clients; the rest waits for the next one
 _REQUESTS_PER_TICK = 512
 _REMEMBERED = 1024
+#: the service whose reply says, if asked, how many messages each client of a stream has been sent; who knows that
+_STEP = ("simulation", "step")
+_STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"
 
 
 class SocketRequestManager(RequestManager):
@@ -48,9 +56,10 @@ class SocketRequestManager(RequestManager):
         self._context = context
         self._inbox: deque[tuple[ServiceClient, bytes]] = deque()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
-        self._outbox: list[tuple[ServiceClient, bytes]] = []
+        self._outbox: list[tuple[ServiceClient, _Reply]] = []
         self._consumed: Counter[ServiceClient] = Counter()
         self._calls: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
+        self._steps: set[uuid.UUID] = set()
         self._issued: dict[tuple[ServiceClient, str], None] = {}
         self._server: LineServer | None = None
         self.port = 0
@@ -120,7 +129,18 @@ class SocketRequestManager(RequestManager):
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
         """An asynchronous call has ended: answer who asked."""
         client, request = self._calls.pop(request_id)
-        self._outbox.append((client, format_reply(request, *result)))
+        if request_id in self._steps:
+            # how much its streams have been sent is known when the reply is sent: after all that was published before
+            self._steps.discard(request_id)
+            self._outbox.append((client, lambda: self._step_reply(request, *result)))
+        else:
+            self._outbox.append((client, format_reply(request, *result)))
+
+    def _step_reply(self, request: str, state: str, result: Any) -> bytes:
+        manager = self._context.stream_managers.get(_STREAMS)
+        if state == SUCCESS and manager is not None:
+            result = manager.sent()
+        return format_reply(request, state, result)
 
     def _handle(self, client: ServiceClient, line: bytes) -> None:
         try:
@@ -147,6 +167,8 @@ class SocketRequestManager(RequestManager):
                 self._outbox.append((client, format_reply(request.id, *outcome)))
             else:
                 self._calls[outcome] = (client, request.id)
+                if (request.component, request.service) == _STEP and request.arguments[1:] == [True]:
+                    self._steps.add(outcome)
 
     def _remember(self, client: ServiceClient, request: str) -> None:
         self._issued[client, request] = None
@@ -171,10 +193,10 @@ class SocketRequestManager(RequestManager):
         self._consumed = Counter()
 
 
-def _deliver(replies: list[tuple[ServiceClient, bytes]], consumed: Counter[ServiceClient]) -> None:
+def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: Counter[ServiceClient]) -> None:
     by_client: dict[ServiceClient, list[bytes]] = {}
     for client, reply in replies:
-        by_client.setdefault(client, []).append(reply)
+        by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())
     for client, parts in by_client.items():
         client.reply(b"".join(parts))
     for client, count in consumed.items():

@@ -18,6 +18,9 @@ class StreamClient(LineClient):
     """A client of a stream.
 
     One that reads too slowly gets the latest message whenever it has room for one, not all of them.
+
+    Attributes:
+        sent: number of messages handed to the connection.
     """
 
     server: StreamServer
@@ -26,6 +29,7 @@ class StreamClient(LineClient):
         super().__init__(server)
         self._waiting: bytes | None = None
         self._behind = False
+        self.sent = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """A client has connected."""
@@ -39,6 +43,7 @@ class StreamClient(LineClient):
         """Send a message now, or as soon as the client has room for it unless a newer one comes first."""
         if not self.congested:
             self.transport.write(message)
+            self.sent += 1
             return
         if self._waiting is not None and not self._behind:
             self._behind = True
@@ -51,6 +56,7 @@ class StreamClient(LineClient):
         message, self._waiting = self._waiting, None
         if message is not None and not self.transport.is_closing():
             self.transport.write(message)
+            self.sent += 1
 
     def data_received(self, data: bytes) -> None:
         """Bytes have arrived; a stream that only sends takes no notice."""
