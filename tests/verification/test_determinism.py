@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-import scenes
+import verification_scenes as scenes
 
 from morse.simulation.options import RunOptions
 from morse.testing.process import SimulationProcess

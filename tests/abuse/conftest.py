@@ -1,0 +1,47 @@
+"""Simulations to treat badly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from victims import SCENE, Victim
+
+from morse.testing.process import SimulationProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+@pytest.fixture
+def start(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., SimulationProcess]]:
+    """Call it with the text of a scene and options of ``morse run``; what still runs at the end is killed."""
+    directory = tmp_path_factory.mktemp("abuse")
+    started: list[SimulationProcess] = []
+
+    def start_text(text: str, *options: str, port: int = 0, initialized: bool = True) -> SimulationProcess:
+        script = directory / f"scene{len(started)}.py"
+        script.write_text(text, encoding="utf-8")
+        process = SimulationProcess(
+            script, directory / f"log{len(started)}", port=port, options=options or ("--headless",)
+        )
+        started.append(process)
+        if initialized:
+            process.wait_initialized()
+        return process
+
+    yield start_text
+    for process in started:
+        process.kill()
+
+
+@pytest.fixture(scope="module")
+def victim(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Victim]:
+    """One for all tests of a file: what the first does must not hurt the last. It runs at ten times real time."""
+    directory = tmp_path_factory.mktemp("victim")
+    (directory / "scene.py").write_text(SCENE, encoding="utf-8")
+    process = SimulationProcess(directory / "scene.py", directory / "log", options=("--headless", "--speed", "5"))
+    process.wait_initialized()
+    yield Victim(process)
+    assert process.watch.error is None
+    process.stop()

@@ -1,0 +1,46 @@
+"""A simulation that is started anew again and again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from wire import Footprint, Line
+
+if TYPE_CHECKING:
+    from victims import Victim
+
+pytestmark = pytest.mark.skipif(not Footprint.possible(), reason="the system does not tell")
+
+
+def reset(victim: Victim, times: int) -> None:
+    services = Line(victim.port, timeout=120.0)
+    pose = Line(victim.streams["anna.pose"])
+    services.call("simulation", "pause")
+    footprint = Footprint(victim.process.pid)
+
+    def once(seed: int) -> bytes:
+        services.call("simulation", "reset", seed)
+        services.call("simulation", "step", 2)
+        pose.read()
+        return pose.read()
+
+    for seed in range(500):  # memory grows to what it needs
+        first = once(seed)
+    memory, descriptors = footprint.memory, footprint.descriptors
+    for seed in range(times):
+        assert once(seed) == first  # nothing is random here
+    assert footprint.descriptors == descriptors
+    assert footprint.memory < 1.02 * memory
+    services.call("simulation", "resume")
+    services.close()
+    pose.close()
+
+
+def test_resets_leave_nothing_behind(victim: Victim) -> None:
+    reset(victim, 300)
+
+
+@pytest.mark.soak
+def test_two_thousand_resets_leave_nothing_behind(victim: Victim) -> None:
+    reset(victim, 2000)

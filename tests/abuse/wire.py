@@ -1,0 +1,157 @@
+"""Raw clients: some behave, some do not."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import socket
+import struct
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+HZ = 60
+
+
+class Line:
+    """A connection that carries lines."""
+
+    def __init__(self, port: int, timeout: float = 30.0) -> None:
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._lines = self.socket.makefile("rb")
+
+    def send(self, data: bytes) -> None:
+        self.socket.sendall(data)
+
+    def read(self) -> bytes:
+        return self._lines.readline()
+
+    def call(self, component: str, service: str, *arguments: Any) -> Any:
+        """Call a service; its result, or an AssertionError."""
+        self.send(f"c {component} {service} {json.dumps(list(arguments))}\n".encode())
+        number, status, *value = self.read().split(maxsplit=2)
+        assert (number, status) == (b"c", b"SUCCESS"), value
+        return json.loads(value[0]) if value else None
+
+    def close(self) -> None:
+        self._lines.close()
+        self.socket.close()
+
+    def vanish(self) -> None:
+        """End without a farewell, as a program does that is killed in the middle of something."""
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self.close()
+
+
+class Witness(threading.Thread):
+    """A client that does everything right, and notes what goes wrong: at the end, `errors` has to be empty.
+
+    It has to get every message of a sensor, and a right answer to every call.
+    """
+
+    def __init__(self, port: int, stream: int) -> None:
+        super().__init__()
+        self.errors: list[str] = []
+        self.messages = self.calls = 0
+        self.slowest = 0.0
+        self._port, self._stream = port, stream
+        self._ending = threading.Event()
+
+    def run(self) -> None:
+        try:
+            services, pose = Line(self._port), Line(self._stream)
+            listening = threading.Thread(target=self._guarded, args=[self._listen, pose])
+            listening.start()
+            self._guarded(self._ask, services)
+            listening.join()
+            services.close()
+            pose.close()
+        except Exception as error:
+            self.errors.append(repr(error))
+
+    def _guarded(self, work: Callable[[Line], None], line: Line) -> None:
+        try:
+            work(line)
+        except Exception as error:
+            self.errors.append(repr(error))
+
+    def _listen(self, pose: Line) -> None:
+        last = None
+        while not self._ending.is_set():
+            tick = round(json.loads(pose.read())["timestamp"] * HZ)
+            if last is not None and tick != last + 1:
+                self.errors.append(f"after the message of tick {last} came that of tick {tick}")
+            last = tick
+            self.messages += 1
+
+    def _ask(self, services: Line) -> None:
+        while not self._ending.wait(0.005):
+            begin = time.monotonic()
+            services.send(b"17 simulation list_robots\n")
+            answer = services.read()
+            self.slowest = max(self.slowest, time.monotonic() - begin)
+            self.calls += 1
+            if answer != b'17 SUCCESS ["anna", "bert"]\n':
+                self.errors.append(f"an answer was {answer!r}")
+
+    def __enter__(self) -> Witness:
+        self.start()
+        self.wait_for(3)
+        return self
+
+    def wait_for(self, messages: int) -> None:
+        """Wait for so many messages, and answers, from now on."""
+        goals = self.messages + messages, self.calls + messages
+        deadline = time.monotonic() + 60.0
+        while (self.messages, self.calls) < goals or self.calls < goals[1]:
+            if self.errors or not self.is_alive() or time.monotonic() > deadline:
+                raise AssertionError(f"{self.messages} messages, {self.calls} answers; {self.errors}")
+            time.sleep(0.005)
+
+    def __exit__(self, kind: Any, *_: object) -> None:
+        try:
+            if kind is None:
+                self.wait_for(10)
+        finally:
+            self._ending.set()
+            self.join(60.0)
+        if kind is None:
+            assert self.errors == []
+            assert not self.is_alive()
+
+
+class Footprint:
+    """Memory and descriptors of a process."""
+
+    def __init__(self, pid: int) -> None:
+        self._place = Path("/proc", str(pid))
+
+    @classmethod
+    def possible(cls) -> bool:
+        return Path("/proc/self/smaps_rollup").exists()
+
+    @property
+    def memory(self) -> int:
+        """Bytes that belong to it alone and lie in the memory."""
+        text = (self._place / "smaps_rollup").read_text()
+        return 1024 * sum(int(size) for size in re.findall(r"^Private_\w+: +(\d+) kB", text, re.MULTILINE))
+
+    @property
+    def descriptors(self) -> int:
+        return len(list((self._place / "fd").iterdir()))
+
+
+def drained(line: Line, seconds: float = 30.0) -> bytes:
+    """All that comes until the other side closes."""
+    received = b""
+    line.socket.settimeout(seconds)
+    with contextlib.suppress(ConnectionResetError):
+        while data := line.socket.recv(1 << 20):
+            received += data
+    return received
