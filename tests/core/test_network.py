@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from morse.core.network import Network
+from morse.middleware.socket.listener import listen, port_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -127,8 +128,7 @@ def test_it_ends_while_its_loop_is_borrowed() -> None:
 
 
 class _Reader(asyncio.Protocol):
-    def __init__(self, network: Network, received: Callable[[bytes], object]) -> None:
-        network.newcomer()
+    def __init__(self, received: Callable[[bytes], object]) -> None:
         self._received = received
 
     def data_received(self, data: bytes) -> None:
@@ -145,10 +145,14 @@ def test_what_was_sent_before_on_a_new_connection_is_read_before(network: Networ
         network.when_read(lambda: (seen.append(data), done.set(), network.wake()))
 
     def serve(received: Callable[[bytes], object]) -> int:
-        async def start() -> asyncio.Server:
-            return await network.loop.create_server(lambda: _Reader(network, received), "127.0.0.1", 0)
+        listener = listen("127.0.0.1", [0])
+        listener.accepting = network.newcomer
 
-        return int(network.call(start()).sockets[0].getsockname()[1])
+        async def start() -> asyncio.Server:
+            return await network.loop.create_server(lambda: _Reader(received), sock=listener)
+
+        network.call(start())
+        return port_of(listener)
 
     commands, requests = serve(seen.append), serve(asked)
     with socket.create_connection(("127.0.0.1", requests)) as caller:

@@ -28,10 +28,12 @@ class Arguments:
         self._service = service
         self._signature: inspect.Signature | None = None
         self._kinds: dict[str, tuple[type, ...]] = {}
+        self._needs_nothing = False
         try:
             self._signature = signature_of(callback)
         except (TypeError, ValueError):
             return
+        self._needs_nothing = _binds_nothing(self._signature)
         hints = _hints(callback)
         for name in self._signature.parameters:
             kinds = _plain_types(hints.get(name))
@@ -45,7 +47,7 @@ class Arguments:
             MorseRPCNbArgsError: too few or too many.
             MorseRPCTypeError: one of the wrong type.
         """
-        if self._signature is None:
+        if self._signature is None or (self._needs_nothing and not arguments):
             return
         try:
             bound = self._signature.bind(*arguments)
@@ -63,6 +65,14 @@ class Arguments:
             return f"some parameters are expected: {self._service}{self._signature}"
         names = ", ".join(str(p).partition(":")[0].partition(" =")[0] for p in self._signature.parameters.values())
         return f"wrong # of parameters for service. {self._service} takes ({names}), got {given}"
+
+
+def _binds_nothing(signature: inspect.Signature) -> bool:
+    try:
+        signature.bind()
+    except TypeError:
+        return False
+    return True
 
 
 def _hints(callback: Callable[..., Any]) -> dict[str, Any]:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-#: rounds of the loop from the making of a connection to the reading of what it sent at once
-_ROUNDS = 4
+#: rounds of the loop from the acceptance of a connection to the reading of what it sent at once
+_ROUNDS = 5
 #: new connections delay what arrives on others by so many rounds at most
 _MOST_ROUNDS = 16
 #: wall-clock seconds for which a loop that is borrowed may stay unserved
@@ -39,6 +39,7 @@ class Network:
         self._borrower: int | None = None
         self._served = 0.0
         self._newcomers = 0
+        self._unread: list[Callable[[], object]] = []
         self._alarm: asyncio.TimerHandle | None = None
         self._thread.start()
 
@@ -86,7 +87,7 @@ class Network:
     # -- the order in which things arrive ----------------------------------------------------
 
     def newcomer(self) -> None:
-        """A connection has been made; to be called in the loop, where the connection gets its protocol."""
+        """A connection is being made; to be called in the loop, as early as that is known."""
         self._newcomers += 1
         self._count_down(_ROUNDS)
 
@@ -96,17 +97,21 @@ class Network:
         else:
             self._newcomers -= 1
 
-    def when_read(self, function: Callable[[], object], rounds: int = _MOST_ROUNDS) -> None:
+    def when_read(self, function: Callable[[], object]) -> None:
         """Run ``function()`` when all that has arrived by now is read; to be called in the loop.
 
         The loop reads connections in any order, and new ones some rounds late. A client that sends a
         command on one and then asks for a tick on another means the tick to see the command.
         """
-        self._loop.call_soon(self._if_read, function, rounds)
+        if self._borrower is None:
+            self._loop.call_soon(self._if_read, function, _MOST_ROUNDS)
+        else:
+            self._unread.append(function)
+            self._loop.stop()
 
     def _if_read(self, function: Callable[[], object], rounds: int) -> None:
         if self._newcomers and rounds:
-            self.when_read(function, rounds - 1)
+            self._loop.call_soon(self._if_read, function, rounds - 1)
         else:
             function()
 
@@ -124,14 +129,28 @@ class Network:
             # one that was set before will do: it rings earlier
             self._alarm = self._loop.call_later(seconds, self._ring)
         self._loop.run_forever()
+        if self._unread:
+            self._read_rest()
         self._woken = False
         self._served = perf_counter()
+
+    def _read_rest(self) -> None:
+        # a loop that is stopped finishes its round, so that old connections are read
+        for _ in range(_MOST_ROUNDS):
+            if not self._newcomers:
+                break
+            self._loop.stop()
+            self._loop.run_forever()
+        functions, self._unread = self._unread, []
+        for function in functions:
+            function()
 
     def wake(self) -> None:
         """End `wait`, now or as soon as it is called; may be called from any thread."""
         self._woken = True
         if self._borrower == threading.get_ident():
-            self._loop.stop()
+            if self._loop.is_running():
+                self._loop.stop()
         elif self._borrower is not None:
             self._loop.call_soon_threadsafe(self._loop.stop)
 

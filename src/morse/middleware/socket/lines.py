@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from morse.core.network import Network
+    from morse.middleware.socket.listener import Listener
 
 logger = logging.getLogger("morse." + __name__)
 
@@ -104,7 +105,7 @@ class LineServer:
         complaints: about what the clients do.
     """
 
-    def __init__(self, name: str, listener: socket.socket, make: Callable[[LineServer], LineClient]) -> None:
+    def __init__(self, name: str, listener: Listener, make: Callable[[LineServer], LineClient]) -> None:
         self.name = name
         self.clients: set[Any] = set()
         self.connected = 0
@@ -117,9 +118,10 @@ class LineServer:
         """Begin to accept clients."""
 
         def make() -> LineClient:
-            network.newcomer()
+            network.newcomer()  # again, for loops that accept in another way
             return self._make(self)
 
+        self._listener.accepting = network.newcomer
         self._server = await network.loop.create_server(make, sock=self._listener)
 
     def join(self, client: LineClient) -> None:

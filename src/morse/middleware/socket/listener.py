@@ -6,18 +6,35 @@ import contextlib
 import errno
 import os
 import socket
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
 _TAKEN = (errno.EADDRINUSE, errno.EACCES, getattr(errno, "WSAEACCES", errno.EACCES))
 _BACKLOG = 128
 
 
-def listen(host: str, ports: Iterable[int]) -> socket.socket:
+class Listener(socket.socket):
+    """A socket that listens.
+
+    Attributes:
+        accepting: called for each connection that is accepted, by loops that accept by `accept`.
+    """
+
+    accepting: Callable[[], object] | None = None
+
+    def accept(self) -> tuple[socket.socket, Any]:
+        """Accept a connection."""
+        accepted = super().accept()
+        if self.accepting is not None:
+            self.accepting()
+        return accepted
+
+
+def listen(host: str, ports: Iterable[int]) -> Listener:
     """Listen on the first free one of several ports.
 
     Args:
@@ -44,11 +61,11 @@ def listen(host: str, ports: Iterable[int]) -> socket.socket:
     raise MorseMiddlewareError(f"{which} in use on {host}: end the programs that use them, or take other ports")
 
 
-def _bound(host: str, port: int) -> socket.socket:
+def _bound(host: str, port: int) -> Listener:
     family, kind, protocol, _, address = socket.getaddrinfo(
         host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
     )[0]
-    listener = socket.socket(family, kind, protocol)
+    listener = Listener(family, kind, protocol)
     try:
         # a simulation that has just ended leaves its ports in a state that only this option overlooks;
         # on Windows the same option would let two programs share a port

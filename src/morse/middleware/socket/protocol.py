@@ -65,6 +65,8 @@ def format_reply(request: str, outcome: str, value: Any) -> bytes:
 
     A value that cannot be written makes it a failure that says so.
     """
+    if value is None:
+        return f"{request} {outcome}\n".encode()
     try:
         text = to_json(value)
     except (TypeError, ValueError) as error:

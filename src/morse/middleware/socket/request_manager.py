@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import traceback
-from collections import Counter, deque
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
@@ -57,7 +57,7 @@ class SocketRequestManager(RequestManager):
         self._inbox: deque[tuple[ServiceClient, bytes]] = deque()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
-        self._consumed: Counter[ServiceClient] = Counter()
+        self._consumed: dict[ServiceClient, int] = {}
         self._calls: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
         self._steps: set[uuid.UUID] = set()
         self._issued: dict[tuple[ServiceClient, str], None] = {}
@@ -122,7 +122,7 @@ class SocketRequestManager(RequestManager):
                 client, line = self._inbox.popleft()
             except IndexError:
                 return
-            self._consumed[client] += 1
+            self._consumed[client] = self._consumed.get(client, 0) + 1
             self._handle(client, line)
         self._context.wake()
 
@@ -190,10 +190,10 @@ class SocketRequestManager(RequestManager):
             return
         self._context.network.post(_deliver, self._outbox, self._consumed)
         self._outbox = []
-        self._consumed = Counter()
+        self._consumed = {}
 
 
-def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: Counter[ServiceClient]) -> None:
+def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, int]) -> None:
     by_client: dict[ServiceClient, list[bytes]] = {}
     for client, reply in replies:
         by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())

@@ -9,7 +9,7 @@ from morse.middleware.socket.inbox import Inbox
 from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
 
 if TYPE_CHECKING:
-    import socket
+    from morse.middleware.socket.listener import Listener
 
 _HIGH_WATER = 1 << 18
 
@@ -90,7 +90,7 @@ class StreamServer(LineServer):
         reads: whether the component takes data.
     """
 
-    def __init__(self, name: str, listener: socket.socket) -> None:
+    def __init__(self, name: str, listener: Listener) -> None:
         super().__init__(name, listener, lambda _: StreamClient(self))
         self.inbox = Inbox()
         self.reads = False

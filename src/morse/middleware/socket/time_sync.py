@@ -9,9 +9,9 @@ from morse.middleware.socket.lines import LineClient, LineServer
 
 if TYPE_CHECKING:
     import asyncio
-    import socket
 
     from morse.core.context import Context
+    from morse.middleware.socket.listener import Listener
 
 logger = logging.getLogger("morse." + __name__)
 
@@ -27,7 +27,7 @@ class TimeSync:
     last one began; how many does not matter. Services are answered in the meantime.
     """
 
-    def __init__(self, context: Context, listener: socket.socket) -> None:
+    def __init__(self, context: Context, listener: Listener) -> None:
         self._context = context
         self._released = False
         self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
