@@ -58,7 +58,10 @@ export class Layers {
       stage.invalidate();
     });
     world.watch((now) => now && this.rebuild(now));
-    components.all.watch(() => this.tell());
+    components.all.watch(() => {
+      this.showArcs();
+      this.tell();
+    });
     components.selected.watch(() => this.tell());
     stage.onDraw(() => this.update());
   }
@@ -77,6 +80,17 @@ export class Layers {
   private rebuild(world: World): void {
     if (world.description.view.show_physics && !this.list.some(({ id, on }) => id === "shapes" && on)) this.switch("shapes", true);
     for (const layer of this.list) if (layer.on) layer.switch(true, this.around());
+  }
+
+  /** A script may ask for the rays of a sensor (Visible_arc); who has chosen layers before keeps the choice. */
+  private showArcs(): void {
+    const asked = this.components.all.value.some(({ properties }) =>
+      properties.some(({ name, value }) => name === "Visible_arc" && value === true),
+    );
+    if (!asked || localStorage.getItem(KEY) !== null) return;
+    this.rays.switch(true, this.around());
+    const box = this.boxes.get(this.rays.id);
+    if (box) box.checked = true;
   }
 
   private update(): void {
