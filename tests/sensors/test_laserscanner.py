@@ -260,6 +260,24 @@ def test_a_robot_made_by_a_user_may_have_rays_of_its_own(simulate, tmp_path, mon
     assert data["what"] == "East"
 
 
+def test_a_sensor_of_a_user_may_use_our_names_for_its_own_things(simulate, tmp_path, monkeypatch):
+    (tmp_path / "my_sonar.py").write_text(
+        "from morse.core.sensor import Sensor\n"
+        "from morse.helpers.components import add_data\n"
+        "class Sonar(Sensor):\n"
+        "    add_data('sum', 0, 'int', '')\n"
+        "    def __init__(self, obj, parent=None):\n"
+        "        super().__init__(obj, parent)\n"
+        "        self.rays, self.phase, self.delay, self.noise = 12, 'warm', 3, None\n"
+        "    def default_action(self):\n"
+        "        self.local_data['sum'] += self.rays\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    script = "robot = FakeRobot()\nsonar = SensorCreator()\nsonar.morseable('my_sonar.Sonar')\nrobot.append(sonar)\n"
+    simulation = simulate(script + "env = Environment('empty', fastmode=True)\n").run(0.1)
+    assert simulation["robot.sonar"].local_data["sum"] == 72
+
+
 # -- fans ----------------------------------------------------------------------------------
 
 

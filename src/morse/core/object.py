@@ -29,11 +29,8 @@ class Object(AbstractObject):
         position_3d: its pose in the world, updated before each action.
         level: abstraction level.
         frequency: Hz.
-        phase: seconds after the start at which it acts first.
         context: the running simulation.
     """
-
-    phase = 0.0
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__()

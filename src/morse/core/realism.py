@@ -18,11 +18,15 @@ class Realism:
 
     The errors are added to what is published, never to what the sensor works with: a sensor that adds up what
     it measures does not add up its noise.
+
+    Attributes:
+        phase: seconds after the start at which it measures first.
+        delay: seconds from a measurement until its data can be seen.
     """
 
     def __init__(self, sensor: Sensor, model: RealismModel) -> None:
         self._sensor = sensor
-        self.delay = model.delay
+        self.phase, self.delay = model.phase, model.delay
         random = sensor.context.random
         fields: dict[str, NoiseModel] = {}
         for name, noise in model.noise.items():
@@ -50,7 +54,7 @@ class Realism:
         for modifier in sensor.output_modifiers:
             modifier.modify()
         if not self.delay:
-            sensor.publish()
+            self._publish()
             return
         self._waiting.append((sensor.clock.time + self.delay, copied(data)))
         data.clear()
@@ -71,7 +75,11 @@ class Realism:
             data = self._sensor.local_data
             data.clear()
             data.update(self._waiting.popleft()[1])
-            self._sensor.publish()
+            self._publish()
+
+    def _publish(self) -> None:
+        for publish in self._sensor.output_functions:
+            publish(self._sensor)
 
 
 def copied(value: Any) -> Any:

@@ -71,11 +71,6 @@ class Sensor(Object):
         for publish in self.output_functions:
             publish(self)
 
-    def publish(self) -> None:
-        """Hand the data to the streams."""
-        for publish in self.output_functions:
-            publish(self)
-
     # -- noise -----------------------------------------------------------------------------
 
     def noisy_fields(self) -> tuple[str, ...]:

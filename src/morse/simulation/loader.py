@@ -89,7 +89,6 @@ def _make(context: Context, declaration: ComponentDeclaration, robot: Robot | No
         component = cls(obj, robot)
         realism = declaration.options.get("realism")
         if isinstance(realism, RealismModel):
-            component.phase = realism.phase
             component.realism = Realism(component, realism)
         return component
     except MorseError as error:

@@ -7,12 +7,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
 
 class _Periodic(Protocol):
     frequency: float
-    phase: float
 
 
 _C = TypeVar("_C", bound=_Periodic)
@@ -27,14 +26,21 @@ class Schedule(Generic[_C]):
     A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not
     before ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow,
     exactly ``f`` times a second on average, and from integers alone, so that it never drifts.
+
+    Args:
+        frequency: of the simulation, Hz.
+        phase: gives the phase of a component; None for no phases.
     """
 
-    def __init__(self, components: Iterable[_C], frequency: float) -> None:
+    def __init__(self, components: Iterable[_C], frequency: float, phase: Callable[[_C], float] | None = None) -> None:
         base = _fraction(frequency)
         self._entries: list[tuple[_C, int, int, int]] = []
         self._first, pattern = 0, 1
         for component in components:
-            rate, late = _fraction(component.frequency) / base, _fraction(component.phase) * base
+            rate, late = (
+                _fraction(component.frequency) / base,
+                _fraction(phase(component) if phase is not None else 0.0) * base,
+            )
             # over a common denominator: floor((k n - s) / d)
             shift = late * rate
             common = math.lcm(rate.denominator, shift.denominator)

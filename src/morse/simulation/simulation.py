@@ -13,9 +13,11 @@ from morse.core import status
 from morse.core.clock import Clock
 from morse.core.context import Context
 from morse.core.network import Network
+from morse.core.realism import Realism
 from morse.core.request_manager import MorseServices
 from morse.core.sensor import Sensor
 from morse.physics import UnstableError, World
+from morse.physics.rays import RayBundle
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
 from morse.services.lockstep_services import LockstepServices
@@ -125,10 +127,11 @@ class Simulation:
         frequency = self.clock.frequency
         self._robots = self.loaded.robots
         self._actuators: Schedule[Object] = Schedule(self.loaded.actuators, frequency)
-        self._sensors: Schedule[Object] = Schedule(self.loaded.sensors, frequency)
+        self._sensors: Schedule[Object] = Schedule(self.loaded.sensors, frequency, _phase)
         sensors = [sensor for sensor in self.loaded.sensors if isinstance(sensor, Sensor)]
-        self._with_rays = Schedule([sensor for sensor in sensors if sensor.rays is not None], frequency)
-        self._delayed = [s.realism for s in sensors if s.realism is not None and s.realism.delay]
+        with_rays = [sensor for sensor in sensors if isinstance(sensor.rays, RayBundle)]
+        self._with_rays = Schedule(with_rays, frequency, _phase)
+        self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
     # -- running ---------------------------------------------------------------------------
 
@@ -372,3 +375,8 @@ class Simulation:
         self.finalize_services()
         self.finalize_streams()
         self.close()
+
+
+def _phase(component: Object) -> float:
+    realism = getattr(component, "realism", None)
+    return realism.phase if isinstance(realism, Realism) else 0.0

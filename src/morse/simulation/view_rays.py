@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.core.sensor import Sensor
+from morse.physics.rays import RayBundle
 from morse.viewer.view_messages import Rays
 
 if TYPE_CHECKING:
@@ -26,7 +27,9 @@ class ViewRays:
     def update(self) -> None:
         """Send what has been cast since the last call."""
         wished = self._server.wishes.overlays
-        sensors = [c for c in self._context.components.values() if isinstance(c, Sensor) and c.rays is not None]
+        sensors = [
+            c for c in self._context.components.values() if isinstance(c, Sensor) and isinstance(c.rays, RayBundle)
+        ]
         for sensor in sensors:
             name = sensor.name()
             if name not in wished and not getattr(sensor, "visible_arc", False):
