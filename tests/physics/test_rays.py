@@ -182,6 +182,20 @@ def test_the_way_of_casting_changes_nothing(solids, ats, seed):
     assert answers[0] == answers[1]
 
 
+def test_a_bundle_may_be_turned_to_other_directions():
+    w = world(node("Wall", box(0.2, 4, 4), at=(3.1, 0, 0)), node("Side", box(4, 0.2, 4), at=(0, 2.1, 0)), eye())
+    seen = look(w, [[1, 0, 0]])
+    kept = len(w.rays._known)
+    for turn in np.linspace(0, math.pi / 2, 50):
+        seen.turn_to([[math.cos(turn), math.sin(turn), 0]])
+    seen.refresh()
+    assert seen.distances.tolist() == pytest.approx([2.0])
+    # a sensor that turns all day does not fill the memory
+    assert len(w.rays._known) <= kept + 1
+    with pytest.raises(ValueError, match="needs one to go to"):
+        seen.turn_to([[0, 0, 0]])
+
+
 # -- what is seen --------------------------------------------------------------------------
 
 

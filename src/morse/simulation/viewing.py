@@ -140,7 +140,8 @@ class View:
             world.repainted.clear()
         now = time.monotonic()
         running = not simulation.paused
-        if running and now - self._shown < _SNAPSHOT_INTERVAL:
+        # while paused, what is left out here is shown within a tick's time, when the simulation looks again
+        if now - self._shown < _SNAPSHOT_INTERVAL:
             return
         self._shown = now
         clock, pacer = simulation.clock, simulation.pacer

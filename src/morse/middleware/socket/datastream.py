@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.classpath import load_class
@@ -45,6 +46,8 @@ class SocketDatastreamManager(DatastreamManager):
         self._ports: dict[str, int] = {}
         self._streams: dict[tuple[str, str], SocketStream] = {}
         self._outbox: list[tuple[StreamServer, bytes]] = []
+        self._parcels: deque[list[tuple[StreamServer, bytes]]] = deque()
+        self._posted = False
         self._next_port = FIRST_PORT
         self._sync = self._make_sync()
         allow_many_sockets()
@@ -112,9 +115,24 @@ class SocketDatastreamManager(DatastreamManager):
 
     def flush(self) -> None:
         """A tick ends: hand all that was published to the network thread, in one parcel."""
-        if self._outbox:
-            self.context.network.post(_send, self._outbox.copy())
-            self._outbox.clear()
+        if not self._outbox:
+            return
+        self._parcels.append(self._outbox.copy())
+        self._outbox.clear()
+        if not self._posted:
+            self._posted = True
+            self.context.network.post(self._send)
+
+    def _send(self) -> None:
+        # Ticks may come faster than this thread gets its turn: what has gathered goes to each client at once,
+        # so that the more there is, the less each message takes
+        self._posted = False
+        messages: dict[StreamServer, list[bytes]] = {}
+        while self._parcels:
+            for server, message in self._parcels.popleft():
+                messages.setdefault(server, []).append(message)
+        for server, published in messages.items():
+            server.publish(published)
 
     def sent(self) -> dict[str, int]:
         """Number of messages sent to each client of a sensor, by its address; to be called in the network thread."""
@@ -133,11 +151,6 @@ class SocketDatastreamManager(DatastreamManager):
         if self._sync is not None:
             await self._sync.close()
         await close_all(self._servers.values())
-
-
-def _send(messages: list[tuple[StreamServer, bytes]]) -> None:
-    for server, message in messages:
-        server.publish(message)
 
 
 def _port(value: Any, what: str) -> int:

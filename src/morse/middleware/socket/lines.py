@@ -62,6 +62,9 @@ class LineClient(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Cut what arrived into lines."""
+        if not self._partial and data.find(b"\n") == len(data) - 1:
+            self.line(data[:-1])  # one line, as nearly always
+            return
         first, *others = data.split(b"\n")
         if others:
             self.line(b"".join([*self._partial, first]))

@@ -9,6 +9,8 @@ from morse.middleware.socket.inbox import Inbox
 from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.middleware.socket.listener import Listener
 
 _HIGH_WATER = 1 << 18
@@ -39,16 +41,22 @@ class StreamClient(LineClient):
         if self.server.reads and self.server.connected > 1:
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
 
-    def offer(self, message: bytes) -> None:
-        """Send a message now, or as soon as the client has room for it unless a newer one comes first."""
-        if not self.congested:
-            self.transport.write(message)
-            self.sent += 1
-            return
-        if self._waiting is not None and not self._behind:
-            self._behind = True
-            self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
-        self._waiting = message
+    def offer(self, messages: Sequence[bytes]) -> None:
+        """Send messages now; those for which the client has no room, only the last one, as soon as it has."""
+        done = 0
+        while done < len(messages) and not self.congested:
+            # no more at once than the client may fall behind
+            end, size = done + 1, len(messages[done])
+            while end < len(messages) and (size := size + len(messages[end])) <= _HIGH_WATER:
+                end += 1
+            self.transport.write(b"".join(messages[done:end]))
+            self.sent += end - done
+            done = end
+        if done < len(messages):
+            if (self._waiting is not None or done < len(messages) - 1) and not self._behind:
+                self._behind = True
+                self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
+            self._waiting = messages[-1]
 
     def resume_writing(self) -> None:
         """The client has room again."""
@@ -95,7 +103,7 @@ class StreamServer(LineServer):
         self.inbox = Inbox()
         self.reads = False
 
-    def publish(self, message: bytes) -> None:
-        """Send a message to every client."""
+    def publish(self, messages: Sequence[bytes]) -> None:
+        """Send messages to every client."""
         for client in self.clients:
-            client.offer(message)
+            client.offer(messages)

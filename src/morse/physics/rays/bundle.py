@@ -121,7 +121,7 @@ class RayBundle:
         if self.upright:
             return
         offset = self.obj.offset
-        mounting = (solids.arrangement, grain, id(self.directions), *offset)
+        mounting = (solids.arrangement, grain, *offset)
         if self._mounting != mounting:
             self._mounting = mounting
             self.starts = way_out(solids, self.obj.slot, offset, self.directions, self.origins, grain)
@@ -130,6 +130,7 @@ class RayBundle:
     def turn_to(self, directions: ArrayLike) -> None:
         """Look into other directions: (N, 3) vectors, not null, in the frame of the object."""
         self.directions = self._rays.checked_directions(directions)
+        self._mounting, self.stamp = (), -1
 
     def take(self, scan: Scan, row: int, stamp: int) -> None:
         """Take the results of a cast."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Rays:
     def __init__(self, world: World) -> None:
         self._world = world
         self._solids = Solids(world)
-        self._known: dict[bytes, NDArray[np.float64]] = {}
+        self._known: WeakValueDictionary[bytes, NDArray[np.float64]] = WeakValueDictionary()
         self._caster = (Caster if embree.AVAILABLE else MujocoCaster)(world, self._solids)
 
     @property
