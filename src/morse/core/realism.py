@@ -6,6 +6,7 @@ from collections import deque
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
+from morse.core.local_data import LocalData
 from morse.core.noise import Noise
 
 if TYPE_CHECKING:
@@ -88,6 +89,6 @@ def copied(value: Any) -> Any:
         return value
     if type(value) is list:
         return [item if type(item) is float else copied(item) for item in value]
-    if type(value) is dict:
+    if type(value) is dict or type(value) is LocalData:
         return {key: copied(item) for key, item in value.items()}
     return deepcopy(value)

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.core.exceptions import MorseRPCTypeError
+from morse.core.local_data import Later, LocalData
 from morse.core.sensor import Sensor
 from morse.core.services import service
 from morse.helpers.components import add_data, add_level, add_property
@@ -67,6 +68,7 @@ class LaserScanner(Sensor):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
+        self.local_data = LocalData(self.local_data)
         self.create_laser_arc()
 
     def create_laser_arc(self) -> None:
@@ -111,9 +113,10 @@ class LaserScanner(Sensor):
             self.create_laser_arc()
         rays, data = self.rays, self.local_data
         rays.refresh()
-        data["range_list"] = rays.ranges.tolist()
+        sight = rays.sight
+        data["range_list"] = Later(sight.range_list)
         if self.level != "range":
-            data["point_list"] = rays.points.tolist()
+            data["point_list"] = Later(sight.point_list)
         if self.level == "rssi":
             data["remission_list"] = rays.remissions.tolist()
 

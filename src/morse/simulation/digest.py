@@ -56,7 +56,7 @@ def fingerprints(context: Context) -> dict[str, str]:
     """SHA-256 of the physics and of the data of every component, by name (``physics`` first)."""
     parts = {"physics": hashlib.sha256(context.world.state().tobytes()).hexdigest()}
     for name, component in {**context.robots, **context.components}.items():
-        parts[name] = _fingerprint(component.local_data)
+        parts[name] = _fingerprint(dict(component.local_data))
     return parts
 
 

@@ -66,6 +66,55 @@ class Scan:
         return self._points
 
 
+class Sight:
+    """What the rays of one bundle met in one cast; it does not change when they are cast again."""
+
+    __slots__ = ("_row", "_scan")
+
+    def __init__(self, scan: Scan, row: int) -> None:
+        self._scan, self._row = scan, row
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """(N,) metres to what each ray met, infinite for nothing."""
+        row: NDArray[np.float64] = self._scan.distances[self._row]
+        return row
+
+    @property
+    def ranges(self) -> NDArray[np.float64]:
+        """(N,) metres to what each ray met, the reach for nothing."""
+        row: NDArray[np.float64] = self._scan.ranges()[self._row]
+        return row
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """(N, 3) metres, where each ray met something, in the frame of the sensor; [0, 0, 0] for nothing."""
+        row: NDArray[np.float64] = self._scan.points()[self._row]
+        return row
+
+    @property
+    def hit(self) -> NDArray[np.intp]:
+        """(N,) number of the solid that each ray met; -1 for nothing."""
+        row: NDArray[np.intp] = self._scan.solids[self._row]
+        return row
+
+    @property
+    def faces(self) -> NDArray[np.int32]:
+        """(N,) see `Batch`."""
+        row: NDArray[np.int32] = self._scan.faces[self._row]
+        return row
+
+    def range_list(self) -> list[float]:
+        """`ranges` as a list."""
+        result: list[float] = self.ranges.tolist()
+        return result
+
+    def point_list(self) -> list[list[float]]:
+        """`points` as lists."""
+        result: list[list[float]] = self.points.tolist()
+        return result
+
+
 class RayBundle:
     """The rays of one sensor, and what they met when they were cast last.
 
@@ -79,6 +128,7 @@ class RayBundle:
         owner: the group of solids that the rays pass through.
         starts: (N,) metres from which on each ray has left the body that the sensor is mounted on.
         clearance: the largest of these.
+        sight: what they met.
         stamp: that of the world when the rays were cast last.
     """
 
@@ -100,13 +150,11 @@ class RayBundle:
         self.owner = owner
         self.upright = upright
         self.stamp = -1
-        self._row = 0
         self.starts, self.clearance = np.zeros(len(directions)), 0.0
         self._mounting: tuple[Any, ...] = ()
         count = len(directions)
-        self._scan = Scan(
-            self, np.full((1, count), np.inf), np.full((1, count), -1), np.full((1, count), -1, dtype=np.int32)
-        )
+        scan = Scan(self, np.full((1, count), np.inf), np.full((1, count), -1), np.full((1, count), -1, dtype=np.int32))
+        self.sight = Sight(scan, 0)
 
     def __len__(self) -> int:
         return len(self.directions)
@@ -134,7 +182,7 @@ class RayBundle:
 
     def take(self, scan: Scan, row: int, stamp: int) -> None:
         """Take the results of a cast."""
-        self._scan, self._row, self.stamp = scan, row, stamp
+        self.sight, self.stamp = Sight(scan, row), stamp
 
     def refresh(self) -> None:
         """Cast the rays now, unless they were cast since anything moved."""
@@ -144,31 +192,27 @@ class RayBundle:
     @property
     def distances(self) -> NDArray[np.float64]:
         """(N,) metres to what each ray met, infinite for nothing."""
-        row: NDArray[np.float64] = self._scan.distances[self._row]
-        return row
+        return self.sight.distances
 
     @property
     def ranges(self) -> NDArray[np.float64]:
         """(N,) metres to what each ray met, the reach for nothing."""
-        row: NDArray[np.float64] = self._scan.ranges()[self._row]
-        return row
+        return self.sight.ranges
 
     @property
     def points(self) -> NDArray[np.float64]:
         """(N, 3) metres, where each ray met something, in the frame of the sensor; [0, 0, 0] for nothing."""
-        row: NDArray[np.float64] = self._scan.points()[self._row]
-        return row
+        return self.sight.points
 
     @property
     def hit(self) -> NDArray[np.intp]:
         """(N,) number of the solid that each ray met, see `object_of`; -1 for nothing."""
-        row: NDArray[np.intp] = self._scan.solids[self._row]
-        return row
+        return self.sight.hit
 
     @property
     def remissions(self) -> NDArray[np.float64]:
         """(N,) how much light comes back, 0..1: the ``specular`` of the material that was met; 0 for nothing."""
-        return self._rays.remissions(self.hit, self._scan.faces[self._row])
+        return self._rays.remissions(self.hit, self.sight.faces)
 
     def object_of(self, ray: int) -> GameObject | None:
         """The object that a ray met."""

@@ -1,0 +1,99 @@
+"""Data fields that are worked out when somebody reads them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, ItemsView, Iterator, ValuesView
+
+
+class Later:
+    """A value that is worked out when it is wanted.
+
+    Encoders call `tolist`, as they do for arrays.
+    """
+
+    __slots__ = ("tolist",)
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self.tolist = make
+
+
+class LocalData(dict[str, Any]):
+    """Data fields, of which some may be a `Later`.
+
+    To all who read it, it is a plain dictionary: a field is worked out when it is read first, and kept then. So a
+    scan that nobody reads is never made into lists, which would take longer than casting its rays.
+    """
+
+    def __getitem__(self, key: str) -> Any:
+        value = super().__getitem__(key)
+        if type(value) is Later:
+            value = self[key] = value.tolist()
+        return value
+
+    def all_present(self) -> LocalData:
+        """Work out whatever is left."""
+        for key in self:
+            self[key]
+        return self
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """See `dict`."""
+        if key in self:
+            self[key]
+        return super().get(key, default)
+
+    def setdefault(self, key: str, default: Any = None) -> Any:
+        """See `dict`."""
+        if key in self:
+            self[key]
+        return super().setdefault(key, default)
+
+    def pop(self, key: str, *default: Any) -> Any:
+        """See `dict`."""
+        if key in self:
+            self[key]
+        return super().pop(key, *default)
+
+    def popitem(self) -> tuple[str, Any]:
+        """See `dict`."""
+        self.all_present()
+        return super().popitem()
+
+    def items(self) -> ItemsView[str, Any]:  # type: ignore[override]
+        """See `dict`."""
+        self.all_present()
+        return super().items()
+
+    def values(self) -> ValuesView[Any]:  # type: ignore[override]
+        """See `dict`."""
+        self.all_present()
+        return super().values()
+
+    def copy(self) -> dict[str, Any]:
+        """See `dict`."""
+        return dict(self.items())
+
+    def __iter__(self) -> Iterator[str]:  # a dictionary that has its own is copied by its keys and items, not as it is
+        return super().__iter__()
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, LocalData):
+            other.all_present()
+        return dict.__eq__(self.all_present(), other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    __hash__ = None
+
+    def __or__(self, other: Any) -> Any:
+        return self.copy() | other
+
+    def __ror__(self, other: Any) -> Any:
+        return other | self.copy()
+
+    def __repr__(self) -> str:
+        return repr(self.copy())
