@@ -40,6 +40,7 @@ class Network:
         self._served = 0.0
         self._newcomers = 0
         self._unread: list[Callable[[], object]] = []
+        self._posted: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
         self._alarm: asyncio.TimerHandle | None = None
         self._thread.start()
 
@@ -65,12 +66,15 @@ class Network:
         return self._loop
 
     def post(self, function: Callable[..., object], *args: Any) -> None:
-        """Have ``function(*args)`` run by the loop, soon; silently too late after `stop`."""
+        """Have ``function(*args)`` run by who serves the loop, soon; silently too late after `stop`.
+
+        It may write to connections and schedule callbacks, but not count on a loop that runs.
+        """
+        if self._borrower == threading.get_ident():
+            self._posted.append((function, args))
+            return
         try:
-            if self._borrower == threading.get_ident():
-                self._loop.call_soon(function, *args)
-            else:
-                self._loop.call_soon_threadsafe(function, *args)
+            self._loop.call_soon_threadsafe(function, *args)
         except RuntimeError:
             if not self._loop.is_closed():
                 raise
@@ -123,6 +127,8 @@ class Network:
         What was posted before is done first. Between two calls nothing is received or sent.
         """
         self._borrow()
+        if self._posted:
+            self._do_posted()
         if self._woken:
             self._loop.stop()  # one round: send what was posted, take what is there
         elif self._alarm is None:
@@ -133,6 +139,15 @@ class Network:
             self._read_rest()
         self._woken = False
         self._served = perf_counter()
+
+    def _do_posted(self) -> None:
+        # here, not in the loop: that would take a round of its own
+        posted, self._posted = self._posted, []
+        for function, args in posted:
+            try:
+                function(*args)
+            except Exception as error:  # as the loop would do
+                self._loop.call_exception_handler({"message": f"error in {function}", "exception": error})
 
     def _read_rest(self) -> None:
         # a loop that is stopped finishes its round, so that old connections are read
@@ -163,6 +178,9 @@ class Network:
         """Let the network thread serve again, if this one has borrowed its loop."""
         if self._borrower == threading.get_ident():
             self._borrower = None
+            posted, self._posted = self._posted, []
+            for function, args in posted:
+                self._loop.call_soon(function, *args)
             self._asked_for = False
             self._go_on.set()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -73,8 +74,12 @@ class World:
         self.steps, self.geom_node = compiled.steps, compiled.geom_node
         self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
         self.stamp = 0
+        self._bodiless = [
+            i for i in range(self.moving, len(self.slots)) if self.slots[i].frame.motion is not Motion.FIXED
+        ]
         self.positions: list[Sequence[float]] = []
         self.rotations: list[Sequence[float]] = []
+        self._quaternions: list[Sequence[float]] = []
         self.drives = Drives(self)
         self.attachments = Attachments(self)
         self.locks = Locks(self)
@@ -146,6 +151,7 @@ class World:
         self.attachments.reset()
         self.positions = [tuple(slot.pose.position) for slot in self.slots]
         self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
+        self._quaternions = [rigid.quaternion(rotation) for rotation in self.rotations]
         for obj in self._objects.values():
             obj.restore()
         for obj in self.displaced:
@@ -201,7 +207,7 @@ class World:
         elif slot.body > 0:
             self._move_fixed(slot, p, q)
             self.loose.add(index)
-        self.positions[index], self.rotations[index] = tuple(position), tuple(rotation)
+        self.positions[index], self.rotations[index], self._quaternions[index] = tuple(position), tuple(rotation), q
         self._touched.add(index)
         self.stamp += 1
         for other in self._wheels.get(index, ()):
@@ -410,15 +416,17 @@ class World:
 
     def poses(self) -> NDArray[np.float32]:
         """(M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `moving_nodes`."""
-        count = self.moving
-        rest = [i for i in range(count, len(self.slots)) if self.slots[i].frame.motion is not Motion.FIXED]
-        result = np.empty((count + len(rest) + len(self.displaced), 7), dtype=np.float32)
+        count, rest = self.moving, self._bodiless
+        end = count + len(rest)
+        result = np.empty((end + len(self.displaced), 7), dtype=np.float32)
         result[:count, :3] = self.data.xpos[1 : count + 1]
         result[:count, 3:] = self.data.xquat[1 : count + 1]
-        for row, i in enumerate(rest, count):
-            result[row, :3] = self.positions[i]
-            result[row, 3:] = rigid.quaternion(self.rotations[i])
-        for row, obj in enumerate(self.displaced, count + len(rest)):
+        # numbers one after the other are read in half the time that rows of them take
+        positions = chain.from_iterable([self.positions[i] for i in rest])
+        quaternions = chain.from_iterable([self._quaternions[i] for i in rest])
+        result[count:end, :3] = np.fromiter(positions, np.float32, 3 * len(rest)).reshape(-1, 3)
+        result[count:end, 3:] = np.fromiter(quaternions, np.float32, 4 * len(rest)).reshape(-1, 4)
+        for row, obj in enumerate(self.displaced, end):
             position, rotation = obj.local_pose()
             result[row, :3] = position
             result[row, 3:] = rigid.quaternion(rotation)

@@ -12,6 +12,7 @@ import { Images } from "./images";
 import { Inspector } from "./inspector";
 import { LinkBanner } from "./link";
 import { LogPanel } from "./log";
+import { MoreButton } from "./more";
 import { ObjectPanel } from "./object";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
@@ -78,6 +79,14 @@ export class Panels {
     world.watch((now) => (scene.textContent = now?.description.environment ?? ""));
     const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
+    // what is needed least often: beside the rest, or behind a button where there is little room
+    const more = h(
+      "div",
+      { class: "extra", id: "extra" },
+      ...this.capture.element.children,
+      themeButton,
+      iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
+    );
     shell.header.append(
       shell.toggles.left,
       h("div", { class: "brand" }, h("span", { class: "mark" }), h("b", {}, "MORSE"), scene),
@@ -89,11 +98,10 @@ export class Panels {
         "div",
         { class: "tools" },
         this.viewMenu.element,
-        ...this.capture.element.children,
         shell.toggles.bottom,
-        themeButton,
-        iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
+        more,
         shell.toggles.right,
+        new MoreButton(more).element,
       ),
     );
   }
