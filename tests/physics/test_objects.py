@@ -1,11 +1,12 @@
 """The handle of an object: tree, poses, properties, holding, rays."""
 
 import math
+from itertools import chain
 
 import pytest
 from worlds import box, ground, node, rigid, robot, run, sphere, world
 
-from morse.core.mathutils import Euler, Vector
+from morse.core.mathutils import Euler, Quaternion, Vector
 from morse.scene import Node
 
 
@@ -87,6 +88,26 @@ def test_the_view_learns_of_a_displaced_child():
     assert [(n.name, f) for n, f in w.moving_nodes()] == [("robot", "world"), ("left_eye", "parent")]
     assert w.layout != layout
     assert w.poses()[1] == pytest.approx([0.25, 0.1, 0.1, math.cos(0.15), math.sin(0.15), 0, 0], abs=1e-6)
+
+
+def test_the_view_gets_the_pose_of_everything_that_moves():
+    ghost, seen = Node("ghost", location=[1, 2, 3], rotation_euler=[0, math.pi, 0]), robot(at=(5, 0, 0.25))
+    w = world(ground(), ghost, seen, rigid("Ball", sphere(0.5), at=(0, 0, 4)), robots=[ghost, seen])
+    start = w.poses()
+    w.game_object("ghost").worldPosition = [-1, 0, 2]
+    w.game_object("ghost").worldOrientation = Euler([0, 0, math.radians(150)])
+    run(w, 0.5, lambda: w.game_object("ghost").drive((1.0, 0, 0), (0, 0, 0.4)))
+    shown = {n.name: row for (n, _), row in zip(w.moving_nodes(), w.poses(), strict=True)}
+    assert set(shown) == {"ghost", "robot", "Ball"}
+    for name, row in shown.items():
+        obj = w.game_object(name)
+        assert row[:3] == pytest.approx(tuple(obj.worldPosition), abs=1e-6)
+        turned = Quaternion(row[3:].tolist()).to_matrix()
+        assert [*chain(*turned)] == pytest.approx([*chain(*obj.worldOrientation)], abs=1e-6)
+    half = math.radians(75) + 0.1
+    assert shown["ghost"][3:] == pytest.approx([math.cos(half), 0, 0, math.sin(half)], abs=1e-6)
+    w.reset()
+    assert w.poses() == pytest.approx(start)
 
 
 def test_moving_a_shape_of_a_body_moves_its_collisions():
