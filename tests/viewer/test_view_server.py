@@ -173,6 +173,20 @@ def test_poses_reach_the_page(served) -> None:
     assert np.frombuffer(poses, "<f4").tolist() == [5, 0, 0, 1, 0, 0, 0]
 
 
+def test_poses_never_come_before_the_world_they_belong_to(served) -> None:
+    server, url = served
+    with Client(url) as page:
+        page.expect("seat")
+        for _ in range(50):
+            server.set_scene(*one_box())
+            server.publish(snapshot(5, "paused"))
+        known = 0
+        while known < 50 or not page.poses:
+            page.receive()
+            known = max([known, *(m["revision"] for m in page.messages if m["type"] == "world")])
+            assert all(revision <= known for _, revision, *_ in page.poses)
+
+
 def test_a_snapshot_of_another_layout_is_refused(served) -> None:
     server, _ = served
     server.set_scene(*one_box())

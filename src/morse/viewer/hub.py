@@ -10,7 +10,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from websockets.asyncio.server import serve
+from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
 from morse.viewer import page_messages as pm
@@ -135,9 +135,8 @@ class Hub:
                 page.connection.transport.abort()
 
     def show(self, poses: bytes) -> None:
-        """Send the newest poses to all pages."""
-        for page in self._pages.values():
-            page.show(poses)
+        """Send the newest poses to all pages; those that cannot take them now get them, or newer ones, later."""
+        broadcast([page.connection for page in self._pages.values() if page.show(poses)], poses)
 
     # requests ------------------------------------------------------------------------------------
 

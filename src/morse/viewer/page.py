@@ -53,11 +53,21 @@ class Page:
         self._waiting[key] = frame
         self._wake.set()
 
-    def show(self, poses: bytes) -> None:
-        """Have the newest poses sent, instead of older ones that still wait."""
+    def show(self, poses: bytes) -> bool:
+        """Have the newest poses sent, instead of older ones that still wait.
+
+        Returns:
+            Whether the page can take them now: then they count as sent, and are the caller's to send.
+        """
         self._poses = poses
-        if self._sent - self._taken < WINDOW:
+        if self._sent - self._taken >= WINDOW:
+            return False
+        if self._waiting or self.connection.transport.get_write_buffer_size():
             self._wake.set()
+            return False
+        self._poses = None
+        self._sent += 1
+        return True
 
     def took(self, count: int) -> None:
         """The page has received so many frames of poses."""
