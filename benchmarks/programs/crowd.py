@@ -1,14 +1,19 @@
-"""Many kinematic robots with a pose each; with pages, what the live view costs at the pace of the wall clock."""
+"""Many kinematic robots with a pose each."""
 
 from __future__ import annotations
 
 import argparse
 import math
 import time
+from typing import TYPE_CHECKING
 
 from benchmarks import stopwatch, work
 from benchmarks.programs.loading import command_all, prepare, sensors_with
-from benchmarks.programs.readers import read_pages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
 
 
 def main() -> None:
@@ -16,37 +21,32 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--n", type=int, default=1000)
     parser.add_argument("--secs", type=float, default=5.0)
-    parser.add_argument("--view", action="store_true")
-    parser.add_argument("--pages", type=int, default=0)
-    parser.add_argument("--paced", action="store_true", help="in real time")
     arguments = parser.parse_args()
     begin = time.perf_counter()
-    simulation = prepare("crowd", view=arguments.view, count=arguments.n, visible="yes" if arguments.view else "no")
+    simulation = prepare("crowd", count=arguments.n)
     loaded = time.perf_counter() - begin
+    error = start(simulation)
+    pace, _ = stopwatch.measure(simulation.tick, arguments.secs)
+    stopwatch.report(factor=pace.wall, processor_factor=pace.processor, load_s=loaded, position_error_m=error())
+    simulation.shut_down()
+
+
+def start(simulation: Simulation) -> Callable[[], float]:
+    """Have all robots drive; what is returned tells how far at most one is from where it should be by then, m."""
     command_all(simulation)
     places = [sensor.local_data for sensor in sensors_with(simulation, "yaw")]
     simulation.tick()
+    begin = simulation.clock.time
     starts = [(data["x"], data["y"], data["yaw"]) for data in places]
 
-    def paced_tick() -> None:
-        simulation.tick()
-        simulation.pacer.wait()
+    def error() -> float:
+        seconds = simulation.clock.time - begin
+        return max(
+            math.dist((data["x"], data["y"]), work.on_circle(start, seconds)[:2])
+            for data, start in zip(places, starts, strict=True)
+        )
 
-    with read_pages(simulation, arguments.pages):
-        simulation.pacer.restart()
-        pace, seconds = stopwatch.measure(paced_tick if arguments.paced else simulation.tick, arguments.secs)
-    error = max(
-        math.dist((data["x"], data["y"]), work.on_circle(start, seconds)[:2])
-        for data, start in zip(places, starts, strict=True)
-    )
-    stopwatch.report(
-        factor=pace.wall,
-        processor_factor=pace.processor,
-        processor_ms_per_tick=1e3 / work.TICK / pace.processor,
-        load_s=loaded,
-        position_error_m=error,
-    )
-    simulation.shut_down()
+    return error
 
 
 if __name__ == "__main__":

@@ -1,54 +1,76 @@
-"""Several pages that take in all that the live view sends: ``read_pages PAGES ADDRESS``."""
+"""Pages that take in all that the live view sends: ``read_pages ADDRESS``, with their number in lines of the input.
+
+They say what a page in a browser says while nobody touches it, and as often: see ``viewer/src/connection/worker.ts``.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import struct
 import sys
+from typing import TYPE_CHECKING
 
 import msgspec
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from morse.viewer.page_messages import Alive, Hello, Taken
+from morse.viewer.page_messages import Alive, Hello, Taken, Watch
 from morse.viewer.protocol import VERSION
+from morse.viewer.snapshot import POSES
+
+if TYPE_CHECKING:
+    from morse.viewer.page_messages import PageMessage
 
 _ENCODER = msgspec.json.Encoder()
+_ALIVE_EVERY = 0.15  # s
+_TAKEN_EVERY = 4
+_KIND = struct.Struct("<I")
 
 
-async def _page(address: str, opened: asyncio.Barrier) -> None:
+async def _page(address: str, opened: asyncio.Event) -> None:
     try:
         async with connect(address, max_size=None, compression=None) as connection:
-            await connection.send(_ENCODER.encode(Hello(VERSION)).decode())
+            await _say(connection, Hello(VERSION))
             await connection.recv()
-            await opened.wait()
+            await _say(connection, Watch())
+            opened.set()
             await asyncio.gather(_take(connection), _live(connection))
     except ConnectionClosed:
         return
 
 
+async def _say(connection: ClientConnection, message: PageMessage) -> None:
+    await connection.send(_ENCODER.encode(message).decode())
+
+
 async def _take(connection: ClientConnection) -> None:
     count = 0
     async for frame in connection:
-        if isinstance(frame, bytes):
+        if isinstance(frame, bytes) and _KIND.unpack_from(frame)[0] == POSES:
             count += 1
-            await connection.send(_ENCODER.encode(Taken(count)).decode())
+            if count % _TAKEN_EVERY == 0:
+                await _say(connection, Taken(count))
 
 
 async def _live(connection: ClientConnection) -> None:
     while True:
-        await connection.send(_ENCODER.encode(Alive()).decode())
-        await asyncio.sleep(0.3)
+        await _say(connection, Alive())
+        await asyncio.sleep(_ALIVE_EVERY)
 
 
 async def main() -> None:
-    """Take in what comes until the simulation has ended."""
-    pages, page = int(sys.argv[1]), sys.argv[2]
-    address = page.replace("http://", "ws://").rstrip("/") + "/ws"
-    opened = asyncio.Barrier(pages + 1)
-    connections = asyncio.gather(*(_page(address, opened) for _ in range(pages)))
-    await opened.wait()
-    print("connected", flush=True)
-    await connections
+    """Have as many pages as the last line says, and confirm it, until the input ends."""
+    address = sys.argv[1].replace("http://", "ws://").rstrip("/") + "/ws"
+    pages: list[asyncio.Task[None]] = []
+    while line := await asyncio.to_thread(sys.stdin.readline):
+        while len(pages) > int(line):
+            pages[-1].cancel()
+            await asyncio.wait([pages.pop()])
+        while len(pages) < int(line):
+            opened = asyncio.Event()
+            pages.append(asyncio.create_task(_page(address, opened)))
+            await opened.wait()
+        print("connected", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 from morse.middleware.socket.request_manager import SocketRequestManager
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from morse.simulation.simulation import Simulation
 
@@ -37,26 +37,41 @@ def read_streams(simulation: Simulation, clients: int) -> Iterator[None]:
     """While this lasts, that many clients read the streams of all sensors."""
     every = stream_ports(simulation)
     ports = [str(every[sensor.name()]) for sensor in simulation.loaded.sensors]
-    with _running("benchmarks.programs.read_streams", [str(clients), *ports], bool(clients)):
+    with _running("benchmarks.programs.read_streams", [str(clients), *ports]) if clients else nullcontext() as child:
+        if child is not None:
+            _await(child)
         yield
 
 
 @contextmanager
-def read_pages(simulation: Simulation, pages: int) -> Iterator[None]:
-    """While this lasts, that many pages show the live view."""
-    address = simulation.view.url if simulation.view is not None else ""
-    with _running("benchmarks.programs.read_pages", [str(pages), address], bool(pages)):
-        yield
+def read_pages(simulation: Simulation, pages: int = 0) -> Iterator[Callable[[int], None]]:
+    """While this lasts, that many pages show the live view; what it gives changes their number."""
+    if simulation.view is None:
+        yield lambda _: None
+        return
+    with _running("benchmarks.programs.read_pages", [simulation.view.url]) as child:
+
+        def show(count: int) -> None:
+            assert child.stdin is not None
+            child.stdin.write(f"{count}\n")
+            child.stdin.flush()
+            _await(child)
+
+        show(pages)
+        yield show
 
 
 @contextmanager
-def _running(module: str, arguments: list[str], wanted: bool) -> Iterator[None]:
-    with ExitStack() as stack:
-        if wanted:
-            command = [sys.executable, "-m", module, *arguments]
-            child = stack.enter_context(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
-            stack.callback(child.kill)
-            assert child.stdout is not None
-            if child.stdout.readline() != "connected\n":
-                raise RuntimeError(f"{module} could not connect")
-        yield
+def _running(module: str, arguments: list[str]) -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, "-m", module, *arguments]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
+        try:
+            yield child
+        finally:
+            child.kill()
+
+
+def _await(child: subprocess.Popen[str]) -> None:
+    assert child.stdout is not None
+    if child.stdout.readline() != "connected\n":
+        raise RuntimeError(f"{child.args} could not connect")

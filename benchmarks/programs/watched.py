@@ -1,0 +1,59 @@
+"""What the live view costs at the pace of the wall clock, while many things move.
+
+Pages come and go while one simulation runs: their cost is a tenth of that of the tick, less than the difference between
+two processes, or between two seconds of a machine that does other work too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from statistics import median
+
+from benchmarks import stopwatch
+from benchmarks.programs.crowd import start
+from benchmarks.programs.loading import prepare
+from benchmarks.programs.readers import read_pages
+
+_TICKS = 12
+"""With one number of pages: so short, that the machine is hardly another."""
+_SETTLING = 4
+"""Ticks until pages that came or went are no news."""
+
+
+def main() -> None:
+    """Run for about ``--secs`` seconds with each number of ``--pages``, and as long without."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--n", type=int, default=500)
+    parser.add_argument("--secs", type=float, default=5.0)
+    parser.add_argument("--pages", type=int, nargs="+", default=[1])
+    arguments = parser.parse_args()
+    simulation = prepare("crowd", view=True, count=arguments.n, visible="yes")
+    error = start(simulation)
+    counts = (0, *arguments.pages)
+
+    def cost(ticks: int) -> float:
+        begin = time.process_time()
+        for _ in range(ticks):
+            simulation.tick()
+            simulation.pacer.wait()
+        return (time.process_time() - begin) / ticks * 1e3
+
+    rounds = []
+    with read_pages(simulation) as show:
+        for _ in range(max(1, round(arguments.secs * simulation.clock.frequency / _TICKS))):
+            costs = {}
+            for count in counts:
+                show(count)
+                simulation.pacer.restart()
+                cost(_SETTLING)
+                costs[count] = cost(_TICKS)
+            rounds.append(costs)
+    differences = {f"pages_{n}_ms": median(costs[n] - costs[0] for costs in rounds) for n in arguments.pages}
+    alone = median(costs[0] for costs in rounds)
+    stopwatch.report(alone_ms=alone, position_error_m=error(), **differences)
+    simulation.shut_down()
+
+
+if __name__ == "__main__":
+    main()
