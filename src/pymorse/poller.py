@@ -20,6 +20,8 @@ logger = logging.getLogger("pymorse")
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 #: how long the thread stands back after a guest has left, s: the next one is often about to come
 _COURTESY = 0.005
+#: how often a guest tries to wake up the thread that sleeps in its place, s
+_AGAIN = 0.005
 
 
 def _nothing() -> None: ...
@@ -154,20 +156,31 @@ class Poller(threading.Thread):
         deadline = time.monotonic() + timeout
         try:
             self._until = deadline + _COURTESY
-            if self._turn.locked():
-                with self._lock:
-                    if self._ended:
-                        return False
-                    self._wake()
-            with self._turn:
+            if not self._take_turn():
+                return False
+            try:
                 self._round(0.0)
                 while not (done() or self._stopping) and (left := deadline - time.monotonic()) > 0.0:
                     self._round(left)
+            finally:
+                self._turn.release()
             self._until = time.monotonic() + _COURTESY
         finally:
             self._guest.release()
         if self._stopping:
             self._return()
+        return True
+
+    def _take_turn(self) -> bool:
+        # A guest that the system has let wait for longer than the courtesy lasts finds the thread asleep, although
+        # it was not when the guest came: so wake it up as often as it takes
+        while not self._turn.acquire(blocking=False):
+            with self._lock:
+                if self._ended:
+                    return False
+                self._wake()
+            if self._turn.acquire(timeout=_AGAIN):
+                return True
         return True
 
     def _stand_back(self) -> None:

@@ -166,3 +166,31 @@ def test_what_was_sent_before_on_a_new_connection_is_read_before(network: Networ
                     network.wait(1.0)
                 assert done.wait(10.0)
                 assert seen == [b"command", b"request"]
+
+
+def test_who_is_served_quickly_watches_and_sleeps_all_the_same(network: Network) -> None:
+    for _ in range(20):
+        network.post(network.wake)
+        network.wait(10.0)  # ends at once, so that the next one looks for a while before it sleeps
+    begin, used = time.monotonic(), time.thread_time()
+    network.wait(0.2)
+    assert time.monotonic() - begin > 0.1
+    assert time.thread_time() - used < 0.1
+    served: list[int] = []
+    network.post(network.wake)
+    network.wait(10.0)
+    network.give_back()
+    network.post(lambda: served.append(1))
+    wait_until(lambda: served)
+
+
+def test_an_error_in_what_was_posted_is_reported_and_nothing_else_is_lost(
+    network: Network, caplog: pytest.LogCaptureFixture
+) -> None:
+    served: list[int] = []
+    network.wait(0.01)
+    network.post(lambda: 1 / 0)
+    network.post(lambda: served.append(1))
+    network.wait(0.01)
+    assert served == [1]
+    assert "ZeroDivisionError" in caplog.text
