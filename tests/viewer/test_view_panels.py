@@ -201,6 +201,31 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(running, open_page, tmp
     until(lambda: driver.server.wishes.values == {"robot1.lidar"})
 
 
+def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_page) -> None:
+    driver, url = running
+    driver.measures = False
+    page = open_page(url, **WIDE)
+    select(page)
+    for name in ("x", "note", "points"):
+        page.get_by_role("rowheader", name=name, exact=True).last.press("Enter")
+    assert page.locator(".legend li").all_inner_texts() == [
+        f"robot0.lidar.{name} has no value yet…" for name in ("x", "note", "points")
+    ]
+    driver.measures = True
+    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 3)
+    assert page.locator(".legend li").count() == 1
+    assert page.locator("figure.plot").count() == 1  # what holds no numbers goes, and says so
+    toasts = page.locator(".toast")
+    until(lambda: toasts.count() == 2)
+    assert toasts.all_inner_texts() == [
+        "robot0.lidar.note cannot be plotted: it is no number.",
+        "robot0.lidar.points cannot be plotted: 20 values.",
+    ]
+    page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays nothing
+    until(lambda: page.locator("figure.plot").count() == 2)
+    assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
+
+
 # what sensors see ----------------------------------------------------------------------------------------
 
 
@@ -294,7 +319,11 @@ def test_what_a_camera_sees(running, open_page) -> None:
     driver.server.send(Capturing(False))
     until(lambda: "stopped" in (page.locator(".images").get_attribute("class") or ""))
     page.keyboard.press("Space")
-    until(lambda: events(driver, ToggleCapturing))
+    until(lambda: len(events(driver, ToggleCapturing)) == 1)
+    page.get_by_role("button", name="Let the cameras take pictures").click()
+    until(lambda: len(events(driver, ToggleCapturing)) == 2)
+    driver.server.send(Capturing(True))
+    until(lambda: page.get_by_role("button", name="Stop the cameras").is_visible())
     page.keyboard.press("v")
     until(lambda: driver.server.wishes.images == frozenset())
 

@@ -84,6 +84,8 @@ class CircleDriver:
         self.keys: list[frozenset[str]] = []
         self.x, self.time, self.tick = 0.0, 0.0, 0
         self.running, self.steps, self.speed = True, 0, 1.0
+        #: whether components have values
+        self.measures = True
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -146,7 +148,7 @@ class CircleDriver:
     def _tell(self) -> None:
         """Values, rays and pictures of those that pages show."""
         wishes = self.server.wishes
-        for name in wishes.values:
+        for name in wishes.values if self.measures else ():
             data = {"x": math.cos(self.time), "points": [[self.time, 0.0, 1.0]] * 20, "position": [self.time, 2.0, 3.0]}
             self.server.send(Values(name, self.time, {**data, "note": "fine", "ready": True, "image": None}))
         for name in sorted(wishes.overlays - {"contacts"}):

@@ -45,6 +45,7 @@ class Node:
         parent_inverse: 4x4 that was recorded when the node was parented, or None for identity.
         source_name: the name the node has in the file it came from (None if it has no file).
         properties: typed properties that components and services read (``obj['name']``).
+        debug: the properties that ``env.show_debug_properties()`` shows from the start.
         shapes: collision shapes in the rigid frame of the node, or None until they are worked out
             (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
@@ -64,6 +65,7 @@ class Node:
     camera: Camera | None = None
     body: BodySettings = field(default_factory=BodySettings)
     properties: dict[str, object] = field(default_factory=dict)
+    debug: tuple[str, ...] = ()
     visible: bool = True
     color: tuple[float, float, float, float] | None = None
     source_name: str | None = None

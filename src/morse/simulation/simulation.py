@@ -83,6 +83,8 @@ class Simulation:
         self._stepping = Stepping()
         self.view: LiveView | None = None
         self.profile: Profile | None = Profile(trace=True) if options.profile else None
+        #: measures the sensors that the script wants to be profiled
+        self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
         self._diagnosis: Profile | None = None
         self._slow = False
         self._stop = False
@@ -299,14 +301,17 @@ class Simulation:
             self.world.rays.cast(bundles)
 
     def _act(self, components: Sequence[Object], profile: Profile | None) -> None:
+        measured = [one for one in (profile, self.sensor_profile) if one is not None]
         for component in components:
             try:
-                if profile is None:
+                if not measured:
                     component.action()
                 else:
                     begin = perf_counter()
                     component.action()
-                    profile.component(component.name(), begin, perf_counter())
+                    end = perf_counter()
+                    for one in measured:
+                        one.component(component.name(), begin, end)
             except Exception as error:
                 component.active = False
                 logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.core import status
+from morse.core.declarations import properties
 from morse.core.exceptions import MorseError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.values import checked_property
 from morse.simulation.faults import describe
-from morse.viewer.view_messages import Activity, Answer, PropertyValue
+from morse.viewer.view_messages import Activity, Answer, Capturing, PropertyValue, Refused
 
 if TYPE_CHECKING:
     import uuid
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.viewer import page_messages as page
     from morse.viewer.server import ViewServer
+
+#: the attribute of components that take pictures
+_CAPTURING = "capturing"
 
 
 class ViewRequests(RequestManager):
@@ -103,7 +107,33 @@ class ViewRequests(RequestManager):
             self._fail(event.request, error)
             return
         self._server.send(PropertyValue(event.component, event.name, value))
+        if python_name == _CAPTURING:
+            self.tell_capturing()
         self._server.send(Answer(event.request, True, value))
+
+    def toggle_capturing(self, event: page.ToggleCapturing) -> None:
+        """Let all cameras take pictures, or stop them if any of them does."""
+        cameras = self._cameras()
+        if not cameras:
+            self._server.send(Refused("toggle_capturing", "No robot has a camera."))
+            return
+        active = not any(camera.capturing for camera in cameras)
+        for camera in cameras:
+            camera.capturing = active
+            declared = properties(type(camera)).get(_CAPTURING)
+            if declared is not None:
+                self._server.send(PropertyValue(camera.name(), declared.name, active))
+        self.tell_capturing()
+
+    def tell_capturing(self) -> None:
+        """Tell the pages whether the cameras take pictures."""
+        cameras = self._cameras()
+        if cameras:
+            self._server.send(Capturing(any(camera.capturing for camera in cameras)))
+
+    def _cameras(self) -> list[Any]:
+        """The components that take pictures, or pause to."""
+        return [component for component in self._context.components.values() if hasattr(component, _CAPTURING)]
 
     def activate(self, event: page.Activate) -> None:
         """Let a component act, or not."""

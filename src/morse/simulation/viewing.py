@@ -10,6 +10,7 @@ import time
 import webbrowser
 from typing import TYPE_CHECKING, Any, Literal, cast
 
+from morse.simulation.view_debug import ViewDebug
 from morse.simulation.view_drag import ViewDrag
 from morse.simulation.view_overlays import ViewOverlays
 from morse.simulation.view_rays import ViewRays
@@ -73,6 +74,7 @@ class View:
         self._requests = ViewRequests(simulation.context, self._server)
         self._rays = ViewRays(simulation.context, self._server)
         self._overlays = ViewOverlays(simulation.context, self._server)
+        self._debug = ViewDebug(simulation, self._server)
         self._drag = ViewDrag(simulation.context)
         simulation.context.held_keys = self._server.held_keys
         simulation.context.gamepad = lambda: self._server.gamepad()[0]
@@ -91,6 +93,7 @@ class View:
             page.CancelService: self._requests.cancel,
             page.Activate: self._requests.activate,
             page.Teleport: self._requests.teleport,
+            page.ToggleCapturing: self._requests.toggle_capturing,
             page.Drag: self._drag.hold,
             page.DragEnd: self._drag.release,
         }
@@ -105,6 +108,7 @@ class View:
         self._describe()
         self._server.send(Tree(component_tree(self._simulation.context)))
         self._overlays.announce()
+        self._requests.tell_capturing()
         self._send_listening()
         logger.info("the live view is at %s", self._url)
         if self._simulation.options.open_browser and has_display():
@@ -161,6 +165,7 @@ class View:
             self._send_values()
             self._rays.update()
             self._overlays.update()
+            self._debug.update()
 
     def _send_values(self) -> None:
         context = self._simulation.context
@@ -201,6 +206,7 @@ class View:
     def restarted(self) -> None:
         """The simulation started anew: the components are new ones."""
         self._requests.register_all()
+        self._requests.tell_capturing()
         self._server.send(Tree(component_tree(self._simulation.context)))
 
     def close(self) -> None:

@@ -105,6 +105,21 @@ class Log(ServerMessage, frozen=True):
     _lasting: ClassVar[bool] = False
 
 
+class DebugProperty(Struct, frozen=True):
+    """A property of an object, with its value as text."""
+
+    node: str
+    name: str
+    value: str
+
+
+class DebugProperties(ServerMessage, frozen=True):
+    """The properties that the script asks to show; there are ``more`` than these."""
+
+    properties: list[DebugProperty]
+    more: int = 0
+
+
 # components ----------------------------------------------------------------------------------------------
 
 

@@ -416,3 +416,13 @@ def test_polygons_of_any_size(tmp_path: Path, pointer_size: int, endian: str) ->
     assert mesh.uvs * 2 == pytest.approx(mesh.vertices[mesh.triangles][..., :2])
     shown = [mesh.materials[index] for index in mesh.material_index]
     assert [entry is not None and entry.image is not None for entry in shown] == [False] * 4 + [True]
+
+
+def test_marked_game_properties_are_remembered(tmp_path: Path) -> None:
+    writer = BlendWriter()
+    address = writer.address()
+    items = [{"name": name, "type": 1, "flag": flag, "data": 3} for name, flag in (("a", 0), ("b", 1), ("c", 1))]
+    writer.scene(writer.object("thing", address=address, prop=writer.chain(address, "bProperty", items)))
+    (node,) = read(tmp_path, writer).roots
+    assert node.properties == {"a": 3, "b": 3, "c": 3}
+    assert node.debug == ("b", "c")

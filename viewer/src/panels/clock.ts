@@ -43,7 +43,7 @@ export class Clock {
   show(frame: PoseFrame): void {
     this.time.textContent = formatTime(frame.time);
     const slow = frame.running && Number.isFinite(frame.speed) && frame.realTimeFactor < LATE * frame.speed;
-    this.factor.textContent = frame.running ? `${frame.realTimeFactor.toFixed(2)}× real time` : "paused";
+    this.showFactor(frame.running ? frame.realTimeFactor : null);
     this.factor.classList.toggle("slow", slow);
     if (frame.running !== this.running) {
       this.running = frame.running;
@@ -53,6 +53,13 @@ export class Clock {
       this.showPace();
     }
     if (Math.abs(frame.speed - this.asked) > 1e-4 || !Number.isFinite(frame.speed)) this.showSpeed(frame.speed);
+  }
+
+  private showFactor(factor: number | null): void {
+    const text = factor === null ? "paused" : `${factor.toFixed(2)}×`;
+    if (this.factor.dataset["shown"] === text) return;
+    this.factor.dataset["shown"] = text;
+    this.factor.replaceChildren(text, factor === null ? "" : h("span", { class: "words" }, " real time"));
   }
 
   toggle(): void {

@@ -16,11 +16,11 @@ const HELD: [string, [string, string][]][] = [
     ["R F", "up, down"],
     ["Shift", "four times as fast"],
     ["drag", "orbit"],
-    ["right drag", "pan (also Shift + drag)"],
+    ["right drag", "pan, as Shift + drag"],
     ["wheel", "zoom to the pointer"],
   ]],
 ];
-const NAMES = { Time: "Time", View: "View", Page: "This page" } as const;
+const NAMES = { View: "View", Time: "Time", Page: "This page" } as const;
 
 /** The overlay that lists every key. */
 export class Help {

@@ -17,14 +17,15 @@ export class Images {
   private readonly panels = new Map<string, Panel>();
   /** shown by a single key */
   private preferred: string | null = null;
+  private capturing = true;
 
   constructor(
-    connection: Connection,
+    private readonly connection: Connection,
     private readonly components: Components,
     private readonly watching: Watching,
   ) {
     connection.on("picture", (picture) => void this.show(picture));
-    connection.on("capturing", ({ active }) => this.element.classList.toggle("stopped", !active));
+    connection.on("capturing", ({ active }) => this.showCapturing(active));
   }
 
   /** The camera that the script chose for display: shown, until it is closed. */
@@ -52,6 +53,7 @@ export class Images {
         "figcaption",
         {},
         h("span", {}, camera),
+        this.hold(),
         iconButton(icons.shot, "Save the picture", () => canvas.toBlob((blob) => blob && save(blob, fileName(camera, "png")))),
         iconButton(icons.close, "Close", () => this.close(camera)),
       ),
@@ -59,6 +61,24 @@ export class Images {
     this.panels.set(camera, { element, canvas });
     this.element.append(element);
     this.tell();
+  }
+
+  /** Let all cameras take pictures, or stop them. */
+  capture(): void {
+    this.connection.send({ type: "toggle_capturing" });
+  }
+
+  private hold(): HTMLButtonElement {
+    const button = iconButton(icons.pause, "Stop the cameras", () => this.capture(), "Space");
+    button.classList.add("hold");
+    dress(button, this.capturing);
+    return button;
+  }
+
+  private showCapturing(active: boolean): void {
+    this.capturing = active;
+    this.element.classList.toggle("stopped", !active);
+    for (const button of this.element.querySelectorAll<HTMLButtonElement>(".hold")) dress(button, active);
   }
 
   private close(camera: string): void {
@@ -84,6 +104,13 @@ export class Images {
       bitmap.close();
     }
   }
+}
+
+/** The button says what it will do. */
+function dress(button: HTMLButtonElement, capturing: boolean): void {
+  button.innerHTML = capturing ? icons.pause : icons.play;
+  button.ariaLabel = capturing ? "Stop the cameras" : "Let the cameras take pictures";
+  button.title = `${button.ariaLabel} (Space)`;
 }
 
 function isCamera({ kind, data }: { kind: string; data: { name: string }[] }): boolean {

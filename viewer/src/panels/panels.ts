@@ -7,6 +7,7 @@ import { Highlight } from "../view/highlight";
 import { Mover } from "../view/mover";
 import type { WorldNode } from "../world/node";
 import { Capture } from "./capture";
+import { DebugList } from "./debug";
 import { Help } from "./help";
 import { Images } from "./images";
 import { Inspector } from "./inspector";
@@ -37,7 +38,7 @@ export class Panels {
     this.capture = new Capture(stage, toasts);
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching);
-    this.plots = new PlotsPanel(components, watching, () => shell.open("bottom"));
+    this.plots = new PlotsPanel(components, watching, () => shell.open("bottom"), (text) => toasts.show(text));
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
     this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
     this.mover.running = () => app.poses.value?.running ?? false;
@@ -58,7 +59,8 @@ export class Panels {
     shell.bottom.append(this.plots.element, new LogPanel(connection, toasts).element);
     shell.corner.append(this.images.element);
     this.fillHeader();
-    shell.view.append(this.layers.names.element, app.clock.warning, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
+    const said = h("div", { class: "said" }, app.clock.warning, new DebugList(connection).element);
+    shell.view.append(this.layers.names.element, said, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
@@ -108,11 +110,11 @@ export class Panels {
 
   private addShortcuts(): void {
     const { app } = this;
-    const { shortcuts, clock, follow, connection } = app;
+    const { shortcuts, clock, follow } = app;
     shortcuts.add("Time", ["p", "P"], "P", "play, pause", () => clock.toggle());
     shortcuts.add("Time", ["."], ".", "one tick", () => clock.step());
     shortcuts.add("Time", ["F11"], "F11", "reset everything", () => clock.reset());
-    shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => connection.send({ type: "toggle_capturing" }));
+    shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => this.images.capture());
     shortcuts.add("View", ["F7"], "F7", "stand near the next robot", () => this.nextRobot());
     shortcuts.add("View", ["F8"], "F8", "where the script put the camera", () => this.goHome());
     shortcuts.add("View", ["F9"], "F9", "next camera of the world", () => app.tell(`Camera: ${follow.nextCamera()}`));

@@ -14,10 +14,17 @@ export interface Curve {
   unit: string;
 }
 
+/** A field that has no value yet. */
+export interface Awaited {
+  component: string;
+  field: string;
+}
+
 /** Curves over simulated time, in one picture. */
 export class Plot {
   readonly element: HTMLElement;
   readonly curves: Curve[] = [];
+  readonly awaited: Awaited[] = [];
   onEmpty: () => void = () => {};
   private readonly times: number[] = [];
   private readonly values: (number | null)[][] = [];
@@ -54,6 +61,18 @@ export class Plot {
     this.curves.push(curve);
     this.values.push(this.times.map(() => null));
     this.build();
+  }
+
+  /** Say that a field will be plotted as soon as it has a value. */
+  await(field: Awaited): void {
+    this.awaited.push(field);
+    this.label(-1);
+  }
+
+  /** The field is awaited no longer. */
+  arrived(field: Awaited): void {
+    this.awaited.splice(this.awaited.indexOf(field), 1);
+    this.label(-1);
   }
 
   /** New data of a component. */
@@ -132,7 +151,8 @@ export class Plot {
       const text = value == null ? "" : ` ${format(value)} ${unit}`;
       return h("li", { title: `${component}.${path}`, style: `--ink: ${COLORS[i % COLORS.length] as string}` }, path, h("b", {}, text));
     });
-    this.legend.replaceChildren(...items);
+    const awaited = this.awaited.map(({ component, field }) => h("li", { class: "quiet" }, `${component}.${field} has no value yet…`));
+    this.legend.replaceChildren(...items, ...awaited);
   }
 
   private size(): { width: number; height: number } {

@@ -5,7 +5,7 @@ import { h } from "../ui/dom";
 import { FIELD } from "./inspector";
 import type { Curve } from "./plot";
 import { Plot } from "./plot";
-import { numbersIn } from "./values";
+import { format, numbersIn } from "./values";
 
 /** The plots, side by side; a field that is dropped makes a new one or joins one. */
 export class PlotsPanel {
@@ -17,11 +17,15 @@ export class PlotsPanel {
     private readonly components: Components,
     private readonly watching: Watching,
     private readonly onFirst: () => void,
+    private readonly tell: (text: string) => void,
   ) {
     this.element.append(this.hint);
     this.accept(this.element, null);
     components.onValues((name, { time, data }) => {
-      for (const plot of this.plots) plot.take(name, time, data);
+      for (const plot of [...this.plots]) {
+        this.settle(plot, name);
+        plot.take(name, time, data);
+      }
     });
     setInterval(() => {
       for (const plot of this.plots) plot.draw();
@@ -31,11 +35,32 @@ export class PlotsPanel {
   /** Plot all numbers of a field, in a plot of its own or in one that is there. */
   plot(component: string, field: string, into: Plot | null = null): void {
     const curves = this.curvesOf(component, field);
-    if (curves.length === 0) return;
+    if (curves !== null && curves.length === 0) {
+      this.refuse(component, field);
+      return;
+    }
     const plot = into ?? this.create();
-    for (const curve of curves) plot.add(curve);
-    this.tell();
+    if (curves === null) plot.await({ component, field });
+    else for (const curve of curves) plot.add(curve);
+    this.ask();
     this.onFirst();
+  }
+
+  /** What a plot waits for has its first value: its numbers become curves. */
+  private settle(plot: Plot, component: string): void {
+    for (const awaited of plot.awaited.filter((one) => one.component === component)) {
+      const curves = this.curvesOf(component, awaited.field);
+      if (curves === null) continue;
+      plot.arrived(awaited);
+      for (const curve of curves) plot.add(curve);
+      if (curves.length === 0) this.refuse(component, awaited.field);
+    }
+    if (plot.curves.length + plot.awaited.length === 0) plot.onEmpty();
+  }
+
+  private refuse(component: string, field: string): void {
+    const value = this.components.valuesOf(component)?.data[field];
+    this.tell(`${component}.${field} cannot be plotted: ${value !== null && typeof value === "object" ? format(value) : "it is no number"}.`);
   }
 
   private create(): Plot {
@@ -43,7 +68,7 @@ export class PlotsPanel {
     plot.onEmpty = () => {
       plot.dispose();
       this.plots.splice(this.plots.indexOf(plot), 1);
-      this.tell();
+      this.ask();
     };
     this.accept(plot.element, plot);
     this.plots.push(plot);
@@ -51,10 +76,12 @@ export class PlotsPanel {
     return plot;
   }
 
-  private curvesOf(component: string, field: string): Curve[] {
-    const data = this.components.valuesOf(component)?.data;
+  /** The numbers of a field, or null as long as it has no value. */
+  private curvesOf(component: string, field: string): Curve[] | null {
+    const value = this.components.valuesOf(component)?.data[field] ?? null;
+    if (value === null) return null;
     const unit = this.components.find(component)?.data.find(({ name }) => name === field)?.unit ?? "";
-    return numbersIn(data?.[field], [field]).map(([path]) => ({ component, path, unit }));
+    return numbersIn(value, [field]).map(([path]) => ({ component, path, unit }));
   }
 
   private accept(element: HTMLElement, plot: Plot | null): void {
@@ -73,8 +100,8 @@ export class PlotsPanel {
     });
   }
 
-  private tell(): void {
+  private ask(): void {
     this.hint.hidden = this.plots.length > 0;
-    this.watching.set("values", "plots", [...new Set(this.plots.flatMap(({ curves }) => curves.map(({ component }) => component)))]);
+    this.watching.set("values", "plots", [...new Set(this.plots.flatMap(({ curves, awaited }) => [...curves, ...awaited].map(({ component }) => component)))]);
   }
 }

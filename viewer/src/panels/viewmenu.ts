@@ -48,7 +48,13 @@ export class ViewMenu {
     this.element = h("details", { class: "menu" }, summary, popup);
     follow.mode.watch((now) => this.modes.forEach((button, mode) => button.setAttribute("aria-pressed", String(mode === now))));
     addEventListener("pointerdown", (event) => !this.element.contains(event.target as Node) && (this.element.open = false));
-    this.element.addEventListener("keydown", (event) => event.key === "Escape" && (this.element.open = false));
+    addEventListener("focusin", (event) => !this.element.contains(event.target as Node) && (this.element.open = false));
+    this.element.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape" || !this.element.open) return;
+      event.stopPropagation(); // what is selected stays so
+      this.element.open = false;
+      summary.focus();
+    });
   }
 
   /** Follow the selected object, or else a robot. */

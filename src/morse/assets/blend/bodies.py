@@ -32,6 +32,7 @@ _GAME_BOUNDS = {
     5: Bounds.CONVEX_HULL, 7: Bounds.CAPSULE,
 }  # fmt: skip
 _BOOL, _INT, _FLOAT, _STRING, _TIMER = 0, 1, 2, 3, 5
+_SHOWN = 1 << 0
 
 
 def rigid_body(record: Record) -> dict[str, object]:
@@ -107,3 +108,8 @@ def game_properties(record: Record) -> dict[str, object]:
         elif kind == _STRING:
             found[name] = entry.string("poin")
     return found
+
+
+def debug_properties(record: Record) -> tuple[str, ...]:
+    """The game properties that are marked to be shown while the game runs."""
+    return tuple(entry.text("name") for entry in record.chain("prop", "bProperty") if entry.integer("flag", 0) & _SHOWN)

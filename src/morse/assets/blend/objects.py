@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets import rules
-from morse.assets.blend.bodies import game_properties, game_settings, rigid_body
+from morse.assets.blend.bodies import debug_properties, game_properties, game_settings, rigid_body
 from morse.assets.blend.errors import Damage
 from morse.assets.blend.id_properties import id_properties
 from morse.assets.blend.lamps import camera, light
@@ -68,6 +68,7 @@ class Objects:
             body=settled.body,
             shapes=settled.shapes,
             properties={**game_properties(record), **settled.properties},
+            debug=debug_properties(record),
             visible=settled.visible
             and not record.integer(record.either("restrictflag", "visibility_flag"), 0) & _HIDDEN,
             source_name=name,

@@ -1,0 +1,92 @@
+"""How the page makes use of the room it has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from view_pages import until
+
+from morse.viewer.view_messages import DebugProperties, DebugProperty, Listening
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.browser
+
+#: a button is 2 rem high, and the header a little higher
+ROW = 44
+CUT_OFF = """() => [...document.querySelectorAll(".bar *")].filter((e) => e.getClientRects().length > 0)
+    .map((e) => e.getBoundingClientRect()).filter((e) => e.right > innerWidth + 0.5 || e.left < -0.5).length"""
+LINES = """[...document.querySelectorAll(".help dd")]
+    .map((e) => Math.round(e.clientHeight / parseFloat(getComputedStyle(e).lineHeight)))"""
+
+
+def header(page: Page) -> float:
+    height: float = page.evaluate("morse.shell.header.getBoundingClientRect().height")
+    return height
+
+
+@pytest.mark.parametrize("width", [640, 760, 899, 900, 1000, 1100, 1280])
+def test_the_header_is_one_row(running, open_page, width) -> None:
+    driver, url = running
+    driver.server.send(Listening(["a_robot_with_a_rather_long_name", "robot1"]))
+    drives = open_page(url, width=width)
+    watches = open_page(url, width=width)
+    until(lambda: watches.get_by_role("button", name="ask to drive").is_visible())
+    until(lambda: drives.get_by_text("you drive").is_visible())
+    for page in (drives, watches):
+        assert header(page) < ROW
+        assert page.evaluate(CUT_OFF) == 0
+
+
+def test_a_telephone_has_two_rows(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Listening(["a_robot_with_a_rather_long_name", "robot1"]))
+    page = open_page(url, width=390, height=780)
+    assert header(page) < 2 * ROW
+    assert page.evaluate(CUT_OFF) == 0
+
+
+def test_what_has_no_room_is_behind_a_button(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=640)
+    shot = page.get_by_role("button", name="Screenshot")
+    more = page.get_by_role("button", name="More")
+    assert not shot.is_visible()
+    more.click()
+    assert shot.is_visible()
+    page.keyboard.press("Escape")
+    assert not shot.is_visible()
+    assert more.evaluate("button => button === document.activeElement")
+    more.press("Enter")
+    page.get_by_role("button", name="Light or dark").click()
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+    assert not shot.is_visible()
+    page.set_viewport_size({"width": 1200, "height": 600})
+    assert shot.is_visible()
+    assert not more.is_visible()
+
+
+def test_keys_are_listed_in_few_lines(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1280, height=720)
+    page.keyboard.press("h")
+    heights = page.evaluate(LINES)
+    assert len(heights) > 25
+    assert max(heights) <= 2
+    assert heights.count(2) <= 4
+    assert page.evaluate("(e => e.scrollHeight <= e.clientHeight)(document.querySelector('.help'))")
+
+
+def test_properties_that_the_script_asks_for_are_listed(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url)
+    panel = page.locator(".debug")
+    assert not panel.is_visible()
+    driver.server.send(DebugProperties([DebugProperty("door", "open", "True"), DebugProperty("<b>", "x", "1")], 3))
+    until(panel.is_visible)
+    assert panel.locator("tr").all_inner_texts() == ["door.open\tTrue", "<b>.x\t1"]
+    assert panel.locator("p").inner_text() == "and 3 more"
+    driver.server.send(DebugProperties([]))
+    until(lambda: not panel.is_visible())
