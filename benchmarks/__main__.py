@@ -43,6 +43,7 @@ def main(
     repeats: Annotated[int, typer.Option(min=1, help="Runs of each program; medians are told.")] = 3,
     processor: Annotated[bool, typer.Option("--processor", help="Count processor time, not the wall clock's.")] = False,
     json: Annotated[Path | None, typer.Option("--json", help="Write all figures to this file.")] = None,
+    markdown: Annotated[Path | None, typer.Option("--markdown", help="Write the table to this file, too.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Draw speed by number of robots: an SVG file.")] = None,
 ) -> None:
     """Measure MORSE beside bare MuJoCo loops and the simulators that are installed.
@@ -66,6 +67,8 @@ def main(
     console.print(report.table(results))
     if json is not None:
         report.write_json(json, results, plan)
+    if markdown is not None:
+        markdown.write_text(report.markdown(results, plan))
     if plot is not None and (lines := speed_lines(results)):
         plot.write_text(draw(lines))
     if any(result.failed for result in results):

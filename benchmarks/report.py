@@ -17,25 +17,42 @@ if TYPE_CHECKING:
     from benchmarks.plan import Plan
     from benchmarks.result import Result
 
-_MARKS = {True: "[green]ok[/]", False: "[yellow]short[/]", None: ""}
+_HEADS = ("benchmark", "case", "wanted", "reached", "", "others")
+_MARKS = {"ok": "[green]ok[/]", "short": "[yellow]short[/]", "FAILED": "[red]FAILED[/]", "": ""}
 
 
 def table(results: Sequence[Result]) -> Table:
     """A line for each result."""
     made = Table(title="Benchmarks")
-    for column in ("benchmark", "case"):
-        made.add_column(column)
-    for column in ("wanted", "reached", ""):
-        made.add_column(column, justify="right")
-    made.add_column("others")
+    for column in _HEADS:
+        made.add_column(column, justify="right" if column in ("wanted", "reached", "") else "left")
     for result in results:
-        wanted = "" if result.wanted is None else f"{result.wanted.relation} {result.wanted.bound:g}"
-        mark = "[red]FAILED[/]" if result.failed else _MARKS[result.is_good]
-        others = ", ".join(f"{name} {_number(value)}" for name, value in result.peers.items())
-        if "morse" in result.details:
-            others = f"morse {_number(result.details['morse'])}, {others}"
-        made.add_row(result.benchmark, result.case, wanted, _reached(result), mark, result.trouble or others)
+        *start, mark, others = _cells(result)
+        made.add_row(*start, _MARKS[mark], others)
     return made
+
+
+def markdown(results: Sequence[Result], plan: Plan) -> str:
+    """The same table for a page of Markdown, and what was measured on below it."""
+    rows = [_HEADS, ("---", "---", "--:", "--:", "---", "---"), *(_cells(result) for result in results)]
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
+    about = machine()
+    clock = "processor time" if plan.processor else "the wall clock"
+    lines += [
+        "",
+        f"Medians of {plan.repeats}, by {clock}: {about['cores']} cores of {about['processor']}, {about['system']}, "
+        f"Python {about['python']}, MuJoCo {about['mujoco']}, numpy {about['numpy']}.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _cells(result: Result) -> tuple[str, ...]:
+    wanted = "" if result.wanted is None else f"{result.wanted.relation} {result.wanted.bound:g}"
+    mark = "FAILED" if result.failed else {True: "ok", False: "short", None: ""}[result.is_good]
+    others = ", ".join(f"{name} {_number(value)}" for name, value in result.peers.items())
+    if "morse" in result.details:
+        others = f"morse {_number(result.details['morse'])}, {others}"
+    return result.benchmark, result.case, wanted, _reached(result), mark, result.trouble or others
 
 
 def _reached(result: Result) -> str:

@@ -15,11 +15,11 @@ sys.path.insert(0, str(ROOT))
 from benchmarks.__main__ import SUITES  # noqa: E402
 from benchmarks.plan import Plan  # noqa: E402
 from benchmarks.plot import draw, speed_lines  # noqa: E402
-from benchmarks.result import Result, at_least, at_most  # noqa: E402
+from benchmarks.result import Result, at_least, at_most, failure  # noqa: E402
 from benchmarks.suites.circles import check_planar, check_wheels  # noqa: E402
 from benchmarks.trial import Program, TrialFailed, interleave  # noqa: E402
 
-from benchmarks import work  # noqa: E402 (the benchmarks are no installed package)
+from benchmarks import report, work  # noqa: E402 (the benchmarks are no installed package)
 
 QUICK = Plan(quick=True, repeats=1)
 
@@ -160,3 +160,26 @@ def test_every_benchmark_runs_and_does_its_work(name: str) -> None:
     assert results
     assert not [f"{result.case}: {result.trouble}" for result in results if result.failed]
     assert all(result.value is not None and math.isfinite(result.value) for result in results)
+
+
+def test_the_table_for_a_page_says_what_the_one_on_the_screen_says() -> None:
+    results = [
+        Result("W1", "10 robots, scan", 0.84, "x bare loop", at_least(0.8), {"mujoco": 115.2}, {"morse": 96.8}),
+        Result("W6", "sockets", 0.3, "x bare loop", at_least(0.5)),
+        failure("W3", "a | b", "it broke down"),
+    ]
+    head, _, first, second, third, *rest = report.markdown(results, Plan(repeats=5)).splitlines()
+    assert head.count("|") == first.count("|") == 7
+    assert [cell.strip() for cell in first.split("|")[1:-1]] == [
+        "W1",
+        "10 robots, scan",
+        ">= 0.8",
+        "0.84 x bare loop",
+        "ok",
+        "morse 96.8, mujoco 115",
+    ]
+    assert "short" in second
+    assert r"a \| b" in third
+    assert "FAILED" in third
+    assert "it broke down" in third
+    assert "Medians of 5" in rest[-1]
