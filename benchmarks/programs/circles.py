@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
 
@@ -28,6 +29,8 @@ def main() -> None:
     )
     loaded = time.perf_counter() - begin
     command_all(simulation)
+    if not arguments.paced:
+        simulation.pacer.set_speed(math.inf)
 
     def paced_tick() -> None:
         simulation.tick()

@@ -23,14 +23,19 @@ class ViewRays:
         self._context = context
         self._server = server
         self._sent: dict[str, int] = {}
+        self._sensors: list[Sensor] = []
+        self.restarted()
+
+    def restarted(self) -> None:
+        """The components are new ones."""
+        self._sensors = [
+            c for c in self._context.components.values() if isinstance(c, Sensor) and isinstance(c.rays, RayBundle)
+        ]
 
     def update(self) -> None:
         """Send what has been cast since the last call."""
         wished = self._server.wishes.overlays
-        sensors = [
-            c for c in self._context.components.values() if isinstance(c, Sensor) and isinstance(c.rays, RayBundle)
-        ]
-        for sensor in sensors:
+        for sensor in self._sensors:
             name = sensor.name()
             if name not in wished and not getattr(sensor, "visible_arc", False):
                 self._sent.pop(name, None)

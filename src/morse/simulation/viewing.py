@@ -31,6 +31,8 @@ logger = logging.getLogger("morse.viewer")
 
 #: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
+#: the same where nothing waits for the wall clock: what the view takes there, the simulation lacks
+_UNPACED_INTERVAL = 1.0 / 60.0
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
 
@@ -143,12 +145,13 @@ class View:
                 self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
             world.repainted.clear()
         now = time.monotonic()
-        running = not simulation.paused
+        pacer, running = simulation.pacer, not simulation.paused
+        interval = _UNPACED_INTERVAL if math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
         # while paused, what is left out here is shown within a tick's time, when the simulation looks again
-        if now - self._shown < _SNAPSHOT_INTERVAL:
+        if now - self._shown < interval:
             return
         self._shown = now
-        clock, pacer = simulation.clock, simulation.pacer
+        clock = simulation.clock
         self._server.publish(
             Snapshot(
                 tick=clock.tick,
@@ -207,6 +210,7 @@ class View:
         """The simulation started anew: the components are new ones."""
         self._requests.register_all()
         self._requests.tell_capturing()
+        self._rays.restarted()
         self._server.send(Tree(component_tree(self._simulation.context)))
 
     def close(self) -> None:

@@ -1,0 +1,104 @@
+"""How often the live view is shown what, by a clock that the test turns."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from morse.simulation.viewing import View
+from morse.viewer.hub import Wishes
+from morse.viewer.view_messages import Rays
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.snapshot import Snapshot
+
+SCENE = """
+robot = ATRV()
+laser = Hokuyo("laser")
+robot.append(laser)
+env = Environment("empty", fastmode=True)
+"""
+
+
+class Server:
+    """Keeps what pages would get."""
+
+    watched = True
+    wishes = Wishes(overlays=frozenset({"robot.laser"}))
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        self.shown: list[Snapshot] = []
+        self.said: list[Any] = []
+        self.publish = self.shown.append
+        self.send = self.said.append
+
+    def start(self) -> str:
+        return "http://127.0.0.1/"
+
+    def stop(self) -> None:
+        """Nothing is open."""
+
+    def set_scene(self, *_: Any) -> None:
+        """Nobody looks."""
+
+    def take_events(self) -> list[Any]:
+        return []
+
+    def held_keys(self) -> frozenset[str]:
+        return frozenset()
+
+
+class Watched:
+    """A simulation that is watched, and the wall clock that its view sees."""
+
+    def __init__(self, simulation: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = time.monotonic()
+        monkeypatch.setattr("morse.simulation.viewing.ViewServer", Server)
+        monkeypatch.setattr("morse.simulation.viewing.time.monotonic", lambda: self.now)
+        self.simulation = simulation
+        simulation.view = view = View(simulation)
+        view.announce()
+        self.server: Server = view._server  # type: ignore[assignment]
+
+    def run(self, seconds: float, each: float = 0.0005) -> int:
+        """Ticks that take so long each; how many snapshots are shown meanwhile."""
+        before = len(self.server.shown)
+        for _ in range(round(seconds / each)):
+            self.now += each
+            self.simulation.tick()
+        return len(self.server.shown) - before
+
+
+@pytest.fixture
+def watched(load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> Watched:
+    return Watched(load(SCENE), monkeypatch)
+
+
+@pytest.mark.parametrize(("speed", "rate"), [(math.inf, 60), (100.0, 125)])
+def test_a_quick_simulation_is_shown_as_often_as_screens_can(watched: Watched, speed: float, rate: int) -> None:
+    watched.simulation.pacer.set_speed(speed)
+    assert 0.9 * rate <= watched.run(1.0) <= rate + 1
+    assert watched.server.shown[-1].speed == speed
+
+
+@pytest.mark.parametrize("speed", [math.inf, 1.0])
+def test_every_tick_is_shown_of_a_simulation_that_is_no_quicker(watched: Watched, speed: float) -> None:
+    watched.simulation.pacer.set_speed(speed)
+    assert watched.run(1.0, each=1 / 50) == 50
+    assert [shown.tick for shown in watched.server.shown] == list(range(1, 51))
+
+
+def test_rays_are_shown_of_the_sensors_that_there_are(watched: Watched) -> None:
+    for _ in range(2):
+        watched.run(0.5, each=1 / 60)
+        rays = [message for message in watched.server.said if isinstance(message, Rays)]
+        assert {message.component for message in rays} == {"robot.laser"}
+        assert len(rays) >= 3  # of ten scans a second
+        watched.simulation.restart()
+        watched.server.said.clear()
