@@ -32,7 +32,7 @@ def options_of(script: str, tmp_path: Path, **more: object) -> RunOptions:
 def test_processes_restarts_views_clients_and_the_wall_clock_change_nothing(
     script: str, ticks: int, tmp_path: Path
 ) -> None:
-    assert verify(options_of(script, tmp_path), ticks, clients=10) == []
+    assert verify(options_of(script, tmp_path), ticks, clients=10, pages=3) == []
 
 
 def drive(simu: Morse, rounds: int) -> list[str]:

@@ -1,12 +1,14 @@
-"""Clients and a page that look at a simulation while it is replayed."""
+"""Clients and pages that look at a simulation while it is replayed."""
 
 from __future__ import annotations
 
 import contextlib
 import selectors
 import socket
+import struct
 import threading
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 import msgspec
 from websockets.exceptions import WebSocketException
@@ -16,6 +18,7 @@ from morse.core.exceptions import MorseError
 from morse.simulation.viewing import View
 from morse.viewer.page_messages import Hello, PageMessage, Taken, Watch
 from morse.viewer.protocol import VERSION
+from morse.viewer.snapshot import POSES
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 _POLL = 0.1
+_KIND = struct.Struct("<I")
+#: wall-clock seconds within which a page is there
+_ARRIVAL = 30.0
 #: components that one page may show
 _SHOWN = 1000
 
@@ -32,21 +38,32 @@ class Onlookers:
 
     Args:
         clients: connections to every stream of the socket.
+        pages: of the live view, if there is one.
+
+    Raises:
+        RuntimeError: a page is not let in.
     """
 
-    def __init__(self, simulation: Simulation, clients: int) -> None:
+    def __init__(self, simulation: Simulation, clients: int, pages: int = 1) -> None:
         self._ended = threading.Event()
+        self._arrivals = threading.Semaphore(0)
         self._selector = selectors.DefaultSelector()
         host = simulation.options.host
         for port in _stream_ports(simulation):
             for _ in range(clients):
                 self._selector.register(socket.create_connection((host, port)), selectors.EVENT_READ)
         self._threads = [threading.Thread(target=self._read)]
+        expected = 0
         if isinstance(simulation.view, View):
+            expected = pages
+            address = urlsplit(simulation.view.url)._replace(scheme="ws", path="/ws").geturl()
             names = list(simulation.context.components)
-            self._threads.append(threading.Thread(target=self._watch, args=[simulation.view.url, names]))
+            self._threads += [threading.Thread(target=self._watch, args=[address, names]) for _ in range(pages)]
         for thread in self._threads:
             thread.start()
+        if not all(self._arrivals.acquire(timeout=_ARRIVAL) for _ in range(expected)):
+            self.close()
+            raise RuntimeError("a page of the live view was not let in")
 
     def _read(self) -> None:
         while not self._ended.is_set():
@@ -58,17 +75,23 @@ class Onlookers:
                 self._selector.unregister(connection)
                 connection.close()
 
-    def _watch(self, url: str, names: list[str]) -> None:
+    def _watch(self, address: str, names: list[str]) -> None:
+        place = urlsplit(address)
         with (
             contextlib.suppress(WebSocketException, OSError),
-            connect(url.replace("http", "ws", 1) + "ws", max_size=None) as page,
+            # a socket of our own: no proxy is asked for what is on this machine
+            socket.create_connection((place.hostname, place.port)) as connection,
+            connect(address, sock=connection, max_size=None) as page,
         ):
             page.send(_text(Hello(version=VERSION)))
+            page.recv(timeout=_ARRIVAL)
             page.send(_text(Watch(values=names[:_SHOWN], overlays=["contacts", *names[: _SHOWN - 1]])))
+            self._arrivals.release()
             taken = 0
             while not self._ended.is_set():
                 with contextlib.suppress(TimeoutError):
-                    if isinstance(page.recv(timeout=_POLL), bytes):
+                    frame = page.recv(timeout=_POLL)
+                    if isinstance(frame, bytes) and _KIND.unpack_from(frame)[0] == POSES:
                         taken += 1
                         page.send(_text(Taken(taken)))
 
@@ -78,6 +101,10 @@ class Onlookers:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Look no longer."""
         self._ended.set()
         for thread in self._threads:
             thread.join()

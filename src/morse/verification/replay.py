@@ -39,6 +39,7 @@ class Replay:
         output: file to write.
         restarts: how often to start anew afterwards.
         clients: readers of every stream.
+        pages: of the live view, if the options ask for one.
         paced: wait for the wall clock between ticks.
     """
 
@@ -47,6 +48,7 @@ class Replay:
     output: str
     restarts: int = 0
     clients: int = 0
+    pages: int = 1
     paced: bool = False
 
 
@@ -63,7 +65,7 @@ def replay(wanted: Replay) -> None:
             simulation.view.announce()
         watched = bool(wanted.clients or simulation.view)
         with (
-            Onlookers(simulation, wanted.clients) if watched else nullcontext(),
+            Onlookers(simulation, wanted.clients, wanted.pages) if watched else nullcontext(),
             Path(wanted.output).open("w", encoding="utf-8") as file,
         ):
             for run in range(1 + wanted.restarts):

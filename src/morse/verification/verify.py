@@ -42,17 +42,23 @@ class Difference:
 
 
 def verify(
-    options: RunOptions, ticks: int, progress: Callable[[str], object] = print, *, clients: int = 2
+    options: RunOptions,
+    ticks: int,
+    progress: Callable[[str], object] = print,
+    *,
+    clients: int = 2,
+    pages: int = 1,
 ) -> list[Difference]:
     """Run a scene several times and compare every tick, to the bit.
 
     A first process runs it as fast as possible, then starts it anew. A second one runs it with the
-    live view and a page of it, with clients that read every stream, paced by the wall clock, and
+    live view and pages of it, with clients that read every stream, paced by the wall clock, and
     with other hashes of strings.
 
     Args:
         progress: told what is being run.
         clients: on every stream.
+        pages: of the live view.
 
     Returns:
         The differences, one at most for each comparison; none if all runs are equal.
@@ -67,7 +73,8 @@ def verify(
         )
         progress("another process, with the live view open, clients that read, and the pace of the wall clock")
         watched = dataclasses.replace(options, view="web")
-        second = _replay(watched, "2", ticks=ticks, clients=clients, paced=True, output=str(Path(folder) / "second"))
+        wanted = {"ticks": ticks, "clients": clients, "pages": pages, "paced": True}
+        second = _replay(watched, "2", **wanted, output=str(Path(folder) / "second"))
     comparisons = [
         ("a new process and a restart", first[:ticks], first[ticks:]),
         ("two processes, one of them watched and paced", first[:ticks], second),
