@@ -75,31 +75,60 @@ def test_an_inactive_actuator_does_nothing(rig):
     assert made["robot.pose"].local_data["x"] == pytest.approx(0.0, abs=1e-3)
 
 
-def test_wheels_turn_a_pioneer(rig):
-    made = rig(
-        """
-robot = Pioneer3DX()
+WHEELED = """
+robot = {robot}()
 motion = MotionVWDiff()
 robot.append(motion)
 pose = Pose()
 robot.append(pose)
 env = Environment("empty")
 """
-    )
+
+
+# the height of the origin above the ground, and how exactly the robot turns
+@pytest.mark.parametrize(
+    ("robot", "height", "exactness"),
+    [("Pioneer3DX", 0.1, 0.04), ("PatrolBot", 0.17, 0.04), ("SegwayRMP400", 0.15, 0.2)],
+)
+def test_wheels_drive_and_turn(rig, robot, height, exactness):
+    made = rig(WHEELED.format(robot=robot))
     made.run(1.0)
     rest = dict(made["robot.pose"].local_data)
-    assert rest["z"] == pytest.approx(0.1, abs=5e-3)
+    assert rest["z"] == pytest.approx(height, abs=5e-3)
     assert math.hypot(rest["x"], rest["y"]) < 5e-3
     made.command("robot.motion", v=0.4, w=0.0)
     made.run(2.0)
     straight = dict(made["robot.pose"].local_data)
-    assert straight["x"] - rest["x"] == pytest.approx(0.8, abs=0.04)
+    assert straight["x"] - rest["x"] == pytest.approx(0.8, abs=0.05)
     assert abs(straight["y"]) < 0.02
-    made.command("robot.motion", v=0.0, w=0.5)
+    assert abs(straight["yaw"]) < 0.01
+    for rate in (0.5, -1.0):
+        made.command("robot.motion", v=0.0, w=rate)
+        made.run(0.5)
+        before = made["robot.pose"].local_data["yaw"]
+        made.run(1.0)
+        turned = math.remainder(made["robot.pose"].local_data["yaw"] - before, 2 * math.pi)
+        assert turned == pytest.approx(rate, rel=exactness)
+
+
+def test_four_wheels_slide_steadily_in_a_turn_and_stop(rig):
+    made = rig(WHEELED.format(robot="SegwayRMP400"))
     made.run(0.5)
-    before = made["robot.pose"].local_data["yaw"]
-    made.run(2.0)
-    assert math.remainder(made["robot.pose"].local_data["yaw"] - before, 2 * math.pi) == pytest.approx(1.0, rel=0.04)
+    made.command("robot.motion", v=0.0, w=0.5)
+    made.run(1.0)
+    rates, yaw = [], made["robot.pose"].local_data["yaw"]
+    for _ in range(60):
+        made.tick()
+        now = made["robot.pose"].local_data["yaw"]
+        rates.append((now - yaw) * 60.0)
+        yaw = now
+    # without sticking and slipping
+    assert max(rates) - min(rates) < 0.05
+    made.command("robot.motion", v=0.0, w=0.0)
+    made.run(0.5)
+    yaw = made["robot.pose"].local_data["yaw"]
+    made.run(0.5)
+    assert made["robot.pose"].local_data["yaw"] == pytest.approx(yaw, abs=1e-3)
 
 
 def test_wheels_are_needed_for_wheel_speeds(rig):

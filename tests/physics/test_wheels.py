@@ -13,7 +13,7 @@ RADIUS, TRACK = 0.1, 0.34
 AXLE = Vector([0.05, 0, 0])
 
 
-def wheeled(name="robot", **pose):
+def wheeled(name="robot", caster=0.04, **pose):
     pose = {"at": (0, 0, RADIUS)} | pose
     body = rigid(name, box(0.45, 0.3, 0.15), mass=9.0, **pose)
     body.shapes[0].position = (-0.03, 0, 0.06)
@@ -23,7 +23,7 @@ def wheeled(name="robot", **pose):
         body.attach(
             node(f"{name}.{side}", wheel, at=(0.05, y, 0), turned=(math.pi / 2, 0, 0), kind=PhysicsType.RIGID_BODY)
         )
-    body.attach(node(f"{name}.CasterWheel", sphere(0.04), at=(-0.17, 0, 0.04 - RADIUS), kind=PhysicsType.RIGID_BODY))
+    body.attach(node(f"{name}.CasterWheel", sphere(0.04), at=(-0.17, 0, caster - RADIUS), kind=PhysicsType.RIGID_BODY))
     return body
 
 
@@ -76,3 +76,41 @@ def test_differential_speeds_give_speed_and_rate(driven, v, w):
 
 def test_the_caster_is_no_driven_wheel(driven):
     assert len(driven.game_object("robot").wheels()) == 2
+
+
+@pytest.mark.parametrize("below", [0.0, 0.002, 0.005])
+def test_a_caster_that_reaches_too_low_lifts_no_wheel(below):
+    body = wheeled(caster=0.04 - below)
+    made = scene(ground(), body, robots=[body])
+    made.components[0].options["wheels"] = ["robot.Wheel_L", "robot.Wheel_R"]
+    world = World(made)
+    robot = world.game_object("robot")
+
+    def drive():
+        for wheel in robot.wheels():
+            wheel.set_speed(0.4 / RADIUS)
+
+    run(world, 1.0, drive)
+    start = robot.worldPosition.x
+    run(world, 2.0, drive)
+    assert robot.worldPosition.x - start == pytest.approx(0.8, abs=0.02)
+
+
+@pytest.mark.parametrize(("friction", "climbs"), [(0.1, False), (0.8, True)])
+def test_the_property_friction_is_that_of_the_wheels(friction, climbs):
+    # a slope of tan 0.3 = 0.31, and 4/5 of the weight on the driven wheels
+    body = wheeled(at=(0, 0, 0.2), turned=(0, -0.3, 0))
+    body.properties["Friction"] = friction
+    made = scene(node("Slope", box(40, 40, 1), at=(0, 0, -0.5), turned=(0, -0.3, 0)), body, robots=[body])
+    made.components[0].options["wheels"] = ["robot.Wheel_L", "robot.Wheel_R"]
+    world = World(made)
+    robot = world.game_object("robot")
+    run(world, 1.0)
+    start = robot.worldPosition.z
+
+    def drive():
+        for wheel in robot.wheels():
+            wheel.set_speed(0.5 / RADIUS)
+
+    run(world, 3.0, drive)
+    assert (robot.worldPosition.z > start + 0.2) == climbs

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.physics.casters import caster_floor, is_caster, rise
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
-from morse.physics.layout import Frame, Motion, frames_of
+from morse.physics.layout import Frame, Motion, driven_wheels, frames_of
+from morse.physics.poses import as_array, relative_pose
 from morse.physics.wheels import wheel_axis, wheel_size
 from morse.scene import PhysicsType, ShapeKind
 from morse.scene.frames import RigidFrame, rigid_frame
@@ -30,6 +32,9 @@ _TORSIONAL, _ROLLING = 0.005, 0.0001
 _UNTURNABLE = 1e6
 #: what a wheel motor can give, N m; and how hard it holds its speed, N m s
 WHEEL_TORQUE, WHEEL_GAIN = 300.0, 20.0
+#: the same for robots with more than two driven wheels, which turn by making them slide: against all their weight
+_SKID_GAIN = 1000.0
+_WHEEL_INERTIA = 0.01
 
 #: bytes for each pair of bodies, and for the rest: the engine's own estimate forgets bodies that stand still,
 #: and ends the process when it runs out
@@ -147,11 +152,11 @@ class _Builder:
 
     def _add_body(self, frame: Frame, slot: Slot) -> Any:
         parent, pose = self._spec.worldbody, slot.pose
-        position, rotation = np.array(pose.position), _array(pose.rotation)
+        position, rotation = np.array(pose.position), as_array(pose.rotation)
         if frame.parent is not None:
             parent = self._bodies[frame.parent]
             outer = rigid_frame(frame.parent.node)
-            turned = _array(outer.rotation).T
+            turned = as_array(outer.rotation).T
             position, rotation = turned @ (position - np.array(outer.position)), turned @ rotation
         body = parent.add_body(
             name=frame.node.name, pos=position, quat=_quaternion(rotation), mocap=frame.motion is Motion.KINEMATIC
@@ -166,10 +171,12 @@ class _Builder:
         total = sum(volume(shape) for node in frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
-        stand = self._stance(frame, slot)
+        stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
         for node in frame.solid:
             position, rotation = relative_pose(node, slot.pose)
             for shape in node.shapes or ():
+                if is_caster(node):
+                    position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
                 fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
                 geom = self._add_geom(body, fitted, position, rotation)
                 geom.mass = mass * volume(shape) / total
@@ -237,7 +244,7 @@ class _Builder:
             logarithm = math.log(min(restitution, 0.99))
             geom.solref = [2.0 * self._step, -logarithm / math.hypot(math.pi, logarithm)]
             geom.priority = 1
-        if "caster" in node.plain_name.lower():
+        if is_caster(node):
             geom.condim, geom.priority = 1, 2
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0
@@ -247,7 +254,12 @@ class _Builder:
         assert frame.parent is not None
         axis = wheel_axis(node, frame.parent.node)
         radius, half_width, rotation = wheel_size(node, axis)
-        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=0.01)
+        skids = len(driven_wheels(frame.parent.robot)) > 2
+        gain = _SKID_GAIN if skids else WHEEL_GAIN
+        # The engine finds frictions before it limits what a stiff motor does in a step. That is of no account for
+        # wheels that roll; sliding ones would stick and slip in turns without inertia, as that of a real gear, to match
+        inertia = _SKID_GAIN * self._step if skids else _WHEEL_INERTIA
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=inertia)
         # an ellipsoid touches the floor in one point: wider wheels turn up to 25 % too slowly
         geom = body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -255,12 +267,13 @@ class _Builder:
             quat=_quaternion(rotation),
             mass=node.body.mass,
         )
-        mu = node.body.friction if node.body.friction is not None else 1.0
+        named = frame.parent.node.properties.get("Friction") if node.body.friction is None else node.body.friction
+        mu = float(named) if isinstance(named, (int, float)) and 0.0 <= named < math.inf else 1.0
         geom.friction = [mu, _TORSIONAL, _ROLLING]
         geom.priority = 1
         self._geoms.append((geom, node, slot))
         motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        motor.set_to_velocity(kv=WHEEL_GAIN)
+        motor.set_to_velocity(kv=gain)
         motor.forcerange = [-WHEEL_TORQUE, WHEEL_TORQUE]
         motor.forcelimited = True
 
@@ -304,17 +317,6 @@ def set_damping(model: mujoco.MjModel, slot: Slot) -> None:
     linear, angular = (-math.log(1.0 - min(max(d, 0.0), 0.999)) for d in (body.linear_damping, body.angular_damping))
     model.dof_damping[slot.dof : slot.dof + 3] = linear * model.body_mass[slot.body]
     model.dof_damping[slot.dof + 3 : slot.dof + 6] = angular * float(model.body_inertia[slot.body].mean())
-
-
-def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Position (3,) and rotation (3, 3) of a node in a frame."""
-    own = rigid_frame(node)
-    turned = _array(frame.rotation).T
-    return turned @ (np.array(own.position) - np.array(frame.position)), turned @ _array(own.rotation)
-
-
-def _array(matrix: Any) -> NDArray[np.float64]:
-    return np.array([list(row) for row in matrix], dtype=np.float64)
 
 
 def _quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -51,14 +51,19 @@ def has_shape(node: Node) -> bool:
     )
 
 
+def driven_wheels(robot: ComponentDeclaration | None) -> list[str]:
+    """Names of the wheels with motors of a robot."""
+    names = () if robot is None else robot.options.get("wheels", ())
+    assert isinstance(names, (list, tuple))
+    return [str(name) for name in names]
+
+
 def frames_of(scene: Scene) -> list[Frame]:
     """The frames of a scene, in the order of its nodes."""
     robots = {c.node: c for c in scene.components if c.kind in ("robot", "external_robot")}
     wheels: dict[str, ComponentDeclaration] = {}
     for declaration in robots.values():
-        names = declaration.options.get("wheels", ())
-        assert isinstance(names, (list, tuple))
-        wheels.update({str(name): declaration for name in names})
+        wheels.update(dict.fromkeys(driven_wheels(declaration), declaration))
     frames: list[Frame] = []
 
     def visit(node: Node, frame: Frame | None) -> None:

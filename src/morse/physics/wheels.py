@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.physics.inertia import bounding_box
+from morse.physics.poses import as_array
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def _rotation(node: Node) -> NDArray[np.float64]:
-    return np.array([list(row) for row in rigid_frame(node).rotation], dtype=np.float64)
+    return as_array(rigid_frame(node).rotation)
 
 
 def wheel_axis(wheel: Node, robot: Node) -> NDArray[np.float64]:

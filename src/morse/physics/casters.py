@@ -1,0 +1,52 @@
+"""Casters of robots on wheels.
+
+A robot on two driven wheels and rigid casters stands on three points: casters that reach a millimetre too low lift a
+driven wheel, and the robot turns on the spot or not at all. Real ones are sprung. Here they end a little higher than
+the wheels, so that these always carry their share.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.physics.inertia import bounding_box
+from morse.physics.layout import driven_wheels
+from morse.physics.poses import relative_pose
+from morse.physics.wheels import wheel_axis, wheel_size
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.physics.layout import Frame
+    from morse.scene import CollisionShape, Node
+    from morse.scene.frames import RigidFrame
+
+#: metres between the lowest point of a caster and that of the wheels
+_CLEARANCE = 0.001
+
+
+def is_caster(node: Node) -> bool:
+    """Whether a part slides, and carries only what the wheels do not."""
+    return "caster" in node.plain_name.lower()
+
+
+def caster_floor(frame: Frame, pose: RigidFrame) -> float | None:
+    """How low casters of a robot may reach: height in its frame, m; None if it has no driven wheels."""
+    names = driven_wheels(frame.robot)
+    bottoms = []
+    for node in frame.node.walk():
+        if node.name in names:
+            radius, _, _ = wheel_size(node, wheel_axis(node, frame.node))
+            bottoms.append(float(relative_pose(node, pose)[0][2]) - radius)
+    return max(bottoms) + _CLEARANCE if bottoms else None
+
+
+def rise(
+    shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64], floor: float | None
+) -> float:
+    """How far a shape of a caster has to be raised to end above a floor, m."""
+    if floor is None:
+        return 0.0
+    low, _ = bounding_box(shape, position, rotation)
+    return max(0.0, floor - float(low[2]))
