@@ -103,7 +103,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")
         if wait:
             until(
-                lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 1)"), "a world on the page"
+                lambda: page.evaluate("!!(window.morse?.world.value && morse.stage.frames > 0)"), "a world on the page"
             )
         return page
 

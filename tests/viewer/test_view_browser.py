@@ -409,3 +409,53 @@ def test_light_and_dark(served, open_page) -> None:
     until(lambda: colors(page).mean() > dark + 20)
     page.reload()
     assert page.evaluate("document.documentElement.dataset.theme") == "light"
+
+
+# the first picture ---------------------------------------------------------------------------------------
+
+
+def test_without_a_world_the_empty_ground_is_drawn(served, open_page) -> None:
+    _, url = served
+    page = open_page(url, wait=False)
+    until(lambda: page.evaluate("morse.stage.frames > 0"))
+    assert page.evaluate("morse.stage.world") is None
+    assert colors(page).std() > 5
+
+
+FIRST = """Object.defineProperty(window, "morse", { set(app) {
+    Object.defineProperty(window, "morse", { value: app });
+    app.stage.onDrawn(() => { window.first ??= [performance.now(), app.stage.world !== null]; });
+}, configurable: true });"""
+
+
+def test_nothing_is_drawn_before_the_world_is_there(running, browser) -> None:
+    _, url = running
+    page = browser.new_page(viewport={"width": 300, "height": 200})
+    try:
+        page.add_init_script(FIRST)
+        page.goto(url)
+        until(lambda: page.evaluate("!!window.first"))
+        milliseconds, with_world = page.evaluate("window.first")
+        assert with_world or milliseconds > 700  # a slow machine is shown the empty ground meanwhile
+    finally:
+        page.close()
+
+
+@pytest.mark.parametrize(("asked", "smooth"), [("low", False), ("high", True)])
+def test_edges_are_smooth_where_that_is_asked_for(running, open_page, asked, smooth) -> None:
+    _, url = running
+    page = open_page(f"{url}?quality={asked}" if asked == "high" else url)
+    assert page.evaluate("morse.stage.renderer.getContext().getContextAttributes().antialias") is smooth
+
+
+def test_a_processor_in_place_of_a_graphics_card_draws_plain_edges(running, browser) -> None:
+    _, url = running
+    page = browser.new_page(viewport={"width": 300, "height": 200})
+    try:
+        for _ in ("found out", "remembered"):
+            page.goto(url)
+            until(lambda: page.evaluate("!!window.morse?.world.value"))
+            assert page.evaluate("localStorage.getItem('morse.drawnBy')") == "software"
+            assert page.evaluate("morse.stage.renderer.getContext().getContextAttributes().antialias") is False
+    finally:
+        page.close()

@@ -24,7 +24,7 @@ import { World } from "./world/world";
 export class App {
   readonly connection = new Connection();
   readonly shell = new Shell();
-  readonly stage = new Stage(this.shell.view);
+  readonly stage = this.makeStage();
   readonly keyboard = new Keyboard(this.connection);
   readonly shortcuts = new Shortcuts();
   readonly navigation = new Navigation(this.stage, this.keyboard);
@@ -68,8 +68,18 @@ export class App {
     this.connection.on("welcome", ({ title }) => (document.title = title));
     this.connection.onPoses = (frame) => this.take(frame);
     this.stage.onDrawn(() => this.connection.drawn());
-    this.connection.open();
     this.stage.start();
+  }
+
+  /** Making the graphics card ready takes a while: the simulator is asked for the world before. */
+  private makeStage(): Stage {
+    this.connection.open();
+    try {
+      return new Stage(this.shell.view);
+    } catch (error) {
+      this.connection.close();
+      throw error;
+    }
   }
 
   tell(text: string): void {

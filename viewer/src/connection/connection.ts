@@ -33,9 +33,14 @@ export class Connection {
     const url = new URL("ws", location.href);
     url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
     url.hash = "";
-    this.order({ kind: "open", url: url.href });
+    this.order({ kind: "open", url: url.href, page: location.href });
     setInterval(() => this.pulse(), 250);
     this.pulse();
+  }
+
+  /** For good: this page shows nothing. */
+  close(): void {
+    this.worker.terminate();
   }
 
   on<K extends Kind>(kind: K, handler: (message: Of<K>) => void): void {

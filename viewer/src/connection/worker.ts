@@ -1,10 +1,10 @@
 /* The connection lives in a thread of its own: drawing never delays a key or a sign of life. */
-import type { Hello, PageMessage, ServerMessage } from "../generated/protocol";
+import type { Hello, PageMessage, SceneDescription, ServerMessage } from "../generated/protocol";
 import { VERSION } from "../generated/protocol";
 import { decodePayload, kindOf, POSES } from "./frames";
 
 export type ToWorker =
-  | { kind: "open"; url: string }
+  | { kind: "open"; url: string; page: string }
   | { kind: "send"; message: PageMessage }
   /** the page is alive and seen */
   | { kind: "pulse" }
@@ -24,6 +24,7 @@ const RETRY = [300, 600, 1000, 2000, 3000];
 const scope = self as unknown as { postMessage(message: FromWorker, transfer?: Transferable[]): void; onmessage: unknown };
 let socket: WebSocket | null = null;
 let url = "";
+let pageUrl = "";
 let pulse = 0;
 let taken = 0;
 let failures = 0;
@@ -41,9 +42,17 @@ function showNewest(): void {
   newest = null;
 }
 
+/** While the page still makes its canvas ready: what it will fetch next is in the browser's cache then. */
+async function prefetch(world: string): Promise<void> {
+  const { meshes } = (await (await fetch(new URL(world, pageUrl))).json()) as SceneDescription;
+  await Promise.all([...new Set(meshes.map((mesh) => mesh.url))].map((file) => fetch(new URL(file, pageUrl))));
+}
+
 function receive(data: string | ArrayBuffer): void {
   if (typeof data === "string") {
-    scope.postMessage({ kind: "message", message: JSON.parse(data) as ServerMessage });
+    const message = JSON.parse(data) as ServerMessage;
+    scope.postMessage({ kind: "message", message });
+    if (message.type === "world") prefetch(message.url).catch(() => {}); // the page says what is wrong
   } else if (kindOf(data) === POSES) {
     taken += 1;
     if (taken % TAKEN_EVERY === 0) send({ type: "taken", count: taken });
@@ -78,6 +87,7 @@ scope.onmessage = (event: MessageEvent<ToWorker>) => {
   const order = event.data;
   if (order.kind === "open") {
     url = order.url;
+    pageUrl = order.page;
     open();
   } else if (order.kind === "send") send(order.message);
   else if (order.kind === "pulse") pulse = performance.now();

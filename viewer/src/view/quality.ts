@@ -23,10 +23,9 @@ export class Quality {
   private times: number[] = [];
 
   constructor(
-    software: boolean,
+    { asked, software }: Means,
     private readonly apply: (level: Level) => void,
   ) {
-    const asked = new URLSearchParams(location.search).get("quality");
     this.fixed = asked !== null;
     this.level = asked === "high" ? 0 : asked === "low" || software ? LEVELS.length - 1 : 1;
     this.use();
@@ -52,8 +51,42 @@ export class Quality {
   }
 }
 
-/** Whether the processor stands in for a graphics card. */
-export function isSoftware(context: WebGLRenderingContext | WebGL2RenderingContext): boolean {
-  const names = context.getExtension("WEBGL_debug_renderer_info");
-  return names !== null && /swiftshader|llvmpipe|software/i.test(String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)));
+/** What the machine and the address of the page allow. */
+export interface Means {
+  /** "high" or "low", if the address says so */
+  asked: string | null;
+  /** the processor stands in for a graphics card */
+  software: boolean;
+  /** smooth edges: the processor would take twice as long */
+  smooth: boolean;
+}
+
+const KEY = "morse.drawnBy";
+const SOFTWARE = "software";
+
+/** Found out before there is a canvas: whether its edges are smooth cannot be changed later. */
+export function meansOfDrawing(): Means {
+  const asked = new URLSearchParams(location.search).get("quality");
+  const software = (localStorage.getItem(KEY) ?? probe()) === SOFTWARE;
+  return { asked, software, smooth: asked === "high" || (asked !== "low" && !software) };
+}
+
+/** Keep what draws, so that the next page need not find out. */
+export function rememberMeans(context: Context): void {
+  localStorage.setItem(KEY, drawnBy(context));
+}
+
+type Context = WebGLRenderingContext | WebGL2RenderingContext | null;
+
+function probe(): string {
+  const context = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("webgl2");
+  const by = drawnBy(context);
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return by;
+}
+
+function drawnBy(context: Context): string {
+  const names = context?.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? String(context?.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  return /swiftshader|llvmpipe|software/i.test(name) ? SOFTWARE : "card";
 }

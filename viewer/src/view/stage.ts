@@ -7,7 +7,10 @@ import { Lights } from "../world/lights";
 import { Sky } from "../world/sky";
 import type { World } from "../world/world";
 import { ViewCamera } from "./camera";
-import { isSoftware, Quality } from "./quality";
+import { meansOfDrawing, Quality, rememberMeans } from "./quality";
+
+/** Without a world, the empty ground is drawn after so many milliseconds: no time is lost on it before. */
+const EMPTY_AFTER = 700;
 
 /** The canvas: draws the world whenever something has changed. */
 export class Stage {
@@ -23,12 +26,15 @@ export class Stage {
   world: World | null = null;
   frames = 0;
   private stale = true;
+  private empty = false;
   private readonly steps: ((seconds: number) => boolean)[] = [];
   private readonly before: (() => void)[] = [];
   private readonly drawn: (() => void)[] = [];
 
   constructor(readonly element: HTMLElement) {
-    this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+    const means = meansOfDrawing();
+    this.renderer = new WebGLRenderer({ antialias: means.smooth, powerPreference: "high-performance" });
+    rememberMeans(this.renderer.getContext());
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.toneMappingExposure = 0.9;
     this.renderer.shadowMap.enabled = true;
@@ -38,7 +44,7 @@ export class Stage {
     this.ground = new Ground(this.scene);
     this.lights = new Lights(this.scene);
     this.sky = new Sky(this.scene);
-    this.quality = new Quality(isSoftware(this.renderer.getContext()), (level) => {
+    this.quality = new Quality(means, (level) => {
       this.renderer.setPixelRatio(Math.min(devicePixelRatio, level.pixels));
       this.lights.setShadowSize(level.shadows);
       this.invalidate();
@@ -78,6 +84,7 @@ export class Stage {
 
   start(): void {
     let last = performance.now();
+    setTimeout(() => (this.empty = true), EMPTY_AFTER);
     const frame = (): void => {
       requestAnimationFrame(frame);
       const now = performance.now();
@@ -85,7 +92,7 @@ export class Stage {
       const seconds = Math.min((now - last) / 1000, 0.25);
       last = now;
       for (const step of this.steps) if (step(seconds)) this.stale = true;
-      if (this.stale) this.draw();
+      if (this.stale && (this.world || this.empty)) this.draw();
     };
     requestAnimationFrame(frame);
   }
@@ -116,6 +123,6 @@ export class Stage {
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height);
     this.view.setAspect(width / height);
-    this.draw();
+    if (this.world || this.empty) this.draw();
   }
 }
