@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import socket
+import threading
 import time
 from typing import Any
 
@@ -15,6 +16,7 @@ from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.sensor import Sensor
+from morse.middleware.socket import stream_client
 from morse.middleware.socket.complaints import Complaints
 from morse.middleware.socket.inbox import Inbox
 from morse.middleware.socket.listener import listen, port_of
@@ -461,3 +463,35 @@ def test_a_thousand_clients_come_and_go_and_leave_nothing(bench: Bench) -> None:
     client = bench.connect()
     assert bench.call(client, b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"
     client.close()
+
+
+def test_what_gathers_while_the_network_is_busy_arrives_whole_and_in_order(bench: Bench) -> None:
+    pose = bench.sensor(port=0)
+    clients = [bench.connect("robot1.pose") for _ in range(3)]
+    wait_until(lambda: bench.streams._servers["robot1.pose"].connected == 3)
+    busy, free = threading.Event(), threading.Event()
+
+    def keep_busy() -> None:
+        busy.set()
+        free.wait(30.0)
+
+    bench.context.network.post(keep_busy)
+    assert busy.wait(30.0)
+    for n in range(500):
+        pose.local_data["temperature"] = float(n)
+        bench.tick()
+    free.set()
+    wait_until(lambda: all(len(client.lines()) == 500 for client in clients))
+    for client in clients:
+        assert [json.loads(line)["temperature"] for line in client.lines()] == [float(n) for n in range(500)]
+        client.close()
+
+
+@given(st.lists(st.binary(min_size=1, max_size=40), min_size=1, max_size=60), st.integers(1, 120))
+def test_messages_are_put_together_without_loss(messages: list[bytes], limit: int) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stream_client, "_HIGH_WATER", limit)
+        parcels = list(stream_client._parcels(messages))
+    assert b"".join(data for data, _ in parcels) == b"".join(messages)
+    assert sum(count for _, count in parcels) == len(messages)
+    assert all(len(data) <= limit or count == 1 for data, count in parcels)

@@ -9,7 +9,7 @@ from morse.middleware.socket.inbox import Inbox
 from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from morse.middleware.socket.listener import Listener
 
@@ -41,22 +41,25 @@ class StreamClient(LineClient):
         if self.server.reads and self.server.connected > 1:
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
 
-    def offer(self, messages: Sequence[bytes]) -> None:
-        """Send messages now; those for which the client has no room, only the last one, as soon as it has."""
-        done = 0
-        while done < len(messages) and not self.congested:
-            # no more at once than the client may fall behind
-            end, size = done + 1, len(messages[done])
-            while end < len(messages) and (size := size + len(messages[end])) <= _HIGH_WATER:
-                end += 1
-            self.transport.write(b"".join(messages[done:end]))
-            self.sent += end - done
-            done = end
-        if done < len(messages):
-            if (self._waiting is not None or done < len(messages) - 1) and not self._behind:
+    def offer(self, parcels: Sequence[tuple[bytes, int]], last: bytes) -> None:
+        """Send messages now; of those for which the client has no room only the last one, as soon as it has.
+
+        Args:
+            parcels: bytes, and how many messages these are.
+            last: the last message of all.
+        """
+        missed = -1  # the last one is not missed: it waits
+        for data, count in parcels:
+            if self.congested:
+                missed += count
+            else:
+                self.transport.write(data)
+                self.sent += count
+        if missed >= 0:
+            if (self._waiting is not None or missed) and not self._behind:
                 self._behind = True
                 self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
-            self._waiting = messages[-1]
+            self._waiting = last
 
     def resume_writing(self) -> None:
         """The client has room again."""
@@ -105,5 +108,20 @@ class StreamServer(LineServer):
 
     def publish(self, messages: Sequence[bytes]) -> None:
         """Send messages to every client."""
+        last = messages[-1]
+        parcels = [(last, 1)] if len(messages) == 1 else list(_parcels(messages))
         for client in self.clients:
-            client.offer(messages)
+            client.offer(parcels, last)
+
+
+def _parcels(messages: Sequence[bytes]) -> Iterator[tuple[bytes, int]]:
+    """The messages in few pieces, each with their number; none is larger than what a client may fall behind."""
+    piece: list[bytes] = []
+    size = 0
+    for message in messages:
+        if piece and size + len(message) > _HIGH_WATER:
+            yield b"".join(piece), len(piece)
+            piece, size = [], 0
+        piece.append(message)
+        size += len(message)
+    yield b"".join(piece), len(piece)
