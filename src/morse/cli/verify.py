@@ -10,7 +10,8 @@ from morse.cli.messages import CommandError, complain, say
 from morse.cli.scenes import resolve
 from morse.simulation.options import RunOptions
 
-CONTEXT_SETTINGS = {"allow_interspersed_args": False}
+# options may follow the scene; what is for the scene itself and begins with a dash comes after "--"
+CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 
 def command(
