@@ -2,6 +2,7 @@ import { ACESFilmicToneMapping, PCFShadowMap, Scene, Vector3, WebGLRenderer } fr
 import type { ViewDescription } from "../generated/protocol";
 import type { Theme } from "../ui/theme";
 import { theme } from "../ui/theme";
+import { lookOf } from "../world/batches";
 import { Ground } from "../world/ground";
 import { Lights } from "../world/lights";
 import { Sky } from "../world/sky";
@@ -104,6 +105,7 @@ export class Stage {
     this.view.update();
     for (const prepare of this.before) prepare();
     this.lights.follow(this.target, this.view.position.distanceTo(this.target));
+    this.world?.sort(lookOf(this.view.camera, this.element.clientHeight * this.renderer.getPixelRatio()));
     this.renderer.render(this.scene, this.view.camera);
     this.frames += 1;
     this.quality.measure(began);

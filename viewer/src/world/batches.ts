@@ -1,51 +1,107 @@
-import type { BufferGeometry, Material, Object3D } from "three";
-import { DynamicDrawUsage, InstancedMesh, Matrix4 } from "three";
+import type { BufferGeometry, Material, Object3D, PerspectiveCamera } from "three";
+import { DynamicDrawUsage, Frustum, InstancedMesh, Matrix4, Sphere } from "three";
+import { coarse } from "./coarse";
 import type { WorldNode } from "./node";
 
-const hidden = new Matrix4().makeScale(0, 0, 0);
+/** With more triangles in all, what is seen small is drawn with fewer. */
+const MANY = 100_000;
+/** Cells along a mesh, and below which radius in pixels it is drawn so: a cell is two pixels at most. */
+const LEVELS = [
+  { cells: 24, below: 24 },
+  { cells: 8, below: 8 },
+  { cells: 4, below: 4 },
+];
+/** Radius in pixels: what is smaller is not seen. */
+const SPECK = 0.6;
+/** Metres that the shadow of something beyond the edge of the picture may reach into it. */
+const SHADOW = 8;
 
-/** Many nodes with the same mesh and materials, drawn in one go. */
+interface Level {
+  mesh: InstancedMesh;
+  /** radius in pixels below which this level is used */
+  below: number;
+  /** what its instances show, in their order */
+  nodes: WorldNode[];
+}
+
+/** How the world is looked at: the camera's position in it, its frustum, and pixels for a metre at a distance of one. */
+export interface Look {
+  frustum: Frustum;
+  camera: PerspectiveCamera;
+  pixels: number;
+}
+
+export function lookOf(camera: PerspectiveCamera, height: number): Look {
+  const seen = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+  return { frustum: new Frustum().setFromProjectionMatrix(seen), camera, pixels: height / 2 / Math.tan((camera.fov * Math.PI) / 360) };
+}
+
+/** Many nodes with the same mesh and materials, drawn in one go; those that are seen small with fewer triangles. */
 export class Batch {
-  readonly mesh: InstancedMesh;
+  readonly levels: Level[];
   private readonly place = new Matrix4();
+  private readonly sphere = new Sphere();
   private readonly left = new Set<WorldNode>();
 
   constructor(
-    geometry: BufferGeometry,
+    private readonly geometry: BufferGeometry,
     materials: Material[],
-    readonly nodes: WorldNode[],
+    private readonly nodes: WorldNode[],
   ) {
-    this.mesh = new InstancedMesh(geometry, materials.length === 1 ? (materials[0] as Material) : materials, nodes.length);
-    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    // they move: a sphere around all of them would be out of date
-    this.mesh.frustumCulled = false;
-    this.mesh.castShadow = this.mesh.receiveShadow = true;
-    this.mesh.userData["batch"] = this;
+    const triangles = ((geometry.getIndex()?.count ?? 0) / 3) * nodes.length;
+    const levels = triangles < MANY ? [] : LEVELS.map(({ cells, below }) => ({ geometry: coarse(geometry, cells), below }));
+    this.levels = [{ geometry, below: Infinity }, ...levels].map((level) => this.makeLevel(level.geometry, materials, level.below));
   }
 
-  /** Take over the frames of the nodes, of all or only of those that move. */
-  update(all: boolean): void {
-    let changed = false;
-    for (let i = 0; i < this.nodes.length; i++) {
-      const node = this.nodes[i] as WorldNode;
-      if (!all && !node.moves) continue;
-      changed = true;
-      const seen = node.visible && !this.left.has(node);
-      this.mesh.setMatrixAt(i, seen ? this.place.multiplyMatrices(node.frame.matrixWorld, node.stretch) : hidden);
+  private makeLevel(geometry: BufferGeometry, materials: Material[], below: number): Level {
+    const mesh = new InstancedMesh(geometry, materials.length === 1 ? (materials[0] as Material) : materials, this.nodes.length);
+    mesh.instanceMatrix.setUsage(DynamicDrawUsage);
+    // what is outside the picture is left out here, one by one
+    mesh.frustumCulled = false;
+    mesh.castShadow = mesh.receiveShadow = true;
+    const level = { mesh, below, nodes: [] };
+    mesh.userData["level"] = level;
+    return level;
+  }
+
+  /** Choose for each node how it is drawn now, if at all, and take over its frame. */
+  sort({ frustum, camera, pixels }: Look): void {
+    for (const level of this.levels) level.nodes.length = 0;
+    const { boundingSphere } = this.geometry;
+    for (const node of this.nodes) {
+      if (!node.visible || this.left.has(node)) continue;
+      this.place.multiplyMatrices(node.frame.matrixWorld, node.stretch);
+      if (boundingSphere) {
+        this.sphere.copy(boundingSphere).applyMatrix4(this.place);
+        const size = (this.sphere.radius * pixels) / Math.max(this.sphere.center.distanceTo(camera.position), 1e-3);
+        this.sphere.radius += SHADOW;
+        if (size < SPECK || !frustum.intersectsSphere(this.sphere)) continue;
+        this.add(node, size);
+      } else this.add(node, Infinity);
     }
-    if (changed) this.mesh.instanceMatrix.needsUpdate = true;
+    for (const { mesh, nodes } of this.levels) {
+      mesh.count = nodes.length;
+      mesh.visible = nodes.length > 0;
+      mesh.instanceMatrix.needsUpdate = true;
+    }
+  }
+
+  private add(node: WorldNode, size: number): void {
+    let level = this.levels[0] as Level;
+    for (const one of this.levels) if (size < one.below) level = one;
+    level.mesh.setMatrixAt(level.nodes.length, this.place);
+    level.nodes.push(node);
   }
 
   /** The node is drawn otherwise from now on. */
   leave(node: WorldNode): void {
     this.left.add(node);
-    this.update(true);
   }
 }
 
 /** The node that a drawn object shows. */
 export function nodeOf(object: Object3D, instance: number | undefined): WorldNode | null {
-  const batch = object.userData["batch"] as Batch | undefined;
-  if (batch !== undefined && instance !== undefined) return batch.nodes[instance] ?? null;
+  const level = object.userData["level"] as Level | undefined;
+  if (level !== undefined && instance !== undefined) return level.nodes[instance] ?? null;
   return (object.userData["node"] as WorldNode | undefined) ?? null;
 }

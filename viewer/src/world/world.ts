@@ -2,6 +2,7 @@ import type { BufferGeometry, Material } from "three";
 import { Box3, Group, Mesh, Sphere, Vector3 } from "three";
 import type { PoseFrame } from "../connection/frames";
 import type { Appearance, SceneDescription } from "../generated/protocol";
+import type { Look } from "./batches";
 import { Batch } from "./batches";
 import { GeometryStore } from "./geometry";
 import { MaterialStore } from "./materials";
@@ -58,8 +59,13 @@ export class World {
       frame.position.fromArray(poses, at);
       frame.quaternion.set(poses[at + 4] as number, poses[at + 5] as number, poses[at + 6] as number, poses[at + 3] as number);
     });
-    this.update(false);
+    this.root.updateMatrixWorld();
     return true;
+  }
+
+  /** Before each frame: what is seen large, small or not at all. */
+  sort(look: Look): void {
+    for (const batch of this.batches) batch.sort(look);
   }
 
   /** A node is hidden, shown or recoloured. */
@@ -75,7 +81,6 @@ export class World {
       this.drawAlone(node);
     }
     if (node.drawn) node.drawn.visible = visible;
-    this.batchOf.get(node)?.update(true);
   }
 
   /** A sphere around all that is drawn. */
@@ -105,7 +110,7 @@ export class World {
 
   dispose(): void {
     this.root.removeFromParent();
-    for (const batch of this.batches) batch.mesh.dispose();
+    for (const { mesh } of this.batches.flatMap(({ levels }) => levels)) mesh.dispose();
     this.materials.dispose();
   }
 
@@ -136,7 +141,7 @@ export class World {
       if (group.length < BATCH_FROM) group.forEach((node) => this.drawAlone(node));
       else this.drawBatch(group);
     }
-    this.update(true);
+    this.root.updateMatrixWorld();
   }
 
   private look(node: WorldNode): { geometry: BufferGeometry; materials: Material[] } | null {
@@ -165,11 +170,6 @@ export class World {
     const batch = new Batch(look.geometry, look.materials, group);
     for (const node of group) this.batchOf.set(node, batch);
     this.batches.push(batch);
-    this.root.add(batch.mesh);
-  }
-
-  private update(all: boolean): void {
-    this.root.updateMatrixWorld();
-    for (const batch of this.batches) batch.update(all);
+    this.root.add(...batch.levels.map(({ mesh }) => mesh));
   }
 }
