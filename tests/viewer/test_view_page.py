@@ -219,11 +219,12 @@ def test_the_bundle_stays_small_and_names_its_libraries() -> None:
 
 
 def test_a_browser_without_webgl_is_told(served, open_page) -> None:
-    _, url = served
+    server, url = served
     page = open_page(url, wait=False)
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page.goto(url)
     until(lambda: "needs WebGL 2" in page.inner_text("body"))
+    until(lambda: not server.watched)  # it drives nothing, either
 
 
 def test_what_the_script_asks_of_the_view(running, open_page) -> None:

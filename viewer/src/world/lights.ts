@@ -2,12 +2,15 @@ import type { Light, Object3D, Scene } from "three";
 import { Color, DirectionalLight, HemisphereLight, PointLight, SpotLight, Vector3 } from "three";
 import type { LightDescription, ViewDescription } from "../generated/protocol";
 import type { Theme } from "../ui/theme";
+import type { WorldNode } from "./node";
 import type { World } from "./world";
 
 /** A white surface that a lamp of energy 1 lights straight on shows its full colour. */
 const FULL = Math.PI;
 /** Graphics cards take only so many lights. */
 const MOST_LAMPS = 8;
+/** Half of the angle that an area lamp lights, radians: all before it, less and less to the sides. */
+const AREA = 1.5;
 /** Falls off as a lamp that has faded to half at its distance does, over the distances that matter. */
 const DECAY = 0.3;
 /** Metres around the point of view within which the sun casts shadows. */
@@ -47,8 +50,7 @@ export class Lights {
   install(world: World): string[] {
     for (const lamp of this.lamps) lamp.removeFromParent();
     this.lamps.length = 0;
-    const lights = world.nodes.filter((node) => node.description.light !== null);
-    const strongest = lights.sort((a, b) => (b.description.light?.energy ?? 0) - (a.description.light?.energy ?? 0));
+    const strongest = strongestFirst(world);
     let sunny = false;
     for (const node of strongest.slice(0, MOST_LAMPS)) {
       const description = node.description.light as LightDescription;
@@ -113,12 +115,26 @@ export class Lights {
   }
 }
 
+/** The lamps by the light that they give where the script puts the camera: near ones come before far ones. */
+function strongestFirst(world: World): WorldNode[] {
+  const place = new Vector3(...world.description.view.camera_location);
+  const lamp = new Vector3();
+  const given = (node: WorldNode): number => {
+    const { type, energy, distance } = node.description.light as LightDescription;
+    if (type === "SUN" || type === "HEMI") return energy; // the same everywhere
+    return energy / (1 + lamp.setFromMatrixPosition(node.frame.matrixWorld).distanceToSquared(place) / Math.max(distance, 0.01) ** 2);
+  };
+  const lamps = world.nodes.filter((node) => node.description.light !== null).map((node): [WorldNode, number] => [node, given(node)]);
+  return lamps.sort(([, a], [, b]) => b - a).map(([node]) => node);
+}
+
 function makeLamp(description: LightDescription): Light {
   const color = new Color().setRGB(...description.color);
   const { energy, distance } = description;
   if (description.type === "SUN") return new DirectionalLight(color, FULL * energy);
   if (description.type === "HEMI") return new HemisphereLight(color, 0x404040, FULL * energy * 0.5);
   const intensity = FULL * energy * 0.5 * distance ** DECAY;
+  if (description.type === "AREA") return new SpotLight(color, intensity, 0, AREA, 1, DECAY);
   if (description.type !== "SPOT") return new PointLight(color, intensity, 0, DECAY);
   const spot = new SpotLight(color, intensity, 0, Math.min(description.spot_size / 2, 1.5), 0.3, DECAY);
   spot.castShadow = description.casts_shadow;

@@ -1,0 +1,65 @@
+"""What lamps light."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from PIL import Image
+from view_worlds import mesh_node, plane
+
+from morse.scene import Light, Material, Node, NodeKind, Scene
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from playwright.sync_api import Page
+
+pytestmark = pytest.mark.browser
+
+GREY = Material("grey", (0.5, 0.5, 0.5, 1.0), roughness=1.0)
+
+
+def lamp(name: str, kind: str, place: tuple[float, float, float], turn: float = 0.0, **settings: float) -> Node:
+    light = Light(kind, casts_shadow=False, **settings)  # type: ignore[arg-type]
+    return Node(name, NodeKind.LIGHT, location=list(place), rotation_euler=[turn, 0.0, 0.0], light=light)
+
+
+def brightness(page: Page, folder: Path) -> float:
+    """Of the middle of the view."""
+    page.screenshot(path=folder / "view.png")
+    picture = np.asarray(Image.open(folder / "view.png").convert("L"), float)
+    height, width = picture.shape
+    return float(picture[height // 2 - 20 : height // 2 + 20, width // 2 - 20 : width // 2 + 20].mean())
+
+
+@pytest.mark.parametrize(("kind", "one_sided"), [("AREA", True), ("POINT", False)])
+def test_an_area_lamp_lights_what_is_before_it(served, open_page, tmp_path, kind, one_sided) -> None:
+    server, url = served
+    seen = []
+    for turn in (0.0, math.pi):  # down, up
+        scene = Scene("room", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
+        scene.roots.append(lamp("lamp", kind, (0.0, 0.0, 2.0), turn, energy=1.5))
+        scene.settings.view.camera_location = (0.0, -4.0, 4.0)
+        scene.settings.view.camera_rotation = (math.pi / 4, 0.0, 0.0)
+        server.set_scene(scene, [])
+        seen.append(brightness(open_page(url), tmp_path))
+    down, up = seen
+    assert (down > up + 20) is one_sided
+
+
+def test_of_too_many_lamps_those_that_light_the_view_are_kept(served, open_page) -> None:
+    server, url = served
+    scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
+    scene.roots += [lamp(f"far{i}", "POINT", (300.0, 0.0, 3.0), energy=1.0, distance=10.0) for i in range(9)]
+    scene.roots.append(lamp("near", "POINT", (2.0, 0.0, 3.0), energy=0.2, distance=10.0))
+    scene.roots.append(lamp("sky", "HEMI", (300.0, 0.0, 3.0), energy=0.1))
+    scene.settings.view.camera_location = (0.0, -4.0, 4.0)
+    server.set_scene(scene, [])
+    page = open_page(url)
+    toast = page.locator(".toast").inner_text()
+    assert toast.startswith("3 lamps are not shown: far")
+    assert "near" not in toast
+    assert "sky" not in toast
