@@ -16,6 +16,9 @@ _WIDTH, _HEIGHT = 720, 440
 _LEFT, _RIGHT, _TOP, _BOTTOM = 70, 150, 40, 50
 _COLORS = ("#d1495b", "#00798c", "#edae49", "#30638e", "#6a4c93", "#7fb069", "#8d6e63")
 
+#: what programs are called in pictures
+_NAMES = {"morse": "MORSE", "mujoco": "bare MuJoCo loop", "pybullet": "PyBullet", "sapien": "SAPIEN", "irsim": "ir-sim"}
+
 Lines = dict[str, list[tuple[float, float]]]
 
 
@@ -59,9 +62,10 @@ def draw(lines: Lines) -> str:
         color = _COLORS[number % len(_COLORS)]
         places = [(across(x), up(y)) for x, y in line]
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
-        parts.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="2"/>')
+        width = 4 if name == "morse" else 2
+        parts.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="{width}"/>')
         parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{color}"/>' for x, y in places]
-        parts.append(_text(_WIDTH - _RIGHT + 28, _TOP + 12 + 20 * number, name, "start"))
+        parts.append(_text(_WIDTH - _RIGHT + 28, _TOP + 12 + 20 * number, _NAMES.get(name, name), "start"))
         parts.append(f'<circle cx="{_WIDTH - _RIGHT + 18}" cy="{_TOP + 8 + 20 * number}" r="5" fill="{color}"/>')
     return "\n".join([*parts, "</svg>\n"])
 
