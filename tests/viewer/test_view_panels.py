@@ -14,7 +14,7 @@ from view_worlds import box, mesh_node
 
 from morse.scene import CollisionShape, Scene, ShapeKind
 from morse.viewer.page_messages import Activate, CallService, SetProperty, ToggleCapturing
-from morse.viewer.view_messages import Capturing, Cone, MassCentre
+from morse.viewer.view_messages import Capturing, Cone, MassCentre, PropertyValue
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -142,6 +142,21 @@ def test_properties_are_edited_and_wrong_ones_refused(running, open_page) -> Non
     assert not any(driver.keys)  # typing does not drive
 
 
+def test_what_is_true_or_not_is_ticked(running, open_page) -> None:
+    driver, url = running
+    page = open_page(url, **WIDE)
+    select(page)
+    box = page.get_by_role("checkbox", name="upside_down")
+    assert not box.is_checked()
+    box.focus()
+    page.keyboard.press("Space")
+    until(lambda: [(e.name, e.value) for e in events(driver, SetProperty)] == [("upside_down", True)])
+    driver.server.send(PropertyValue("robot0.lidar", "upside_down", False))
+    until(lambda: not box.is_checked())
+    near = page.locator("table.data tr").filter(has=page.get_by_role("rowheader", name="near", exact=True))
+    until(lambda: near.locator(".value").inner_text() == "none")
+
+
 def test_services_are_called_with_arguments_and_their_results_shown(running, open_page) -> None:
     driver, url = running
     page = open_page(url, **WIDE)
@@ -224,6 +239,22 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_
     page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays nothing
     until(lambda: page.locator("figure.plot").count() == 2)
     assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
+
+
+def test_plots_take_the_colours_of_the_theme(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, **WIDE, color_scheme="light")
+    select(page)
+    page.get_by_role("rowheader", name="x", exact=True).last.press("Enter")
+    until(lambda: page.evaluate("morse.panels.plots.plots[0]?.times.length > 3"))
+    stroke = "morse.panels.plots.plots[0].chart.axes[1].grid.stroke()"
+    line = "getComputedStyle(document.documentElement).getPropertyValue('--line')"
+    light = page.evaluate(stroke)
+    assert light == page.evaluate(line)
+    page.get_by_role("button", name="Light or dark").click()
+    assert page.evaluate(stroke) == page.evaluate(line) != light
+    kept = page.evaluate("morse.panels.plots.plots[0].times.length")
+    until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > kept)
 
 
 # what sensors see ----------------------------------------------------------------------------------------

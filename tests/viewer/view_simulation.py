@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -149,7 +149,12 @@ class CircleDriver:
         """Values, rays and pictures of those that pages show."""
         wishes = self.server.wishes
         for name in wishes.values if self.measures else ():
-            data = {"x": math.cos(self.time), "points": [[self.time, 0.0, 1.0]] * 20, "position": [self.time, 2.0, 3.0]}
+            data: dict[str, Any] = {
+                "x": math.cos(self.time),
+                "near": {},
+                "points": [[self.time, 0.0, 1.0]] * 20,
+                "position": [self.time, 2.0, 3.0],
+            }
             self.server.send(Values(name, self.time, {**data, "note": "fine", "ready": True, "image": None}))
         for name in sorted(wishes.overlays - {"contacts"}):
             robot = next((i for i, m in enumerate(self.moving) if m.node.name == name.partition(".")[0]), None)
@@ -177,10 +182,14 @@ class CircleDriver:
                 FieldDescription("position", "vec3<float>", "where it is", "m"),
                 FieldDescription("note", "string", "a remark"),
                 FieldDescription("ready", "bool", "whether it is"),
+                FieldDescription("near", "dict", "what is near"),
                 FieldDescription("points", "list", "where rays end", "m"),
                 FieldDescription("image", "buffer", "what it sees"),
             ]
-            properties = [PropertyDescription("scan_window", "float", "width of the scan, degrees", 180.0)]
+            properties = [
+                PropertyDescription("scan_window", "float", "width of the scan, degrees", 180.0),
+                PropertyDescription("upside_down", "bool", "whether it hangs", False),
+            ]
             components.append(
                 ComponentDescription(robot, "robot", robot, "Rover", "A rover that runs in circles", 60.0)
             )

@@ -17,7 +17,7 @@ export class Shortcuts {
   constructor() {
     addEventListener("keydown", (event) => {
       if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
-      if (event.target instanceof HTMLButtonElement && (event.code === "Space" || event.code === "Enter")) return;
+      if (["Space", "Enter"].includes(event.code) && isPressed(event.target)) return;
       if (event.key === "Escape" && document.querySelector("dialog[open]")) return;
       const shortcut = this.list.find(({ keys }) => keys.includes(event.key) || keys.includes(event.code));
       if (!shortcut) return;
@@ -29,4 +29,9 @@ export class Shortcuts {
   add(group: Shortcut["group"], keys: string[], shown: string, what: string, run: () => void): void {
     this.list.push({ group, keys, shown, what, run });
   }
+}
+
+/** Whether an element is pressed by Space or Enter itself. */
+function isPressed(target: EventTarget | null): boolean {
+  return target instanceof Element && target.closest("button, summary, a, input") !== null;
 }

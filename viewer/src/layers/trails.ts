@@ -1,4 +1,4 @@
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Line, LineBasicMaterial, Vector3 } from "three";
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Line, LineBasicMaterial, Points, PointsMaterial, Vector3 } from "three";
 import type { WorldNode } from "../world/node";
 import type { Surroundings } from "./layer";
 import { Layer } from "./layer";
@@ -34,7 +34,11 @@ export class Trails extends Layer {
       const line = new Line(geometry, new LineBasicMaterial({ color: COLORS[i % COLORS.length] as number, toneMapped: false }));
       line.frustumCulled = false;
       line.raycast = () => {};
-      this.root.add(line);
+      // lines are a pixel wide everywhere: dots on it let it be seen
+      const dots = new Points(geometry, new PointsMaterial({ color: line.material.color, size: 3.5, sizeAttenuation: false, toneMapped: false }));
+      dots.frustumCulled = false;
+      dots.raycast = () => {};
+      this.root.add(line, dots);
       return { node, line, count: 0, last: new Vector3(Infinity, 0, 0) };
     });
   }

@@ -68,7 +68,7 @@ export class Inspector {
   private data(component: ComponentDescription): HTMLElement | null {
     if (component.data.length === 0) return null;
     const rows = component.data.map((field) => {
-      const cell = h("td", { class: "value" }, "–");
+      const cell = h("td", { class: "value", "data-type": field.type }, "–");
       this.cells.set(field.name, cell);
       const plot = (): void => this.onPlot(component.name, field.name);
       const name = h("th", { scope: "row", draggable: true, title: `${field.doc}\ndrag into a plot, or press Enter`, tabIndex: 0 }, ...breakable(field.name));
@@ -82,7 +82,7 @@ export class Inspector {
 
   private update({ data }: Live): void {
     for (const [name, cell] of this.cells) {
-      const text = format(data[name]);
+      const text = format(data[name], cell.dataset["type"]);
       if (cell.textContent !== text) cell.textContent = text;
       cell.parentElement?.classList.toggle("numeric", numbersIn(data[name]).length > 0);
     }
@@ -96,11 +96,14 @@ export class Inspector {
 
   private property(component: string, property: PropertyDescription): HTMLElement {
     const error = h("p", { class: "error", role: "alert", hidden: true });
-    const input = h("input", { value: write(property.value), "aria-label": property.name, spellcheck: false });
+    const yesOrNo = typeof property.value === "boolean";
+    const input = h("input", { type: yesOrNo ? "checkbox" : "text", "aria-label": property.name, spellcheck: false });
+    fill(input, property.value);
     this.inputs.set(property.name, input);
     const set = async (): Promise<void> => {
-      const value = parse(input.value, property.type);
+      const value = yesOrNo ? input.checked : parse(input.value, property.type);
       const answer = await this.connection.request({ type: "set_property", component, name: property.name, value });
+      if (!answer.ok && yesOrNo) input.checked = !input.checked;
       error.hidden = answer.ok;
       error.textContent = answer.error;
       input.setAttribute("aria-invalid", String(!answer.ok));
@@ -120,7 +123,7 @@ export class Inspector {
     if (this.active) this.active.checked = active;
     for (const { name, value } of properties) {
       const input = this.inputs.get(name);
-      if (input && input !== document.activeElement) input.value = write(value);
+      if (input && (input.type === "checkbox" || input !== document.activeElement)) fill(input, value);
     }
   }
 
@@ -128,6 +131,12 @@ export class Inspector {
     const answer = await this.connection.request({ type: "activate", component, active: box.checked });
     if (!answer.ok) box.checked = !box.checked;
   }
+}
+
+/** Show a value in its field. */
+function fill(input: HTMLInputElement, value: unknown): void {
+  if (input.type === "checkbox") input.checked = value === true;
+  else input.value = write(value);
 }
 
 /** A long name may be broken after its underscores. */

@@ -91,6 +91,11 @@ export class Plot {
     this.stale = true;
   }
 
+  /** In the colours of the theme. */
+  paint(): void {
+    if (this.chart) this.build();
+  }
+
   /** Draw what has come since the last time. */
   draw(): void {
     if (!this.stale || !this.chart) return;

@@ -2,6 +2,7 @@ import "uplot/dist/uPlot.min.css";
 import type { Components } from "../model/components";
 import type { Watching } from "../model/watching";
 import { h } from "../ui/dom";
+import { theme } from "../ui/theme";
 import { FIELD } from "./inspector";
 import type { Curve } from "./plot";
 import { Plot } from "./plot";
@@ -26,6 +27,9 @@ export class PlotsPanel {
         this.settle(plot, name);
         plot.take(name, time, data);
       }
+    });
+    theme.watch(() => {
+      for (const plot of this.plots) plot.paint();
     });
     setInterval(() => {
       for (const plot of this.plots) plot.draw();

@@ -1,25 +1,27 @@
-/** A value as people read it; numbers to the precision that matters. */
-export function format(value: unknown): string {
-  if (typeof value === "number") return formatNumber(value);
+/** A value as people read it; numbers to the precision that matters, those declared to be real with decimals even if they are whole. */
+export function format(value: unknown, type = ""): string {
+  if (typeof value === "number") return formatNumber(value, type.includes("float"));
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (value === null || value === undefined) return "–";
   if (typeof value === "string") return value;
   if (Array.isArray(value)) {
+    if (value.length === 0) return "none";
     if (value.length > 8) return `${value.length} values`;
-    return value.map(format).join(", ");
+    return value.map((part) => format(part, type)).join(", ");
   }
   if (typeof value === "object") {
     const entries = Object.entries(value);
+    if (entries.length === 0) return "none";
     return entries.length > 6 ? `${entries.length} entries` : entries.map(([name, part]) => `${name}: ${format(part)}`).join(", ");
   }
   return String(value);
 }
 
 /** Less is the rounding of the computer, not something measured. */
-const NOTHING = 1e-12;
+const NOTHING = 1e-9;
 
-function formatNumber(value: number): string {
-  if (Number.isInteger(value)) return String(value);
+function formatNumber(value: number, real: boolean): string {
+  if (Number.isInteger(value) && !(real && Math.abs(value) < 1e7)) return String(value);
   const size = Math.abs(value);
   if (size < NOTHING) return "0.000";
   return (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
