@@ -90,3 +90,54 @@ def test_properties_that_the_script_asks_for_are_listed(running, open_page) -> N
     assert panel.locator("p").inner_text() == "and 3 more"
     driver.server.send(DebugProperties([]))
     until(lambda: not panel.is_visible())
+
+
+WHERE = """(e => [e.getAttribute("aria-label") || e.title || e.textContent, e.getClientRects().length > 0
+    && getComputedStyle(e).outlineStyle === "solid"])(document.activeElement)"""
+
+
+def test_everything_is_reached_by_tab_and_seen_to_be(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1200, height=700)
+    page.evaluate("morse.components.selected.set('robot0.lidar')")
+    page.get_by_role("heading", name="robot0.lidar").wait_for()
+    wanted = page.evaluate(
+        """[...document.querySelectorAll("button, select, summary, input, [tabindex='0']")]
+        .filter((e) => e.checkVisibility() && !e.disabled).length"""
+    )
+    reached = []
+    while len(reached) < 100:
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement === document.body"):
+            break
+        name, seen = page.evaluate(WHERE)
+        assert seen, name
+        reached.append(name)
+    assert len(reached) == wanted > 30
+    assert {"Pause", "view", "robots and components", "find in the tree", "scan_window"} <= set(reached)
+
+
+def test_escape_leaves_menus_and_keeps_the_selection(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1200, height=700)
+    page.evaluate("morse.components.selected.set('robot0.lidar')")
+    menu = page.locator("summary[title=view]")
+    menu.press("Enter")
+    page.get_by_label("names of robots").press("Space")
+    assert page.evaluate("morse.panels.layers.list.find((layer) => layer.id === 'names').on")
+    page.keyboard.press("Escape")
+    assert not page.get_by_label("names of robots").is_visible()
+    assert menu.evaluate("e => e === document.activeElement")
+    assert page.evaluate("morse.components.selected.value") == "robot0.lidar"
+
+
+def test_the_list_of_keys_keeps_the_focus_until_escape(running, open_page) -> None:
+    _, url = running
+    page = open_page(url, width=1200, height=700)
+    page.keyboard.press("h")
+    inside = "(e => e === document.body || document.querySelector('dialog').contains(e))(document.activeElement)"
+    for _ in range(6):
+        page.keyboard.press("Tab")
+        assert page.evaluate(inside)
+    page.keyboard.press("Escape")
+    assert not page.get_by_role("dialog", name="Keys").is_visible()
