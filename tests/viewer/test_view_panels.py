@@ -324,12 +324,13 @@ def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -
     server.set_scene(scene, [])
     page = open_page(url)
     until(lambda: page.evaluate("morse.panels.layers.list.find(l => l.id === 'shapes').root.children.length") == 6)
-    sizes = page.evaluate(
-        """morse.panels.layers.list.find(l => l.id === 'shapes').root.children.map(c => { c.updateMatrixWorld(true);
+    measure = """morse.panels.layers.list.find(l => l.id === 'shapes').root.children.map(c => {
+        c.updateWorldMatrix(true, false);
         c.geometry.computeBoundingBox(); const b = c.geometry.boundingBox.clone().applyMatrix4(c.matrixWorld);
         return [...b.min.toArray(), ...b.max.toArray()] })"""
-    )
-    assert sizes[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25])
+    # they are put in their places when they are first drawn
+    until(lambda: page.evaluate(measure)[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25]))
+    sizes = page.evaluate(measure)
     assert sizes[1] == pytest.approx([4.5, -0.5, -0.5, 5.5, 0.5, 0.5], abs=0.01)
     assert sizes[2] == pytest.approx([4.5, -0.5, -1, 5.5, 0.5, 1], abs=0.01)
     assert sizes[3] == pytest.approx([4.5, -0.5, -1.5, 5.5, 0.5, 1.5], abs=0.01)
