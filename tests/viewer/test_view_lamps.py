@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
+from view_pages import until
 from view_worlds import mesh_node, plane
 
 from morse.scene import Light, Material, Node, NodeKind, Scene
@@ -63,3 +64,38 @@ def test_of_too_many_lamps_those_that_light_the_view_are_kept(served, open_page)
     assert toast.startswith("3 lamps are not shown: far")
     assert "near" not in toast
     assert "sky" not in toast
+
+
+def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(served, open_page, tmp_path) -> None:
+    server, url = served
+    seen = []
+    for height in (3.0, -3.0):  # a board over the floor, or under it
+        scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
+        scene.roots.append(mesh_node("board", plane("board", GREY, 2.0), (0.0, 0.0, height)))
+        scene.roots.append(lamp("sun", "SUN", (0.0, 0.0, 10.0), energy=0.7))
+        scene.roots += [lamp(f"lamp{i}", "POINT", (x, 0.0, 7.0), energy=0.5) for i, x in enumerate((-10.0, 0.0, 10.0))]
+        scene.settings.view.camera_location = (0.0, -4.0, 1.5)
+        scene.settings.view.camera_rotation = (math.atan2(4.0, 1.5), 0.0, 0.0)
+        server.set_scene(scene, [])
+        seen.append(brightness(open_page(url, color_scheme="light"), tmp_path))
+    shade, light = seen
+    assert shade < 0.88 * light
+
+
+def test_a_floor_hides_the_lines_on_the_ground(served, open_page, tmp_path) -> None:
+    server, url = served
+    scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 60.0))])
+    scene.settings.view.camera_location = (1.3, -1.7, 1.4)
+    scene.settings.view.camera_rotation = (1.0, 0.0, 0.4)
+    server.set_scene(scene, [])
+    page = open_page(url)
+
+    def lines(on: bool) -> np.ndarray:
+        drawn = page.evaluate("morse.stage.frames")
+        page.evaluate("on => { morse.stage.ground.mesh.visible = on; morse.stage.invalidate(); }", on)
+        until(lambda: page.evaluate("morse.stage.frames") > drawn)
+        page.locator("main > canvas").screenshot(path=tmp_path / "view.png")
+        return np.asarray(Image.open(tmp_path / "view.png").convert("RGB"), int)
+
+    floor = slice(200, None)  # above it is the horizon
+    assert np.abs(lines(True)[floor] - lines(False)[floor]).max() < 6

@@ -36,6 +36,9 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
+/** Metres: floors at the height of the ground hide it. */
+const BELOW = -0.02;
+
 /** Lines on the ground every metre and every ten, X red and Y green. */
 export class Ground {
   private readonly uniforms = {
@@ -61,15 +64,19 @@ export class Ground {
       polygonOffsetUnits: 16,
     });
     this.mesh = new Mesh(new PlaneGeometry(1, 1), material);
-    this.mesh.position.z = -0.004;
     this.mesh.renderOrder = 1;
     this.mesh.frustumCulled = false;
     this.mesh.raycast = () => {};
     this.mesh.onBeforeRender = (_renderer, _scene, camera) => {
       // the closer to the ground, the less far lines are told apart
-      this.uniforms.reach.value = Math.min(300, 30 + 8 * Math.abs(camera.matrixWorld.elements[14] as number));
+      const [x, y, z] = camera.matrixWorld.elements.slice(12, 15) as [number, number, number];
+      const reach = Math.min(300, 30 + 8 * Math.abs(z));
+      this.uniforms.reach.value = reach;
+      // no larger than is seen: over vast triangles graphics cards are wrong about depth by more than a floor is above it
+      this.mesh.position.set(x, y, BELOW);
+      this.mesh.scale.setScalar(2 * reach);
+      this.mesh.updateMatrixWorld();
     };
-    this.mesh.scale.setScalar(2000);
     scene.add(this.mesh);
   }
 

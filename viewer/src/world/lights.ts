@@ -13,6 +13,8 @@ const MOST_LAMPS = 8;
 const AREA = 1.5;
 /** Falls off as a lamp that has faded to half at its distance does, over the distances that matter. */
 const DECAY = 0.3;
+/** Beside other lamps, which cast no shadows here, a sun is made so much stronger, and they and the sky weaker: its shadows stay visible. */
+const BESIDE = { sun: 1.5, lamps: 0.7, sky: 0.65 };
 /** Metres around the point of view within which the sun casts shadows. */
 const SHADOWS = 22;
 /** Width of the soft edge of a shadow, metres. */
@@ -25,6 +27,8 @@ export class Lights {
   private readonly lamps: Object3D[] = [];
   private readonly direction = new Vector3(0.45, -0.55, 0.75).normalize();
   private lit = false;
+  /** a sun shines, and other lamps */
+  private mixed = false;
 
   constructor(scene: Scene) {
     this.sky.position.set(0, 0, 1);
@@ -52,6 +56,8 @@ export class Lights {
     this.lamps.length = 0;
     const strongest = strongestFirst(world);
     let sunny = false;
+    const isSun = ({ description }: WorldNode): boolean => description.light?.type === "SUN";
+    this.mixed = strongest.some(isSun) && !strongest.every(isSun);
     for (const node of strongest.slice(0, MOST_LAMPS)) {
       const description = node.description.light as LightDescription;
       if (description.type === "SUN" && !sunny) {
@@ -59,7 +65,7 @@ export class Lights {
         this.direction.set(0, 0, 1).transformDirection(node.frame.matrixWorld);
         this.sun.color.setRGB(...description.color);
         this.sun.userData["energy"] = description.energy;
-      } else this.add(node.frame, makeLamp(description));
+      } else this.add(node.frame, makeLamp(description, this.mixed ? BESIDE.lamps : 1));
     }
     this.lit = strongest.length > 0;
     if (!sunny) {
@@ -73,12 +79,12 @@ export class Lights {
 
   paint(theme: Theme, view: ViewDescription | null): void {
     const dim = theme === "light" ? 1 : 0.62;
-    this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85;
+    this.sun.intensity = FULL * ((this.sun.userData["energy"] as number | undefined) ?? 0.95) * dim * 0.85 * (this.mixed ? BESIDE.sun : 1);
     const ambient = view?.ambient_color;
     this.sky.color.set(theme === "light" ? 0xdfeeff : 0xb9cbe4);
     this.sky.groundColor.set(theme === "light" ? 0xb9aea0 : 0x6a6560);
     if (ambient) this.sky.color.lerp(new Color().setRGB(...ambient), 0.5);
-    this.sky.intensity = FULL * (this.lit ? 0.5 : 0.62) * dim;
+    this.sky.intensity = FULL * (this.lit ? 0.5 : 0.62) * dim * (this.mixed ? BESIDE.sky : 1);
   }
 
   /** Let shadows fall around the point that is looked at; in steps, so that their edges stay still. */
@@ -128,12 +134,12 @@ function strongestFirst(world: World): WorldNode[] {
   return lamps.sort(([, a], [, b]) => b - a).map(([node]) => node);
 }
 
-function makeLamp(description: LightDescription): Light {
+function makeLamp(description: LightDescription, share: number): Light {
   const color = new Color().setRGB(...description.color);
   const { energy, distance } = description;
   if (description.type === "SUN") return new DirectionalLight(color, FULL * energy);
   if (description.type === "HEMI") return new HemisphereLight(color, 0x404040, FULL * energy * 0.5);
-  const intensity = FULL * energy * 0.5 * distance ** DECAY;
+  const intensity = FULL * energy * 0.5 * share * distance ** DECAY;
   if (description.type === "AREA") return new SpotLight(color, intensity, 0, AREA, 1, DECAY);
   if (description.type !== "SPOT") return new PointLight(color, intensity, 0, DECAY);
   const spot = new SpotLight(color, intensity, 0, Math.min(description.spot_size / 2, 1.5), 0.3, DECAY);
