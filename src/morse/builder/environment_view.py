@@ -144,11 +144,11 @@ class ViewMethods:
     # --- overlays ---------------------------------------------------------------------------
 
     def show_debug_properties(self, value: bool = True) -> None:
-        """Show the properties that are marked for it."""
+        """Show the properties that objects get while the simulation runs, and those that their files mark for it."""
         self.settings.view.show_debug_properties = checks.boolean(value, "env.show_debug_properties(value)")
 
     def show_framerate(self, value: bool = True) -> None:
-        """Show how many ticks a second there are."""
+        """Show how many pictures a second the live view draws."""
         self.settings.view.show_framerate = checks.boolean(value, "env.show_framerate(value)")
 
     def show_physics(self, value: bool = True) -> None:

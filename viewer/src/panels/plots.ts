@@ -12,7 +12,7 @@ import { format, numbersIn } from "./values";
 export class PlotsPanel {
   readonly element = h("section", { class: "plots", "aria-label": "plots" });
   readonly plots: Plot[] = [];
-  private readonly hint = h("p", { class: "drop quiet" }, "Drop a field of the inspector here to plot it.");
+  private readonly hint = h("p", { class: "drop quiet" }, "Drop a field of the inspector here to plot it, or double-click it there.");
 
   constructor(
     private readonly components: Components,
