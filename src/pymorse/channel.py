@@ -28,7 +28,7 @@ class Channel:
         self.socket = sock
         self.poller = poller
         self.peer = _peer(sock)
-        self.address = _address(sock)
+        self.connection = _connection(sock)
         self._unsent = bytearray()
         self._state = threading.Condition()
         self._up = True
@@ -135,10 +135,13 @@ def _peer(sock: socket.socket) -> str:
     return f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "the other side"
 
 
-def _address(sock: socket.socket) -> str:
-    """Address and port of this end, as the other end sees them if nothing translates between."""
+def _connection(sock: socket.socket) -> str:
+    """Address and port of this end, and port of the other, as that one sees them if nothing translates between.
+
+    All three are needed: the system gives one port to several connections if they go to different ports.
+    """
     try:
-        name = sock.getsockname()
-        return f"{name[0]}:{name[1]}"
+        name, port = sock.getsockname(), sock.getpeername()[1]
+        return f"{name[0]}:{name[1]} {port}"
     except (OSError, IndexError, TypeError):  # not every socket is TCP
         return ""

@@ -191,7 +191,7 @@ class Morse:
 
         Connections do not overtake each other in order: a reply may arrive before data that was sent earlier.
         """
-        expected = [(stream, sent[stream.address]) for stream in self._streams if stream.address in sent]
+        expected = [(stream, sent[stream.connection]) for stream in self._streams if stream.connection in sent]
         limit = _time.monotonic() + TIMEOUT
         for stream, count in expected:
             while not stream.has_received(count) and stream.is_up() and _time.monotonic() < limit:

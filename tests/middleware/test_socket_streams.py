@@ -16,7 +16,7 @@ from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.sensor import Sensor
-from morse.middleware.socket import stream_client
+from morse.middleware.socket import lines, stream_client
 from morse.middleware.socket.complaints import Complaints
 from morse.middleware.socket.inbox import Inbox
 from morse.middleware.socket.listener import listen, port_of
@@ -45,6 +45,22 @@ def test_an_inactive_sensor_sends_nothing(bench: Bench) -> None:
     wait_until(client.lines)
     assert len(client.lines()) == 1
     client.close()
+
+
+def test_a_client_that_vanishes_without_a_word_is_noticed(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is ever sent to the clients of an actuator, so that none of it can fail."""
+    monkeypatch.setattr(lines, "_SILENCE", 1)
+    bench.actuator("robot1.motion", port=0)
+    server = bench.streams._servers["robot1.motion"]
+    client = socket.create_connection(("127.0.0.1", port_of(server._listener)))
+    wait_until(lambda: server.connected == 1)
+    try:
+        client.setsockopt(socket.IPPROTO_TCP, 19, 1)  # TCP_REPAIR: it is closed in silence
+    except OSError:
+        client.close()
+        pytest.skip("the system lets nobody close a connection in silence")
+    client.close()
+    wait_until(lambda: server.connected == 0)
 
 
 def test_nothing_is_encoded_or_posted_while_nobody_listens(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

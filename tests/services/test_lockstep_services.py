@@ -11,6 +11,7 @@ import pytest
 
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
+from pymorse.stream import TIMEOUT
 
 if TYPE_CHECKING:
     from morse.testing.process import SimulationProcess
@@ -57,6 +58,15 @@ class Wire:
             pass
         self.socket.settimeout(10)
         return received
+
+
+def connected(host: str, port: int, source: int) -> socket.socket:
+    """A connection from a certain port, which several may share if they go to different ports."""
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    connection.bind((host, source))
+    connection.connect((host, port))
+    return connection
 
 
 @pytest.fixture
@@ -165,10 +175,30 @@ def test_steps_can_be_cancelled(simu: Morse) -> None:
 
 def test_a_new_beginning_ends_the_steps(simu: Morse) -> None:
     steps = simu.call("simulation", "step", 10_000_000)
+    while simu.time() == 0.0:
+        assert not steps.done()
     simu.reset(seed=1)
     with pytest.raises(MorseServicePreempted):
         steps.result(10)
     assert simu.time() == 0.0
+
+
+def test_connections_from_the_same_port_are_told_apart(simu: Morse, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The system does so when many are open: one stream does not wait for the messages of the other."""
+    listener = connected("127.0.0.1", simu.get_stream_port("robot.pose"), 0)
+    shared = listener.getsockname()[1]
+    monkeypatch.setattr("pymorse.stream.connect", lambda host, port: connected(host, port, shared))
+    simu.robot.motion.publish({"v": 1.0, "w": 0.0})
+    ours = f"127.0.0.1:{shared} {simu.get_stream_port('robot.motion')}"
+    assert [stream.connection for stream in simu._streams] == [ours]
+    theirs = f"127.0.0.1:{shared} {simu.get_stream_port('robot.pose')}"
+    simu.step(5)
+    begin = time.monotonic()
+    sent = simu.rpc("simulation", "step", 1, True)
+    assert sent[theirs] == 6 and ours not in sent
+    simu.step()
+    assert time.monotonic() - begin < TIMEOUT / 2
+    listener.close()
 
 
 @pytest.mark.parametrize("n", [0, -1, 1.5, 1e9, math.nan, math.inf, "3", None, True, [1], 10**30])

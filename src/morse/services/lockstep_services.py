@@ -76,8 +76,9 @@ class LockstepServices(AbstractObject):
 
         Args:
             n: number of ticks.
-            tell_sent: let the socket answer how many messages each client of a stream has been sent, by address: data
-                on one connection may arrive after an answer on another that was sent later.
+            tell_sent: let the socket answer how many messages each client of a stream has been sent, by address of the
+                client and port of the stream, as in ``"127.0.0.1:40000 60000"``: data on one connection may arrive
+                after an answer on another that was sent later.
         """
         self._simulation.step(_integer(n, "the number of steps", 1, _MAX_STEPS), ended)
 

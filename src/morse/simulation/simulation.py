@@ -188,7 +188,8 @@ class Simulation:
                 if self._stepping.halted:
                     self._wait_paused()
                     continue
-                self.tick()
+                if not self.tick():
+                    continue
                 self._stepping.count()
                 if clock.tick >= last:
                     break
@@ -246,8 +247,12 @@ class Simulation:
         if self.view is not None:
             self.view.report_pace(0.0)
 
-    def tick(self) -> None:
-        """One tick: input, services, actuators, physics, sensors, output."""
+    def tick(self) -> bool:
+        """One tick: input, services, actuators, physics, sensors, output.
+
+        Returns:
+            False if the input has stopped time, so that none passed.
+        """
         context, clock = self.context, self.clock
         profile = self.profile or self._diagnosis
         if profile is not None:
@@ -266,6 +271,9 @@ class Simulation:
         context.services.process()
         if profile is not None:
             profile.mark("services")
+        if self._stepping.halted:
+            # paused, or started anew while paused: what somebody reads or does next is to find that very state
+            return False
         due = clock.tick
         self._act(self._robots, profile)
         self._act(self._actuators.due(due), profile)
@@ -293,6 +301,7 @@ class Simulation:
             self.view.after_tick()
         if profile is not None:
             profile.mark("view output")
+        return True
 
     def _cast_rays(self, tick: int) -> None:
         """Cast the rays of all sensors that are due in one go; that costs little more than one of them alone."""

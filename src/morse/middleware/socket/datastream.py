@@ -135,9 +135,15 @@ class SocketDatastreamManager(DatastreamManager):
             server.publish(published)
 
     def sent(self) -> dict[str, int]:
-        """Number of messages sent to each client of a sensor, by its address; to be called in the network thread."""
+        """Number of messages sent to each client of a sensor; to be called in the network thread.
+
+        The key is its address and the port of the stream: clients of two ports may have the same address.
+        """
         return {
-            client.peer: client.sent for server in self._servers.values() for client in server.clients if client.sent
+            f"{client.peer} {self._ports[name]}": client.sent
+            for name, server in self._servers.items()
+            for client in server.clients
+            if client.sent
         }
 
     def finalize(self) -> None:

@@ -23,6 +23,18 @@ MAX_LINE = 16 << 20
 MAX_CLIENTS = 256
 """Connections to one port."""
 _FAREWELL = 1.0
+#: a client that says nothing is probed after so many seconds, and again so often; one whose machine has been switched
+#: off is given up after that many probes, one that has forgotten the connection answers the first
+_SILENCE, _PROBE, _PROBES = 10, 10, 6
+
+
+def _probe_when_silent(sock: socket.socket) -> None:
+    # the word of its end may be lost: it is sent once only
+    with contextlib.suppress(OSError):
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for option, value in (("TCP_KEEPINTVL", _PROBE), ("TCP_KEEPCNT", _PROBES), ("TCP_KEEPIDLE", _SILENCE)):
+            if hasattr(socket, option):  # not on every system
+                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
 
 
 class LineClient(asyncio.Protocol):
@@ -49,8 +61,7 @@ class LineClient(asyncio.Protocol):
         if isinstance(address, tuple):
             self.peer = f"{address[0]}:{address[1]}"
         if (sock := transport.get_extra_info("socket")) is not None:
-            with contextlib.suppress(OSError):
-                sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+            _probe_when_silent(sock)
         self.server.join(self)
 
     def connection_lost(self, exc: Exception | None) -> None:
