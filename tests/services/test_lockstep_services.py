@@ -195,7 +195,8 @@ def test_connections_from_the_same_port_are_told_apart(simu: Morse, monkeypatch:
     simu.step(5)
     begin = time.monotonic()
     sent = simu.rpc("simulation", "step", 1, True)
-    assert sent[theirs] == 6 and ours not in sent
+    assert sent[theirs] == 6
+    assert ours not in sent
     simu.step()
     assert time.monotonic() - begin < TIMEOUT / 2
     listener.close()
