@@ -49,7 +49,12 @@ def markdown(results: Sequence[Result], plan: Plan) -> str:
 def _cells(result: Result) -> tuple[str, ...]:
     wanted = "" if result.wanted is None else f"{result.wanted.relation} {result.wanted.bound:g}"
     mark = "FAILED" if result.failed else {True: "ok", False: "short", None: ""}[result.is_good]
-    others = ", ".join(f"{name} {_number(value)}" for name, value in result.peers.items())
+    others = ", ".join(
+        [
+            *(f"{name} {_number(value)}" for name, value in result.peers.items()),
+            *(f"{name} left out ({why.splitlines()[-1]})" for name, why in result.left_out.items()),
+        ]
+    )
     if "morse" in result.details:
         others = f"morse {_number(result.details['morse'])}, {others}"
     return result.benchmark, result.case, wanted, _reached(result), mark, result.trouble or others

@@ -36,6 +36,7 @@ class Result:
         peers: the same work by others, by name, in the unit of the value unless ``details`` says more.
         details: more numbers, for the JSON file.
         trouble: why nothing was measured, or what was wrong.
+        left_out: others that broke down or did wrong work, by name, and why.
         failed: the work was wrong or a program broke down, so that the whole command fails.
     """
 
@@ -48,6 +49,7 @@ class Result:
     details: dict[str, Any] = field(default_factory=dict)
     trouble: str = ""
     failed: bool = False
+    left_out: dict[str, str] = field(default_factory=dict)
 
     @property
     def is_good(self) -> bool | None:

@@ -41,12 +41,14 @@ class Program:
         module: to be run with ``python -m``.
         arguments: of the program.
         needs: package that has to be installed; None for nothing.
+        is_optional: if it breaks down or works wrongly, it is left out.
     """
 
     name: str
     module: str
     arguments: tuple[str, ...] = ()
     needs: str | None = None
+    is_optional: bool = False
 
     @property
     def is_installed(self) -> bool:
@@ -76,10 +78,17 @@ class Program:
 
 @dataclass
 class Trial:
-    """What the runs of one program came to."""
+    """What the runs of one program came to.
+
+    Attributes:
+        program: that was run.
+        records: one a run.
+        trouble: why an optional program is left out.
+    """
 
     program: Program
     records: list[Record] = field(default_factory=list)
+    trouble: str = ""
 
     def median(self, key: str) -> float:
         """Of a value over all runs."""
@@ -98,17 +107,28 @@ def interleave(
         Trials by the names of the programs.
 
     Raises:
-        TrialFailed: a program broke down or did the work wrongly.
+        TrialFailed: a program that is not optional broke down or did the work wrongly.
     """
     trials = {program.name: Trial(program) for program in programs}
     for _ in range(repeats):
-        for name, trial in trials.items():
-            record = trial.program.run()
-            wrong = check(record)
-            if wrong is not None:
-                raise TrialFailed(f"{name} {' '.join(trial.program.arguments)}: the work is wrong: {wrong}")
-            trial.records.append(record)
+        for trial in trials.values():
+            if trial.trouble:
+                continue
+            try:
+                trial.records.append(_run(trial.program, check))
+            except TrialFailed as error:
+                if not trial.program.is_optional:
+                    raise
+                trial.trouble = str(error)
     return trials
+
+
+def _run(program: Program, check: Callable[[Record], str | None]) -> Record:
+    record = program.run()
+    wrong = check(record)
+    if wrong is not None:
+        raise TrialFailed(f"{program.name} {' '.join(program.arguments)}: the work is wrong:\n{wrong}")
+    return record
 
 
 def beyond(record: Record, key: str, most: float) -> str | None:

@@ -84,14 +84,18 @@ def _compare(plan: Plan, name: str, count: int, drive: str, sensors: str, wanted
         trials = interleave(programs, plan.repeats, check_planar if drive == "planar" else check_wheels)
     except TrialFailed as error:
         return failure(name, case, str(error))
-    factors = {trial.program.name: trial.median(plan.clock("factor")) for trial in trials.values()}
+    left_out = {name: trial.trouble for name, trial in trials.items() if trial.trouble}
+    factors = {name: trial.median(plan.clock("factor")) for name, trial in trials.items() if name not in left_out}
     own = factors.pop("morse")
     details = {"morse": own, "count": count, "memory_mb": trials["morse"].median("memory_mb"), **_spread(trials, plan)}
-    return Result(name, case, own / factors["mujoco"], "x bare loop", wanted, factors, details)
+    return Result(name, case, own / factors["mujoco"], "x bare loop", wanted, factors, details, left_out=left_out)
 
 
 def _peers(words: tuple[str, ...]) -> list[Program]:
-    return [Program(p, f"benchmarks.peers.{module}", ("circles", *words), needs=p) for p, module in PEERS.items()]
+    return [
+        Program(name, f"benchmarks.peers.{module}", ("circles", *words), needs=name, is_optional=True)
+        for name, module in PEERS.items()
+    ]
 
 
 def _spread(trials: dict[str, Trial], plan: Plan) -> dict[str, object]:

@@ -119,6 +119,18 @@ def test_a_program_that_breaks_down_fails_with_what_it_said() -> None:
         interleave([program], 1)
 
 
+def test_another_simulator_that_breaks_down_is_left_out_and_the_line_says_so() -> None:
+    good = Program("imports", "benchmarks.programs.imports", ("pymorse",))
+    broken = Program("other", "benchmarks.programs.circles", ("--n", "many"), is_optional=True)
+    trials = interleave([good, broken], 2)
+    assert len(trials["imports"].records) == 2
+    assert "invalid int value: 'many'" in trials["other"].trouble
+    result = Result("W1", "1 robot", 0.7, "x bare loop", left_out={"other": trials["other"].trouble})
+    (cells,) = [line for line in report.markdown([result], QUICK).splitlines() if "| W1 |" in line]
+    assert "other left out (" in cells
+    assert "invalid int value: 'many') |" in cells
+
+
 def test_a_program_that_needs_a_missing_package_is_not_installed() -> None:
     assert not Program("none", "benchmarks.peers.none", needs="no_such_package_at_all").is_installed
     assert Program("morse", "benchmarks.programs.circles", needs="numpy").is_installed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import selectors
 import threading
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -24,6 +25,30 @@ _UNSERVED = 0.002
 _WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
 
 
+class _WatchfulSelector(selectors.DefaultSelector):
+    """Looks for events for a while before it sleeps.
+
+    Attributes:
+        until: looks until then (`time.perf_counter`).
+    """
+
+    until = 0.0
+
+    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+        """The sockets that are ready, at the latest after ``timeout`` seconds."""
+        if timeout is None or timeout > 0.0:
+            begin = perf_counter()
+            until = self.until if timeout is None else min(self.until, begin + timeout)
+            now = begin
+            while now < until:
+                if ready := super().select(0.0):
+                    return ready
+                now = perf_counter()
+            if timeout is not None:
+                timeout = max(0.0, timeout - (now - begin))
+        return super().select(timeout)
+
+
 class Network:
     """An asyncio loop in a daemon thread.
 
@@ -36,7 +61,8 @@ class Network:
     """
 
     def __init__(self) -> None:
-        self._loop = asyncio.new_event_loop()
+        self._selector = _WatchfulSelector()
+        self._loop = asyncio.SelectorEventLoop(self._selector)
         self._thread = threading.Thread(target=self._serve, name="morse-network", daemon=True)
         self._parked, self._go_on = threading.Event(), threading.Event()
         self._asked_for = self._ending = self._woken = False
@@ -46,8 +72,7 @@ class Network:
         self._unread: list[Callable[[], object]] = []
         self._posted: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
         self._alarm: asyncio.TimerHandle | None = None
-        self._watchful = self._watching = False
-        self._watch_until = 0.0
+        self._watchful = False
         self._thread.start()
 
     def _serve(self) -> None:
@@ -142,21 +167,13 @@ class Network:
             self._alarm = self._loop.call_later(seconds, self._ring)
         begin = perf_counter()
         if self._watchful:
-            self._watch_until = begin + _WATCH
-            if not self._watching:
-                self._watch()
+            self._selector.until = begin + _WATCH
         self._loop.run_forever()
         if self._unread:
             self._read_rest()
         self._woken = False
         self._served = perf_counter()
         self._watchful = self._served - begin < _WATCH
-
-    def _watch(self) -> None:
-        # a loop that has something to do looks for input without sleeping
-        self._watching = perf_counter() < self._watch_until
-        if self._watching:
-            self._loop.call_soon(self._watch)
 
     def _do_posted(self) -> None:
         # here, not in the loop: that would take a round of its own
