@@ -16,6 +16,7 @@ from benchmarks.suites.components import components
 from benchmarks.suites.crowd import crowd, view
 from benchmarks.suites.launch import launch
 from benchmarks.suites.lockstep import lockstep
+from benchmarks.suites.page import page
 from benchmarks.suites.panorama import panorama
 from benchmarks.trial import Program
 
@@ -32,6 +33,7 @@ SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
     "components": components,
     "readers": readers,
     "view": view,
+    "page": page,
     "crowd": crowd,
     "growth": growth,
 }

@@ -1,0 +1,79 @@
+"""How long a browser that runs already takes from the address of the live view to the first picture of the world."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from playwright.sync_api import sync_playwright
+
+from benchmarks import stopwatch
+from morse.testing.process import SimulationProcess
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
+
+CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
+_SCENE = Path(__file__).parents[1] / "scenes" / "sandbox.py"
+# without a graphics card, too; a browser in a container has no sandbox of its own
+_FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
+_PATIENCE = 60.0  # s
+_SIZE = 1280, 720
+# the page's object appears when its script runs; a picture counts once the world is in it
+_WATCH = """Object.defineProperty(window, "morse", { set(app) {
+    Object.defineProperty(window, "morse", { value: app });
+    app.stage.onDrawn(() => { if (app.stage.world !== null) window.pictured ??= performance.now(); });
+}, configurable: true });"""
+
+
+def seconds(address: str) -> tuple[float, float]:
+    """From the address to the first picture, for a first visit and for the next one, which has the files."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=_FLAGS)
+        # a browser that runs has its graphics running
+        idle = browser.new_page()
+        idle.set_content("<canvas></canvas><script>document.querySelector('canvas').getContext('webgl2')</script>")
+        context = browser.new_context(viewport={"width": _SIZE[0], "height": _SIZE[1]})
+        context.add_init_script(_WATCH)
+        taken = []
+        for _ in range(2):
+            page = context.new_page()
+            page.goto(address)
+            taken.append(_pictured(page))
+            page.close()
+        browser.close()
+    return taken[0], taken[1]
+
+
+def _pictured(page: Page) -> float:
+    # the page allows nobody to evaluate text, so that the usual way to wait for something is closed
+    end = time.monotonic() + _PATIENCE
+    while time.monotonic() < end:
+        if (milliseconds := page.evaluate("window.pictured ?? null")) is not None:
+            return float(milliseconds) / 1e3
+        page.wait_for_timeout(20)
+    raise RuntimeError(f"no picture of the world within {_PATIENCE:.0f} s")
+
+
+def main() -> None:
+    """Do it once."""
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder) / "log"
+        process = SimulationProcess(_SCENE, log, options=("--view-port", "0", "--no-browser"))
+        try:
+            process.wait_initialized()
+            found = re.search(r"http://\S+", log.read_text())
+            if found is None:
+                raise RuntimeError(f"the simulation does not say where it is seen:\n{log.read_text()}")
+            first, again = seconds(found[0])
+        finally:
+            process.stop()
+    stopwatch.report(first_s=first, again_s=again)
+
+
+if __name__ == "__main__":
+    main()
