@@ -1,7 +1,10 @@
 """Worlds of many bodies."""
 
+import numpy as np
 import pytest
-from worlds import box, node, rigid, run, world
+from worlds import box, ground, node, rigid, run, world
+
+from morse.scene import CollisionShape, ShapeKind
 
 
 def test_thousands_of_things_that_stand_still():
@@ -9,3 +12,33 @@ def test_thousands_of_things_that_stand_still():
     w = world(*stones, rigid("ball", box(0.4, 0.4, 0.4), at=(30, 20, 1.0)))
     run(w, 1.0)
     assert w.game_object("ball").worldPosition.z == pytest.approx(0.7, abs=0.01)
+
+
+def test_thousands_of_things_that_fall():
+    """The engine's own estimate of the memory for so many is more than machines have."""
+    boxes = [rigid(f"box{i}", box(0.4, 0.4, 0.4), at=(i % 60, i // 60, 1.0)) for i in range(4800)]
+    w = world(ground(), *boxes)
+    run(w, 0.2)
+    heights = [z for _, _, z in w.positions[: w.moving]]
+    assert heights == pytest.approx([1.0 - 9.81 * 0.2**2 / 2] * 4800, abs=0.01)
+
+
+def test_a_heap_fits_into_the_memory():
+    places = [(0.5 * (i % 12), 0.5 * (i // 12 % 12), 0.2 + 0.4 * (i // 144)) for i in range(1100)]
+    boxes = [rigid(f"box{i}", box(0.4, 0.4, 0.4), at=place) for i, place in enumerate(places)]
+    w = world(ground(), *boxes)
+    run(w, 0.1)
+    assert all(z > 0.15 for _, _, z in w.positions[: w.moving])
+
+
+def test_equal_hulls_are_kept_once():
+    corners = np.array([(x, y, z) for x in (-0.2, 0.2) for y in (-0.1, 0.1) for z in (-0.1, 0.2)], dtype=float)
+    bodies = [
+        rigid(
+            f"body{i}",
+            CollisionShape(ShapeKind.CONVEX, (), vertices=corners * (2.0 if i == 3 else 1.0)),
+            at=(i, 0, 1.0),
+        )
+        for i in range(5)
+    ]
+    assert world(*bodies).model.nmesh == 2

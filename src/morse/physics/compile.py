@@ -39,6 +39,9 @@ _WHEEL_INERTIA = 0.01
 #: bytes for each pair of bodies, and for the rest: the engine's own estimate forgets bodies that stand still,
 #: and ends the process when it runs out
 _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
+#: of more moving bodies than so many the engine believes that all could touch all, and asks for more memory than
+#: machines have; so many bytes for each are enough for heaps, and cost nothing before they are used
+_MANY, _BODY_MEMORY = 1000, 1 << 20
 
 _TYPES = {
     ShapeKind.BOX: mujoco.mjtGeom.mjGEOM_BOX,
@@ -102,6 +105,9 @@ def compile_scene(scene: Scene) -> Compiled:
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
+    bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
+    if bodies > _MANY:
+        spec.memory = _PAIR_MEMORY * bodies**2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
     model = spec.compile()
     needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY
     if model.narena < needed:
@@ -136,6 +142,7 @@ class _Builder:
         self._bodies: dict[Frame, Any] = {}
         self._geoms: list[tuple[Any, Node, Slot]] = []
         self._feet: list[tuple[Any, Node, Slot]] = []
+        self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
 
     def add(self, frame: Frame) -> Slot:
@@ -216,13 +223,8 @@ class _Builder:
         self, body: Any, shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
     ) -> Any:
         if shape.kind is ShapeKind.CONVEX:
-            assert shape.vertices is not None
-            mesh = self._spec.add_mesh(
-                name=f"hull{len(self._geoms)}",
-                uservert=np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel(),
-                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX,
-            )
-            return body.add_geom(type=_TYPES[shape.kind], meshname=mesh.name, pos=position, quat=_quaternion(rotation))
+            mesh = self._hull(shape)
+            return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
         turned = rotation @ np.reshape(shape.rotation, (3, 3))
         size = np.zeros(3)
         size[: len(shape.size)] = shape.size
@@ -232,6 +234,16 @@ class _Builder:
             pos=position + rotation @ np.asarray(shape.position),
             quat=_quaternion(turned),
         )
+
+    def _hull(self, shape: CollisionShape) -> str:
+        """The name of the mesh of a convex shape; equal ones share it, as the robots of a fleet do."""
+        vertices = np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel()
+        key = vertices.tobytes()
+        if key not in self._hulls:
+            name = self._hulls[key] = f"hull{len(self._hulls)}"
+            inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+            self._spec.add_mesh(name=name, uservert=vertices, inertia=inertia)
+        return self._hulls[key]
 
     def _set_surface(self, geom: Any, node: Node, frame: Frame) -> None:
         friction = node.body.friction if node.body.friction is not None else frame.node.body.friction

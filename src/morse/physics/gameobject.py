@@ -58,7 +58,8 @@ class GameObject(LegacyNames):
         frame = self._world.slots[self.slot]
         if frame.frame.node is self.node:
             return (_ORIGIN, rigid.IDENTITY), None
-        own, outer = rigid_frame(self.node), rigid_frame(self.node.parent) if self.node.parent else frame.pose
+        own, parent = rigid_frame(self.node), self.node.parent
+        outer = frame.pose if parent is None or parent is frame.frame.node else rigid_frame(parent)
         pose = (tuple(own.position), _flat(own.rotation))
         return (
             rigid.relative(tuple(outer.position), _flat(outer.rotation), *pose),

@@ -250,12 +250,15 @@ class Gliding:
         if glide is None:
             return
         self._lopsided.discard(index)
+        self._stand(glide.slot)
+
+    def _stand(self, slot: Slot) -> None:
         model = self._world.model
-        for geom in self._geoms(glide.slot):
+        for geom in self._geoms(slot):
             if model.geom_contype[geom]:
                 model.geom_contype[geom] = model.geom_conaffinity[geom] = ALL_BITS
-        model.body_gravcomp[glide.slot.body] = 0.0
-        self._set_margin(glide.slot, 0.0)
+        model.body_gravcomp[slot.body] = 0.0
+        self._set_margin(slot, 0.0)
 
     def _set_margin(self, slot: Slot, margin: float) -> None:
         """Have the engine notice what is so near, without pushing it."""
@@ -396,6 +399,11 @@ class Gliding:
             if index in touched or abs(vz) > _DISTURBED or tumbling > _DISTURBED:
                 found.append(index)
         return found
+
+    def all_stand(self) -> None:
+        """Have the engine see the feet that glide; whoever calls it takes the change of the model back."""
+        for glide in self._glides.values():
+            self._stand(glide.slot)
 
     def supports(self) -> list[tuple[int, int]]:
         """The contacts that are not solved: pairs of geoms, foot and floor."""

@@ -13,6 +13,7 @@ from morse.physics import rigid
 from morse.physics.attachments import Attachments
 from morse.physics.children import ObjectList
 from morse.physics.compile import compile_scene
+from morse.physics.contact_points import ContactPoints
 from morse.physics.drives import Drives
 from morse.physics.gameobject import GameObject
 from morse.physics.gliding import Gliding
@@ -383,16 +384,12 @@ class World:
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
     def contact_forces(self) -> bytes:
-        """Where bodies touch: (N, 6) float32 of point (m) and force on the second body (N), world axes."""
-        count = self.data.ncon
-        rows = np.empty((count, 6), dtype=np.float32)
-        force = np.zeros(6)
-        for index in range(count):
-            contact = self.data.contact[index]
-            mujoco.mj_contactForce(self.model, self.data, index, force)
-            rows[index, :3] = contact.pos
-            rows[index, 3:] = contact.frame.reshape(3, 3).T @ force[:3]
-        return rows.tobytes()
+        """Where bodies touch, at rest or not: see `ContactPoints.look`; (N, 6) float32."""
+        return self._contact_points.look().tobytes()
+
+    @cached_property
+    def _contact_points(self) -> ContactPoints:
+        return ContactPoints(self)
 
     def mass_centres(self) -> list[tuple[str, float, tuple[float, float, float]]]:
         """Name, mass (kg) and centre of mass (m, in its own frame) of every body that obeys forces."""
