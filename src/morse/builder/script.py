@@ -15,6 +15,7 @@ from morse.builder import workspace
 from morse.builder.errors import ScriptError
 from morse.builder.explain import explain
 from morse.builder.finalise import build_scene
+from morse.builder.libraries import LibrariesFirst
 
 if TYPE_CHECKING:
     from morse.scene import Scene
@@ -50,7 +51,9 @@ def load_scene(options: RunOptions) -> Scene:
     global _loading
     script = Path(options.script).absolute()
     search.set_project_dirs(options.resource_paths)
-    _extend_path([*options.source_paths, str(script.parent)])
+    directories = [*options.source_paths, str(script.parent)]
+    _extend_path(directories)
+    LibrariesFirst(script.stem, directories).install()
     sys.argv[:] = [str(script), *options.arguments]
     _offer_mathutils()
     workspace.reset()

@@ -1,0 +1,42 @@
+"""Keeps the files of a user from hiding libraries."""
+
+from __future__ import annotations
+
+import sys
+from importlib.machinery import PathFinder
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from importlib.machinery import ModuleSpec
+
+
+class LibrariesFirst:
+    """Finds libraries although the folder of the scene script comes first on the path.
+
+    A script ``random.py`` or ``rich.py`` would else be run again, in place of the library, wherever one is imported.
+
+    Args:
+        script: name of the scene script, without suffix: nobody imports it.
+        directories: whose files give way to the standard library, too.
+    """
+
+    def __init__(self, script: str, directories: Iterable[str]) -> None:
+        self._script = script
+        self._directories = {Path(directory).resolve() for directory in directories}
+
+    def install(self) -> None:
+        """Ask this finder before the one that follows the path, in place of one that was installed before."""
+        finders = sys.meta_path
+        finders[:] = [finder for finder in finders if not isinstance(finder, LibrariesFirst)]
+        finders.insert(finders.index(PathFinder) if PathFinder in finders else len(finders), self)
+
+    def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
+        """See `importlib.abc.MetaPathFinder`."""
+        if path is not None or (name != self._script and name not in sys.stdlib_module_names):
+            return None
+        others = [entry for entry in sys.path if Path(entry).resolve() not in self._directories]
+        spec = PathFinder.find_spec(name, others)
+        # a folder of that name is no library
+        return None if spec is None or spec.loader is None else spec

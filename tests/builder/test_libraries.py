@@ -1,0 +1,32 @@
+"""Files of the user that are called like a library."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+# -P: no folder but that of the script is on the path, as for the installed command
+MORSE = (sys.executable, "-P", "-c", "import sys; from morse.cli import main; sys.exit(main())")
+SCENE = """from morse.builder import *
+import helper
+robot = ATRV()
+assert helper.TEXT == "of the user"
+env = Environment("empty")
+"""
+
+
+@pytest.mark.parametrize("name", ["rich", "mujoco", "random", "email", "test", "numpy", "mathutils", "morse", "scene"])
+def test_a_script_may_be_called_like_any_library(name: str, tmp_path: Path) -> None:
+    (tmp_path / "helper.py").write_text("TEXT = 'of the user'\n")
+    (tmp_path / "tempfile.py").write_text("raise RuntimeError('not the one of the standard library')\n")
+    (tmp_path / f"{name}.py").write_text(SCENE)
+    command = [*MORSE, "run", "--headless", "--duration", "0.1", f"{name}.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "[EXITING SIMULATION]" in done.stdout
