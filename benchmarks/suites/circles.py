@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: least ratio to the bare loop, by the number of robots
 _WANTED = {1: 0.5, 10: 0.8, 100: 1.0}
 #: simulated seconds: about as long for each number of robots
-_SECONDS = {1: 30.0, 3: 20.0, 10: 10.0, 30: 4.0, 100: 3.0, 300: 1.5, 1000: 1.0}
+_SECONDS = {1: 100.0, 3: 60.0, 10: 40.0, 30: 10.0, 100: 4.0, 300: 1.5, 1000: 1.0}
 #: packages and programs of simulators that may be installed
 PEERS = {
     "pybullet": "pybullet_loop",
@@ -109,7 +109,7 @@ def readers(plan: Plan) -> Iterator[Result]:
     As fast as possible, every tick sends all data, too: so much slower is the simulation. In real time: that share of a
     processor is taken.
     """
-    for case, words, seconds in (("as fast as possible", (), 10.0), ("in real time", ("--paced",), 3.0)):
+    for case, words, seconds in (("as fast as possible", (), 100.0), ("in real time", ("--paced",), 3.0)):
         every = ("--n", "10", "--secs", str(plan.seconds(seconds)), *words)
         options = [("alone", ())]
         options += [(f"{n} client{'s' * (n > 1)}", ("--readers", str(n))) for n in plan.counts(1, 10)]

@@ -32,7 +32,7 @@ logger = logging.getLogger("morse.viewer")
 #: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
 #: the same where nothing waits for the wall clock: what the view takes there, the simulation lacks
-_UNPACED_INTERVAL = 1.0 / 60.0
+_UNPACED_INTERVAL = 1.0 / 30.0
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
 

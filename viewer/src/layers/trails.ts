@@ -20,6 +20,7 @@ interface Trail {
 export class Trails extends Layer {
   private trails: Trail[] = [];
   private readonly place = new Vector3();
+  private readonly dot = new Vector3();
 
   constructor() {
     super("trails", "trails of robots");
@@ -54,20 +55,24 @@ export class Trails extends Layer {
       const way = this.place.distanceTo(trail.last);
       if (way < STEP) continue;
       if (way > LEAP) trail.count = 0;
-      this.extend(trail);
+      this.extend(trail, trail.count > 0 ? Math.floor(way / STEP) : 1);
     }
   }
 
-  private extend(trail: Trail): void {
+  /** As many dots as the way is long, however few pictures are drawn on it. */
+  private extend(trail: Trail, dots: number): void {
     const { geometry } = trail.line;
     const points = geometry.getAttribute("position") as BufferAttribute;
-    if (trail.count === LENGTH) {
-      points.array.copyWithin(0, 3); // the oldest point goes
-      trail.count -= 1;
+    const surplus = Math.max(0, trail.count + dots - LENGTH);
+    points.array.copyWithin(0, 3 * surplus); // the oldest go
+    trail.count -= surplus;
+    for (let i = 1; i <= dots; i++) {
+      this.dot.copy(this.place);
+      if (i < dots) this.dot.lerpVectors(trail.last, this.place, i / dots);
+      points.setXYZ(trail.count, this.dot.x, this.dot.y, this.dot.z + 0.02);
+      trail.count += 1;
     }
-    points.setXYZ(trail.count, this.place.x, this.place.y, this.place.z + 0.02);
     points.needsUpdate = true;
-    trail.count += 1;
     trail.last.copy(this.place);
     geometry.setDrawRange(0, trail.count);
   }
