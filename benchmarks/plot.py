@@ -17,16 +17,23 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 70, 150, 40, 50
 _COLORS = ("#d1495b", "#00798c", "#edae49", "#30638e", "#6a4c93", "#7fb069", "#8d6e63")
 
 #: what programs are called in pictures
-_NAMES = {"morse": "MORSE", "mujoco": "bare MuJoCo loop", "pybullet": "PyBullet", "sapien": "SAPIEN", "irsim": "ir-sim"}
+_NAMES = {
+    "morse": "MORSE",
+    "mujoco": "bare MuJoCo loop",
+    "pybullet": "PyBullet",
+    "sapien": "SAPIEN",
+    "irsim": "ir-sim",
+    "pyrobosim": "PyRoboSim",
+}
 
 Lines = dict[str, list[tuple[float, float]]]
 
 
 def speed_lines(results: Iterable[Result], benchmarks: Sequence[str] = ("growth", "W1")) -> Lines:
-    """Real-time factors by simulator: pairs of number of robots and factor, in ascending order."""
+    """Real-time factors of robots that scan, by simulator: pairs of number of robots and factor, in ascending order."""
     points: dict[str, dict[float, float]] = defaultdict(dict)
     for result in results:
-        if result.benchmark in benchmarks and "count" in result.details:
+        if result.benchmark in benchmarks and result.details.get("sensors") == "scan":
             for name, factor in {"morse": result.details["morse"], **result.peers}.items():
                 points[name].setdefault(result.details["count"], factor)
     return {name: sorted(values.items()) for name, values in points.items()}

@@ -13,7 +13,7 @@ project = "MORSE"
 author = "The MORSE developers"
 copyright = "2026, The MORSE developers"
 extensions = ["myst_parser", "component_library"]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "measured"]
 myst_enable_extensions = ["deflist", "fieldlist"]
 myst_heading_anchors = 3
 # links to source files are for readers of the repository

@@ -87,7 +87,8 @@ def _compare(plan: Plan, name: str, count: int, drive: str, sensors: str, wanted
     left_out = {name: trial.trouble for name, trial in trials.items() if trial.trouble}
     factors = {name: trial.median(plan.clock("factor")) for name, trial in trials.items() if name not in left_out}
     own = factors.pop("morse")
-    details = {"morse": own, "count": count, "memory_mb": trials["morse"].median("memory_mb"), **_spread(trials, plan)}
+    memory = trials["morse"].median("memory_mb")
+    details = {"morse": own, "count": count, "sensors": sensors, "memory_mb": memory, **_spread(trials, plan)}
     return Result(name, case, own / factors["mujoco"], "x bare loop", wanted, factors, details, left_out=left_out)
 
 
