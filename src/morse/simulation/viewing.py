@@ -33,6 +33,8 @@ logger = logging.getLogger("morse.viewer")
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
 #: the same where nothing waits for the wall clock: what the view takes there, the simulation lacks
 _UNPACED_INTERVAL = 1.0 / 30.0
+#: ticks that take longer than that, s, are all shown: to show one takes little beside it
+_LONG_TICK = 0.01
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
 
@@ -71,7 +73,7 @@ class View:
             title=simulation.scene.environment or "MORSE",
         )
         self._layout = -1
-        self._shown = self._told = 0.0
+        self._shown = self._told = self._ticked = 0.0
         self._listening: str | None = None
         self._requests = ViewRequests(simulation.context, self._server)
         self._rays = ViewRays(simulation.context, self._server)
@@ -146,7 +148,8 @@ class View:
             world.repainted.clear()
         now = time.monotonic()
         pacer, running = simulation.pacer, not simulation.paused
-        interval = _UNPACED_INTERVAL if math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
+        quick, self._ticked = now - self._ticked < _LONG_TICK, now
+        interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
         # while paused, what is left out here is shown within a tick's time, when the simulation looks again
         if now - self._shown < interval:
             return
