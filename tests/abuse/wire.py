@@ -138,9 +138,12 @@ class Footprint:
 
     @property
     def memory(self) -> int:
-        """Bytes that belong to it alone and lie in the memory."""
+        """Bytes that it has asked for and written to.
+
+        Not those of files: they become its own when another process that has mapped the same libraries ends.
+        """
         text = (self._place / "smaps_rollup").read_text()
-        return 1024 * sum(int(size) for size in re.findall(r"^Private_\w+: +(\d+) kB", text, re.MULTILINE))
+        return 1024 * sum(int(size) for size in re.findall(r"^(?:Anonymous|Swap): +(\d+) kB", text, re.MULTILINE))
 
     @property
     def descriptors(self) -> int:

@@ -162,6 +162,8 @@ def test_a_large_message_arrives_before_closing(simulation: ScriptedSimulation) 
 
 def script(simulation: ScriptedSimulation, body: str) -> subprocess.Popen[str]:
     text = textwrap.dedent(body).replace("PORT", str(simulation.port))
+    # tests that run in the background of a shell are told to ignore Ctrl+C, and so would be their children
+    text = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{text}"
     return subprocess.Popen(
         [sys.executable, "-W", "error", "-c", text],
         env={"PYTHONPATH": str(SOURCE), "PYTHONDEVMODE": "1"},
