@@ -185,9 +185,9 @@ class Bench:
         """A client of the stream of a component, or of the services; the server knows it already."""
         server = self.requests._server if name is None else self.streams._servers[name]
         assert server is not None
-        before = server.connected
         peer = Peer(self.requests.port if name is None else self.port_of(name))
-        wait_until(lambda: server.connected > before)
+        host, port = peer.socket.getsockname()
+        wait_until(lambda: f"{host}:{port}" in [client.peer for client in list(server.clients)])
         return peer
 
     def call(self, peer: Peer, request: bytes, replies: int = 1) -> bytes:
