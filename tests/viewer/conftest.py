@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -13,22 +11,11 @@ from view_worlds import playground
 
 from morse.core.network import Network
 from morse.viewer.server import ViewServer
-from morse.viewer.site import STATIC
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from playwright.sync_api import Browser, BrowserContext, Page
-
-CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
-FLAGS = [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--no-first-run",
-]
 
 
 @pytest.fixture
@@ -70,23 +57,6 @@ def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]
     server.send(driver.tree())
     with driver:
         yield driver, url
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """Debian's Chromium with software GL."""
-    missing = [str(path) for path in (Path(CHROMIUM), STATIC / "index.html") if not path.exists()]
-    if missing:
-        message = f"needed for the tests in a browser: {', '.join(missing)}"
-        if os.environ.get("CI"):
-            pytest.fail(message)
-        pytest.skip(message)
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture
