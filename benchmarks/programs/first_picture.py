@@ -1,9 +1,12 @@
-"""How long a browser that runs already takes from the address of the live view to the first picture of the world."""
+"""How long a browser that runs already takes from the address of the live view to the first picture of the world.
+
+``first_picture CHROMIUM``, the browser's program.
+"""
 
 from __future__ import annotations
 
-import os
 import re
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -17,7 +20,6 @@ from morse.testing.process import SimulationProcess
 if TYPE_CHECKING:
     from playwright.sync_api import Page
 
-CHROMIUM = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
 _SCENE = Path(__file__).parents[1] / "scenes" / "sandbox.py"
 # without a graphics card, too; a browser in a container has no sandbox of its own
 _FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
@@ -30,10 +32,10 @@ _WATCH = """Object.defineProperty(window, "morse", { set(app) {
 }, configurable: true });"""
 
 
-def seconds(address: str) -> tuple[float, float]:
+def seconds(chromium: str, address: str) -> tuple[float, float]:
     """From the address to the first picture, for a first visit and for the next one, which has the files."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=_FLAGS)
+        browser = playwright.chromium.launch(executable_path=chromium, args=_FLAGS)
         # a browser that runs has its graphics running
         idle = browser.new_page()
         idle.set_content("<canvas></canvas><script>document.querySelector('canvas').getContext('webgl2')</script>")
@@ -69,7 +71,7 @@ def main() -> None:
             found = re.search(r"http://\S+", log.read_text())
             if found is None:
                 raise RuntimeError(f"the simulation does not say where it is seen:\n{log.read_text()}")
-            first, again = seconds(found[0])
+            first, again = seconds(sys.argv[1], found[0])
         finally:
             process.stop()
     stopwatch.report(first_s=first, again_s=again)

@@ -6,7 +6,6 @@ They say what a page in a browser says while nobody touches it, and as often: se
 from __future__ import annotations
 
 import asyncio
-import struct
 import sys
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from websockets.exceptions import ConnectionClosed
 
 from morse.viewer.page_messages import Alive, Hello, Taken, Watch
 from morse.viewer.protocol import VERSION
-from morse.viewer.snapshot import POSES
+from morse.viewer.snapshot import holds_poses
 
 if TYPE_CHECKING:
     from morse.viewer.page_messages import PageMessage
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 _ENCODER = msgspec.json.Encoder()
 _ALIVE_EVERY = 0.15  # s
 _TAKEN_EVERY = 4
-_KIND = struct.Struct("<I")
 
 
 async def _page(address: str, opened: asyncio.Event) -> None:
@@ -46,7 +44,7 @@ async def _say(connection: ClientConnection, message: PageMessage) -> None:
 async def _take(connection: ClientConnection) -> None:
     count = 0
     async for frame in connection:
-        if isinstance(frame, bytes) and _KIND.unpack_from(frame)[0] == POSES:
+        if holds_poses(frame):
             count += 1
             if count % _TAKEN_EVERY == 0:
                 await _say(connection, Taken(count))

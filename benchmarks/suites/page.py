@@ -24,8 +24,9 @@ def page(plan: Plan) -> Iterator[Result]:
     if find_spec("playwright") is None or not Path(chromium).exists():
         yield skipped("page", "first picture", "needs playwright and Chromium (MORSE_CHROMIUM says where it is)")
         return
+    program = Program("morse", "benchmarks.programs.first_picture", (chromium,))
     try:
-        trial = interleave([Program("morse", "benchmarks.programs.first_picture")], plan.repeats)["morse"]
+        trial = interleave([program], plan.repeats)["morse"]
     except TrialFailed as error:
         yield failure("page", "first picture", str(error))
         return

@@ -33,12 +33,6 @@ def test_a_heap_fits_into_the_memory():
 
 def test_equal_hulls_are_kept_once():
     corners = np.array([(x, y, z) for x in (-0.2, 0.2) for y in (-0.1, 0.1) for z in (-0.1, 0.2)], dtype=float)
-    bodies = [
-        rigid(
-            f"body{i}",
-            CollisionShape(ShapeKind.CONVEX, (), vertices=corners * (2.0 if i == 3 else 1.0)),
-            at=(i, 0, 1.0),
-        )
-        for i in range(5)
-    ]
+    shapes = [CollisionShape(ShapeKind.CONVEX, (), vertices=size * corners) for size in (1.0, 1.0, 1.0, 2.0, 1.0)]
+    bodies = [rigid(f"body{i}", shape, at=(i, 0, 1.0)) for i, shape in enumerate(shapes)]
     assert world(*bodies).model.nmesh == 2

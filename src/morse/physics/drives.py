@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.physics import rigid
+from morse.physics.casters import is_caster
 from morse.physics.compile import set_damping
 from morse.physics.drive import Command, midway
 from morse.physics.layout import Motion
@@ -189,7 +190,7 @@ class Drives:
             set_damping(model, slot)
         fixed = slot.frame.node.body.friction is not None
         for node, geoms in slot.geoms.items():
-            if "caster" not in node.plain_name.lower():
+            if not is_caster(node):
                 self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
         self._set_contact(slot.feet, sliding, fixed)
 

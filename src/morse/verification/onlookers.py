@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import selectors
 import socket
-import struct
 import threading
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
@@ -18,7 +17,7 @@ from morse.core.exceptions import MorseError
 from morse.simulation.viewing import View
 from morse.viewer.page_messages import Hello, PageMessage, Taken, Watch
 from morse.viewer.protocol import VERSION
-from morse.viewer.snapshot import POSES
+from morse.viewer.snapshot import holds_poses
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 _POLL = 0.1
-_KIND = struct.Struct("<I")
 #: wall-clock seconds within which a page is there
 _ARRIVAL = 30.0
 #: components that one page may show
@@ -90,8 +88,7 @@ class Onlookers:
             taken = 0
             while not self._ended.is_set():
                 with contextlib.suppress(TimeoutError):
-                    frame = page.recv(timeout=_POLL)
-                    if isinstance(frame, bytes) and _KIND.unpack_from(frame)[0] == POSES:
+                    if holds_poses(page.recv(timeout=_POLL)):
                         taken += 1
                         page.send(_text(Taken(taken)))
 

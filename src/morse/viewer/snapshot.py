@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 POSES = 1
 """The first word of a binary frame that holds poses."""
 
+_KIND = struct.Struct("<I")
 HEADER = struct.Struct("<IIIIddff")
 """kind, revision of the scene, number of poses, 1 while running, tick, time (s), speed, real-time factor."""
 
@@ -53,6 +54,11 @@ class Snapshot:
     status: Literal["running", "paused"] = "running"
     speed: float = 1.0
     real_time_factor: float = 1.0
+
+
+def holds_poses(frame: str | bytes) -> bool:
+    """Whether a frame that a page has received is a snapshot, not a message."""
+    return isinstance(frame, bytes) and _KIND.unpack_from(frame)[0] == POSES
 
 
 def pack_snapshot(snapshot: Snapshot, revision: int) -> bytes:

@@ -2,6 +2,7 @@ import type { Layers } from "../layers/layers";
 import type { Components } from "../model/components";
 import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
+import { closeWhenLeft } from "../ui/popup";
 import type { Follow, FollowMode, Preset } from "../view/follow";
 import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
@@ -47,14 +48,8 @@ export class ViewMenu {
     );
     this.element = h("details", { class: "menu" }, summary, popup);
     follow.mode.watch((now) => this.modes.forEach((button, mode) => button.setAttribute("aria-pressed", String(mode === now))));
-    addEventListener("pointerdown", (event) => !this.element.contains(event.target as Node) && (this.element.open = false));
-    addEventListener("focusin", (event) => !this.element.contains(event.target as Node) && (this.element.open = false));
-    this.element.addEventListener("keydown", (event) => {
-      if (event.key !== "Escape" || !this.element.open) return;
-      event.stopPropagation(); // what is selected stays so
-      this.element.open = false;
-      summary.focus();
-    });
+    const { element } = this;
+    closeWhenLeft([element], summary, () => element.open, () => (element.open = false));
   }
 
   /** Follow the selected object, or else a robot. */

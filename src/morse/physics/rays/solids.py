@@ -9,6 +9,7 @@ import numpy as np
 from morse.physics import rigid
 from morse.physics.inertia import half_sizes
 from morse.physics.layout import Motion
+from morse.physics.poses import as_array
 from morse.physics.rays.hulls import hulls_of
 from morse.physics.rays.triangles import Triangles
 from morse.scene import Bounds, CollisionShape, Material, PhysicsType, ShapeKind
@@ -121,7 +122,7 @@ def _is_cut_up(node: Node) -> bool:
 
 def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles]) -> Triangles:
     """The triangles of a node's mesh in the rigid frame of the node."""
-    stretch = np.array([list(row) for row in rigid_frame(node).stretch]).round(9)
+    stretch = as_array(rigid_frame(node).stretch).round(9)
     remissions = _remissions(node)
     key = (id(mesh), stretch.tobytes(), tuple(remissions))
     if key not in known:
