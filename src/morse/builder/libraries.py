@@ -24,7 +24,7 @@ class LibrariesFirst:
 
     def __init__(self, script: str, directories: Iterable[str]) -> None:
         self._script = script
-        self._directories = {Path(directory).resolve() for directory in directories}
+        self._directories = list(directories)
 
     def install(self) -> None:
         """Ask this finder before the one that follows the path, in place of one that was installed before."""
@@ -36,7 +36,9 @@ class LibrariesFirst:
         """See `importlib.abc.MetaPathFinder`."""
         if path is not None or (name != self._script and name not in sys.stdlib_module_names):
             return None
-        others = [entry for entry in sys.path if Path(entry).resolve() not in self._directories]
-        spec = PathFinder.find_spec(name, others)
+        if PathFinder.find_spec(name, self._directories) is None:
+            return None  # nothing hides it
+        hiding = {Path(directory).resolve() for directory in self._directories}
+        spec = PathFinder.find_spec(name, [entry for entry in sys.path if Path(entry).resolve() not in hiding])
         # a folder of that name is no library
         return None if spec is None or spec.loader is None else spec

@@ -107,7 +107,7 @@ def compile_scene(scene: Scene) -> Compiled:
     slots = [builder.add(frame) for frame in frames]
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
-        spec.memory = _PAIR_MEMORY * bodies**2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
+        spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
     model = spec.compile()
     needed = _PAIR_MEMORY * model.nbody**2 + _SPARE_MEMORY
     if model.narena < needed:

@@ -310,17 +310,19 @@ class Simulation:
             self.world.rays.cast(bundles)
 
     def _act(self, components: Sequence[Object], profile: Profile | None) -> None:
-        measured = [one for one in (profile, self.sensor_profile) if one is not None]
+        sensor_profile = self.sensor_profile
+        unmeasured = profile is None and sensor_profile is None
         for component in components:
             try:
-                if not measured:
+                if unmeasured:
                     component.action()
                 else:
                     begin = perf_counter()
                     component.action()
                     end = perf_counter()
-                    for one in measured:
-                        one.component(component.name(), begin, end)
+                    for one in (profile, sensor_profile):
+                        if one is not None:
+                            one.component(component.name(), begin, end)
             except Exception as error:
                 component.active = False
                 logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))

@@ -29,6 +29,7 @@ let pulse = 0;
 let taken = 0;
 let failures = 0;
 let drawing = false;
+let prefetched = false;
 let newest: ArrayBuffer | null = null;
 
 function send(message: PageMessage): void {
@@ -52,7 +53,10 @@ function receive(data: string | ArrayBuffer): void {
   if (typeof data === "string") {
     const message = JSON.parse(data) as ServerMessage;
     scope.postMessage({ kind: "message", message });
-    if (message.type === "world") prefetch(message.url).catch(() => {}); // the page says what is wrong
+    if (message.type === "world" && !prefetched) {
+      prefetched = true;
+      prefetch(message.url).catch(() => {}); // the page says what is wrong
+    }
   } else if (kindOf(data) === POSES) {
     taken += 1;
     if (taken % TAKEN_EVERY === 0) send({ type: "taken", count: taken });

@@ -64,7 +64,7 @@ export class Trails extends Layer {
     const { geometry } = trail.line;
     const points = geometry.getAttribute("position") as BufferAttribute;
     const surplus = Math.max(0, trail.count + dots - LENGTH);
-    points.array.copyWithin(0, 3 * surplus); // the oldest go
+    if (surplus > 0) points.array.copyWithin(0, 3 * surplus); // the oldest go
     trail.count -= surplus;
     for (let i = 1; i <= dots; i++) {
       this.dot.copy(this.place);
