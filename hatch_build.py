@@ -1,6 +1,6 @@
-"""Builds the page of the live view into the package, with a Node that comes from PyPI.
+"""Builds the page of the live view and the native kernel into the package, with a Node and a C compiler from PyPI.
 
-``MORSE_SKIP_VIEWER=1`` leaves it out: MORSE then runs without a live view.
+``MORSE_SKIP_VIEWER=1`` leaves the page out: MORSE then runs without a live view.
 """
 
 from __future__ import annotations
@@ -13,27 +13,58 @@ from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from packaging.tags import platform_tags
 
 SKIP = "MORSE_SKIP_VIEWER"
 STAMP = ".sources"
 
 
-class ViewerBuildHook(BuildHookInterface[Any]):
+class PackageBuildHook(BuildHookInterface[Any]):
     """Runs before every wheel, editable install and source distribution."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Build the page, unless the one that is there was made from the same sources."""
+        """Build what is missing or was made from other sources."""
         root = Path(self.root)
-        static = root / "src" / "morse" / "viewer" / "static"
-        stamp = static / STAMP
-        state = _state_of_sources(root)
-        if stamp.is_file() and stamp.read_text() == state:
-            return
-        if os.environ.get(SKIP, "") not in ("", "0"):
-            self.app.display_warning(f"{SKIP} is set: MORSE is built without its live view")
-            return
-        _build(root, static)
-        stamp.write_text(state)
+        build_view(root, self.app)
+        if self.target_name != "sdist":
+            build_kernel(root, self.app, build_data)
+
+
+def build_kernel(root: Path, app: Any, build_data: dict[str, Any]) -> None:
+    """Compile the kernel for this platform; the wheel is for this platform alone, and for any Python."""
+    sys.path.insert(0, str(root / "src"))
+    try:
+        from morse.kernel import targets
+        from morse.kernel.build import build
+    finally:
+        sys.path.remove(str(root / "src"))
+    host = targets.host()
+    if host is None:
+        app.display_warning("There is no native kernel for this platform: numpy does its work, slowly")
+        return
+    build(host)
+    build_data["pure_python"] = False
+    build_data["tag"] = f"py3-none-{_platform_tag(host)}"
+
+
+def _platform_tag(host: Any) -> str:
+    """How wheels name the systems that the kernel runs on."""
+    tags = {"linux-gnu": f"manylinux_2_17_{host.machine}", "linux-musl": f"musllinux_1_2_{host.machine}"}
+    return tags.get(host.system) or next(platform_tags())
+
+
+def build_view(root: Path, app: Any) -> None:
+    """Build the page, unless the one that is there was made from the same sources."""
+    static = root / "src" / "morse" / "viewer" / "static"
+    stamp = static / STAMP
+    state = _state_of_sources(root)
+    if stamp.is_file() and stamp.read_text() == state:
+        return
+    if os.environ.get(SKIP, "") not in ("", "0"):
+        app.display_warning(f"{SKIP} is set: MORSE is built without its live view")
+        return
+    _build(root, static)
+    stamp.write_text(state)
 
 
 def _state_of_sources(root: Path) -> str:

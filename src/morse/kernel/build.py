@@ -1,0 +1,96 @@
+"""Compiles the kernel with the C compiler of Zig, which comes with the package ``ziglang``.
+
+The build of the package calls `build`. By hand: ``python -m morse.kernel.build``, with ``--all TARGET_FOLDER`` for
+every platform.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.kernel import targets
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+SOURCES = Path(__file__).parent / "c"
+_STAMP = ".sources"
+WARNINGS = ("-Wall", "-Wextra", "-Wstrict-prototypes", "-Wmissing-prototypes", "-Wshadow", "-Werror")
+#: the same bits everywhere: no products and sums in one, no other order, no flush to zero
+EXACT = ("-std=c11", "-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-trapping-math")
+_OPTIONS = ("-O3", "-shared", "-fvisibility=hidden", "-fno-sanitize=undefined", "-fno-stack-protector", "-s")
+
+
+def sources() -> list[Path]:
+    """The C files."""
+    return sorted(SOURCES.glob("*.c"))
+
+
+def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
+    """Compile the libraries of a platform, unless those that are there were made from the same sources.
+
+    Raises:
+        RuntimeError: the compiler refused.
+    """
+    state = _state(target)
+    stamp = folder / f"{_STAMP}-{target}"
+    libraries = [folder / target.file_name(level) for level in target.levels]
+    if stamp.is_file() and stamp.read_text() == state and all(path.is_file() for path in libraries):
+        return libraries
+    folder.mkdir(parents=True, exist_ok=True)
+    with ThreadPoolExecutor() as pool:
+        for done in [pool.submit(_compile, target, level, folder) for level in target.levels]:
+            done.result()
+    stamp.write_text(state)
+    return libraries
+
+
+def _state(target: targets.Target) -> str:
+    """A digest of everything that libraries are made of."""
+    here = Path(__file__)
+    digest = hashlib.sha256(str(target).encode())
+    for path in [*sorted(SOURCES.iterdir()), here, here.parent / "targets.py"]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def _compile(target: targets.Target, level: int, folder: Path) -> None:
+    wanted = folder / target.file_name(level)
+    with tempfile.TemporaryDirectory(dir=folder) as temporary:
+        made = Path(temporary) / wanted.name
+        position = () if target.system == "windows" else ("-fPIC",)
+        chosen = ("-target", target.zig, f"-mcpu={target.processor(level)}")
+        command = [sys.executable, "-m", "ziglang", "cc", *chosen, *EXACT, *_OPTIONS, *position, *WARNINGS]
+        command += ["-o", str(made), *map(str, sources())]
+        caches = {"ZIG_GLOBAL_CACHE_DIR": temporary, "ZIG_LOCAL_CACHE_DIR": temporary}
+        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
+        if done.returncode:
+            raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{done.stderr[-4000:]}")
+        # another process may have the old one open
+        os.replace(made, wanted)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m morse.kernel.build", description="Compile the kernel of MORSE.")
+    parser.add_argument("--all", metavar="FOLDER", type=Path, help="compile it for every platform, into a folder")
+    chosen = parser.parse_args(arguments)
+    host = targets.host()
+    if chosen.all is None and host is None:
+        parser.error("the kernel is not made for this platform; numpy does its work")
+    for target in targets.ALL if chosen.all else [host]:
+        assert target is not None
+        for library in build(target, chosen.all or targets.FOLDER):
+            print(library)
+
+
+if __name__ == "__main__":
+    main()

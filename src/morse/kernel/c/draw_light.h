@@ -1,0 +1,107 @@
+// How lamps light surfaces, as in the live view (three.js): metallic-roughness with GGX, ACES filmic tone mapping.
+#pragma once
+#include "drawing.h"
+#include "simd.h"
+
+// Of light that reflects off any surface straight on.
+#define SPECULAR 0.04f
+#define PI_F 3.14159265f
+
+static inline V3 sky_in(const float *sky, V3 d) {
+    const F8 zero = splat(0), rise = 1 - power(greater(1 - greater(d.z, zero), splat(1e-6f)), 2.6f);
+    const F8 fall = 1 - lesser(greater(-d.z, zero) * 3, splat(1));
+    const F8 n = greater(dot(d, everywhere(sky + 12)), zero), n2 = n * n, n4 = n2 * n2, n8 = n4 * n4, n16 = n8 * n8;
+    const F8 n32 = n16 * n16, n64 = n32 * n32, n128 = n64 * n64;
+    const V3 c = mixed(mixed(everywhere(sky), everywhere(sky + 3), rise), everywhere(sky + 6), 1 - fall * fall);
+    return sum(c, scaled(everywhere(sky + 9), 0.22f * n8 * n4 + 0.5f * n128 * n128 * n128 * n16));
+}
+
+static inline F8 filmic(F8 v) {
+    return (v * (v + 0.0245786f) - 0.000090537f) / (v * (0.983729f * v + 0.4329510f) + 0.238081f);
+}
+
+// S. Hill's fit of ACES, with the exposure of the live view.
+static inline V3 tone(V3 c) {
+    c = scaled(c, splat(1.5f));
+    const F8 x = filmic(0.59719f * c.x + 0.35458f * c.y + 0.04823f * c.z);
+    const F8 y = filmic(0.07600f * c.x + 0.90834f * c.y + 0.01566f * c.z);
+    const F8 z = filmic(0.02840f * c.x + 0.13383f * c.y + 0.83777f * c.z);
+    return (V3){1.60475f * x - 0.53108f * y - 0.07367f * z, -0.10208f * x + 1.10813f * y - 0.00605f * z,
+                -0.00327f * x - 0.07276f * y + 1.07602f * z};
+}
+
+typedef struct {
+    const float *texels, *sun;
+    int32_t width, height;
+} ShadowMap;
+
+// Share of the sun's light that reaches a place in a shadow map: 4 x 4 texels, weighed by a tent; -1 beside the map.
+static inline float sunlit(const ShadowMap *m, float u, float v, float d) {
+    const float fu = floorf(u), fv = floorf(v), au = u - fu, av = v - fv;
+    if (!(fu >= 1 && fv >= 1 && fu < (float)(m->width - 2) && fv < (float)(m->height - 2))) return -1;
+    const float *row = m->texels + ((int64_t)fv - 1) * m->width + (int64_t)fu - 1;
+    const float across[4] = {1 - au, 1, 1, au}, down[4] = {1 - av, 1, 1, av};
+    float lit[4] = {0, 0, 0, 0};
+    EACH(j, 4) EACH(i, 4) lit[i] += (row[(int64_t)j * m->width + i] <= d ? across[i] : 0.0f) * down[j];
+    return (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
+}
+
+// Looks up the shares of eight places where there is none yet.
+static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
+    const float *s = m->sun;
+    // outward, and towards the sun: no surface shades itself
+    const V3 p = sum(place, scaled(n, splat(s[12] * 1.3f)));
+    const F8 u = s[0] * p.x + s[1] * p.y + s[2] * p.z + (s[3] - 0.5f);
+    const F8 v = s[4] * p.x + s[5] * p.y + s[6] * p.z + (s[7] - 0.5f);
+    const F8 d = s[8] * p.x + s[9] * p.y + s[10] * p.z + (s[11] + s[12] * 1.5f);
+    EACH_LANE(j) if ((*share)[j] < 0)(*share)[j] = sunlit(m, u[j], v[j], d[j]);
+}
+
+// The share of the sun's light that reaches eight places: by the finer map, where there is one, else by the other.
+static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
+    const ShadowMap near = {f->near_shadow, f->near_sun, f->near_width, f->near_height};
+    const ShadowMap far = {f->shadow, f->sun, f->shadow_width, f->shadow_height};
+    F8 share = pick(nl > splat(0), splat(-1), splat(0));
+    if (near.width) look_up(&near, place, n, &share);
+    if (any(share < splat(0))) look_up(&far, place, n, &share);
+    return pick(share < splat(0), splat(1), share);
+}
+
+// Light of all lamps that surfaces send to the camera.
+static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic, F8 roughness) {
+    const F8 zero = splat(0), one = splat(1), rough = greater(roughness, splat(0.0525f)), alpha = rough * rough;
+    const F8 a2 = alpha * alpha, nv = greater(dot(n, v), splat(1e-4f));
+    const V3 f0 = mixed(grey(SPECULAR), base, metallic);
+    V3 diffuse = grey(0), shine = diffuse;
+    EACH(i, f->lamp_count) {
+        const Lamp *k = f->lamps + i;
+        const int kind = (int)k->kind;
+        V3 light = everywhere(k->color), to = everywhere(k->towards);
+        F8 fade = one;
+        if (kind == HEMISPHERE_LAMP) {
+            diffuse = sum(diffuse, mixed(everywhere(k->ground), light, 0.5f * dot(n, to) + 0.5f));
+            continue;
+        }
+        if (kind != SUN_LAMP) {
+            V3 way = {splat(k->place[0]) - place.x, splat(k->place[1]) - place.y, splat(k->place[2]) - place.z};
+            const F8 far = root(greater(dot(way, way), splat(1e-8f)));
+            way = scaled(way, 1 / far), fade = power(far, -k->decay);
+            if (kind == SPOT_LAMP) {
+                const F8 t = within((dot(way, to) - k->outer) * (1 / (k->inner - k->outer)), 0, 1);
+                fade *= t * t * (3 - 2 * t);
+            }
+            to = way;
+        }
+        const F8 nl = greater(dot(n, to), zero);
+        if (!any(nl > zero)) continue;
+        if (kind == SUN_LAMP && k->outer > 0 && f->shadow_width) fade = in_sun(f, place, n, nl);
+        light = scaled(light, fade * nl), diffuse = sum(diffuse, light);
+        const V3 h = unit(sum(to, v));
+        const F8 nh = dot(n, h), t = nh * nh * (a2 - 1) + 1, q = 1 - lesser(dot(v, h), one), q2 = q * q;
+        const F8 both = nl * root(a2 + (1 - a2) * nv * nv) + nv * root(a2 + (1 - a2) * nl * nl);
+        const F8 seen = 0.5f / greater(both, splat(1e-6f));
+        const V3 mirrored = product(light, mixed(f0, grey(1), q2 * q2 * q));
+        shine = sum(shine, scaled(mirrored, a2 / (PI_F * t * t) * seen));
+    }
+    return sum(scaled(product(base, diffuse), (1 - metallic) * (1 / PI_F)), shine);
+}

@@ -1,0 +1,17 @@
+// What is looked at by the samples of a row of a tile, one after the other.
+#pragma once
+#include "drawing.h"
+#include "simd.h"
+
+#define MOST_LOOKS (TILE * MOST_SAMPLES)
+// eight of them, of the looks `l` from number `i` on
+#define AT(name) (*(const F8 *)(l->name + i))
+
+typedef struct {
+    float x[MOST_LOOKS], y[MOST_LOOKS], share[MOST_LOOKS], inverse[MOST_LOOKS];
+    float nx[MOST_LOOKS], ny[MOST_LOOKS], nz[MOST_LOOKS];
+    float r[MOST_LOOKS], g[MOST_LOOKS], b[MOST_LOOKS], er[MOST_LOOKS], eg[MOST_LOOKS], eb[MOST_LOOKS];
+    float metallic[MOST_LOOKS], roughness[MOST_LOOKS];
+    float u[MOST_LOOKS], v[MOST_LOOKS], ux[MOST_LOOKS], vx[MOST_LOOKS], uy[MOST_LOOKS], vy[MOST_LOOKS];
+    int32_t who[MOST_LOOKS], plain[MOST_LOOKS], column[MOST_LOOKS], texture[MOST_LOOKS];
+} __attribute__((aligned(32))) Looks;

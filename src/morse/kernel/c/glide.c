@@ -1,0 +1,83 @@
+// Robots that are driven together over a level floor; `driving/reference.py` says the same in Python.
+#include <math.h>
+#include <stdint.h>
+
+#include "export.h"
+#include "turns.h"
+
+enum { LEFT_OUT = 0, GLIDES = 1, TURNS = 2, SHIFTS = 4 };
+
+typedef struct {
+    int64_t count;                             // N robots
+    const int64_t *slots;                      // (N)
+    const double *forward, *aside, *rate;      // (N) commands, m/s and rad/s in the axes of the robot
+    const uint8_t *shifts;                     // (N) whether it is to keep no momentum
+    const int64_t *dofs;                       // (K) address of the velocity
+    const double *speeds, *margins, *extents;  // (K) what gliding has planned for; a negative speed: no glider
+    const uint8_t *plain;                      // (K) 1: nothing else changes commands of the robot
+    const uint8_t *sliding;                    // (K) 1: driven in the tick before
+    const int32_t *trees, *asleep;             // (K) its tree or -1; (T) 0 or more for a tree that sleeps
+    const double *rotations;                   // (K, 9)
+    double period;                             // s
+    double *velocities;                        // of the engine
+    uint8_t *done;                             // (N) result, for `morse_glide_end`
+    double *cosines, *sines;                   // (N) results
+    int64_t *others;                           // (N) result: rows that somebody else has to see to
+} Gliders;
+
+MORSE_EXPORT int64_t morse_glide_begin(const Gliders *all);
+MORSE_EXPORT void morse_glide_end(const Gliders *all);
+
+// Writes the velocities of a tick; returns how many rows are left to others.
+int64_t morse_glide_begin(const Gliders *all) {
+    int64_t left = 0;
+    for (int64_t i = 0; i < all->count; i++) {
+        const int64_t slot = all->slots[i];
+        double x = all->forward[i], y = all->aside[i], rate = all->rate[i];
+        all->done[i] = LEFT_OUT;
+        const int rests = x == 0.0 && y == 0.0 && rate == 0.0;
+        const int32_t tree = all->trees[slot];
+        if (rests && tree >= 0 && all->asleep[tree] >= 0 && !all->sliding[slot]) continue;
+        const double speed = sqrt(x * x + y * y);
+        const double nearer = 2.0 * (speed + fabs(rate) * all->extents[slot]) * all->period;
+        if (rests || !all->plain[slot] || !(speed <= all->speeds[slot]) || !(nearer <= all->margins[slot])) {
+            all->others[left++] = i;
+            continue;
+        }
+        const double *r = all->rotations + 9 * slot;
+        double *v = all->velocities + all->dofs[slot];
+        const double half = 0.5 * rate * all->period;
+        Turn turn = {1.0, 0.0};
+        if (fabs(half) > 1e-9) {
+            turn = turn_by(half);
+            const double chord = turn.sine / half, before = x;
+            x = chord * (turn.cosine * x - turn.sine * y);
+            y = chord * (turn.sine * before + turn.cosine * y);
+        }
+        const double about = rate * r[8];
+        v[0] = r[0] * x + r[1] * y;
+        v[1] = r[3] * x + r[4] * y;
+        v[2] = 0.0;
+        v[3] = r[6] * about;
+        v[4] = r[7] * about;
+        v[5] = r[8] * about;
+        all->cosines[i] = turn.cosine;
+        all->sines[i] = turn.sine;
+        all->done[i] = (uint8_t)(GLIDES | (rate != 0.0 ? TURNS : 0) | (all->shifts[i] ? SHIFTS : 0));
+    }
+    return left;
+}
+
+// After the tick: a shift leaves no momentum, a velocity points along the new heading.
+void morse_glide_end(const Gliders *all) {
+    for (int64_t i = 0; i < all->count; i++) {
+        double *v = all->velocities + all->dofs[all->slots[i]];
+        if (all->done[i] & SHIFTS) {
+            v[0] = v[1] = v[5] = 0.0;
+        } else if (all->done[i] & TURNS) {
+            const double x = v[0], y = v[1], c = all->cosines[i], s = all->sines[i];
+            v[0] = c * x - s * y;
+            v[1] = s * x + c * y;
+        }
+    }
+}

@@ -1,0 +1,63 @@
+// Puts solids where their rigid groups are, and boxes around them.
+#include <math.h>
+#include <stdint.h>
+
+#include "export.h"
+#include "primitives.h"
+#include "tree.h"
+
+// Rows are solids, but for the poses of the groups.
+typedef struct {
+    const double *slot_positions, *slot_rotations;    // (K, 3), (K, 3, 3)
+    const double *anchor;                             // (3)
+    const int64_t *slots;                             // (S)
+    const double *places, *turns, *centres, *halves;  // poses in the group; boxes in their own frames
+    const int32_t *kinds;                             // (S)
+    double *positions, *rotations;                    // results, relative to the anchor
+} Placing;
+
+// A tree over some of the solids, and memory to build it in.
+typedef struct {
+    int32_t count;
+    const int32_t *members;  // numbers of solids
+    Box *boxes;
+    int32_t *scratch;
+    Node *nodes;
+    int32_t *leaves;  // result: the solid in each leaf
+} Gathering;
+
+MORSE_EXPORT int32_t morse_rays_place(const Placing *all, const Gathering *some);
+
+// Larger by what single precision may be wrong, and by what the formulas of surfaces may be.
+static float below(double x, double slack) { return (float)(x - slack); }
+
+// Places some solids, and builds the tree over them; returns the number of its nodes.
+int32_t morse_rays_place(const Placing *all, const Gathering *some) {
+    Box *boxes = some->boxes;
+    for (int32_t i = 0; i < some->count; i++) {
+        const int64_t solid = some->members[i], slot = all->slots[solid];
+        const double *p = all->slot_positions + 3 * slot, *r = all->slot_rotations + 9 * slot;
+        const double *place = all->places + 3 * solid, *turn = all->turns + 9 * solid;
+        const double *centre = all->centres + 3 * solid, *half = all->halves + 3 * solid;
+        double *position = all->positions + 3 * solid, *rotation = all->rotations + 9 * solid;
+        for (int k = 0; k < 3; k++) {
+            const double *row = r + 3 * k;
+            position[k] = (row[0] * place[0] + row[1] * place[1] + row[2] * place[2]) + (p[k] - all->anchor[k]);
+            for (int j = 0; j < 3; j++)
+                rotation[3 * k + j] = row[0] * turn[j] + row[1] * turn[3 + j] + row[2] * turn[6 + j];
+        }
+        for (int k = 0; k < 3; k++) {
+            const double *row = rotation + 3 * k;
+            const double at = position[k] + row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2];
+            double reach = fabs(row[0]) * half[0] + fabs(row[1]) * half[1] + fabs(row[2]) * half[2];
+            if (all->kinds[solid] == SPHERE) reach = half[0];
+            const double slack = 1e-6 * (fabs(at) + reach) + 1e-9;
+            boxes[i].low[k] = below(at - reach, slack);
+            boxes[i].high[k] = -below(-at - reach, slack);
+        }
+    }
+    int32_t leaf_count;
+    const int32_t nodes = build_tree(some->count, boxes, 1, some->scratch, some->nodes, some->leaves, &leaf_count);
+    for (int32_t k = 0; k < leaf_count; k++) some->leaves[k] = some->members[some->leaves[k]];
+    return nodes;
+}

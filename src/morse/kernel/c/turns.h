@@ -1,0 +1,44 @@
+// Sine and cosine of the same bits everywhere: sums and products alone, as `driving/reference.py` writes them.
+#pragma once
+
+#include <math.h>
+
+#define TWO_OVER_PI 0.63661977236758134308
+// pi/2 in three parts; the product of the first and a number below 2^20 is exact
+#define HALF_PI_1 0x1.921fb544p+0
+#define HALF_PI_2 0x1.0b4611a6p-34
+#define HALF_PI_3 0x1.3198a2e037073p-69
+
+typedef struct {
+    double cosine, sine;
+} Turn;
+
+static inline Turn turn_by(double angle) {
+    angle += 0.0;  // no negative zero
+    const double quarters = rint(angle * TWO_OVER_PI);
+    const double x = ((angle - quarters * HALF_PI_1) - quarters * HALF_PI_2) - quarters * HALF_PI_3;
+    const double z = x * x;
+    // Taylor; the next terms are below the last bit within an eighth of a turn
+    double s = 1.0 - z / 272.0;
+    s = 1.0 - z / 210.0 * s;
+    s = 1.0 - z / 156.0 * s;
+    s = 1.0 - z / 110.0 * s;
+    s = 1.0 - z / 72.0 * s;
+    s = 1.0 - z / 42.0 * s;
+    s = 1.0 - z / 20.0 * s;
+    s = x - x * (z / 6.0 * s);
+    double c = 1.0 - z / 306.0;
+    c = 1.0 - z / 240.0 * c;
+    c = 1.0 - z / 182.0 * c;
+    c = 1.0 - z / 132.0 * c;
+    c = 1.0 - z / 90.0 * c;
+    c = 1.0 - z / 56.0 * c;
+    c = 1.0 - z / 30.0 * c;
+    c = 1.0 - z / 12.0 * c;
+    c = 1.0 - z / 2.0 * c;
+    const double odd = quarters - 4.0 * floor(quarters / 4.0);
+    if (odd == 1.0) return (Turn){-s, c};
+    if (odd == 2.0) return (Turn){-c, -s};
+    if (odd == 3.0) return (Turn){s, -c};
+    return (Turn){c, s};
+}

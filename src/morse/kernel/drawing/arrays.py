@@ -1,0 +1,165 @@
+"""What is drawn, as both the C functions and numpy see it; the twin of ``c/drawing.h``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: pixels along the side of a tile
+TILE = 32
+#: triangles of a cluster, at most
+CLUSTER = 256
+#: flags of a material
+SHADELESS, DOUBLE_SIDED, MASKED, DITHERED = 1, 2, 4, 8
+#: flags of a part
+MOVES, MIRRORED = 1, 2
+#: kinds of lamps
+SUN, POINT, SPOT, HEMISPHERE = range(4)
+#: no surface is that far from the sun
+NO_SURFACE = -1e30
+
+VERTEX = np.dtype([("p", "f4", 3), ("n", "f4", 3), ("uv", "f4", 2)])
+MATERIAL = np.dtype(
+    [
+        ("color", "f4", 4),
+        ("emission", "f4", 3),
+        ("metallic", "f4"),
+        ("roughness", "f4"),
+        ("texture", "i4"),
+        ("flags", "i4"),
+        ("spare", "i4"),
+    ]
+)
+TEXTURE = np.dtype([("width", "i4"), ("height", "i4"), ("levels", "i4"), ("spare", "i4"), ("first", "i4", 16)])
+LAMP = np.dtype(
+    [
+        ("kind", "f4"),
+        ("place", "f4", 3),
+        ("towards", "f4", 3),
+        ("color", "f4", 3),
+        ("decay", "f4"),
+        ("outer", "f4"),
+        ("inner", "f4"),
+        ("ground", "f4", 3),
+    ]
+)
+CAMERA = np.dtype(
+    [
+        ("fx", "f4"),
+        ("fy", "f4"),
+        ("cx", "f4"),
+        ("cy", "f4"),
+        ("near", "f4"),
+        ("far", "f4"),
+        ("axes", "f4", 9),
+        ("eye", "f4", 3),
+        ("width", "i4"),
+        ("height", "i4"),
+        ("tile", "i4"),
+        ("color", "i4"),
+        ("pixel", "i8"),
+    ],
+    align=True,
+)
+SEEN_BYTES = 80
+
+#: places of the samples in a pixel, from its middle; the first, whose depth and id are given, is the middle
+SAMPLES = {1: ((0.0, 0.0),), 5: ((0.0, 0.0), (-0.4, -0.2), (-0.2, 0.4), (0.2, -0.4), (0.4, 0.2))}
+
+
+def _encoded() -> NDArray[np.uint8]:
+    light = np.arange(4096) / 4095
+    codes = np.where(light <= 0.0031308, light * 12.92, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
+    return (codes * 255 + 0.5).astype(np.uint8)
+
+
+#: (4096,) steps of linear light as sRGB
+ENCODED = _encoded()
+
+
+class Drawing(NamedTuple):
+    """Everything that is drawn.
+
+    Attributes:
+        vertices: (V,) `VERTEX`: position, normal and texture coordinates, in the frames of the meshes.
+        triangles: (T, 4) int32, three vertices, counted from the first of the cluster, and the material slot.
+        clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
+        spheres: (C, 4) float32, centre and radius.
+        parts: (P, 4) int32: cluster, instance, first entry in `slots`, flags (`MOVES`, `MIRRORED`).
+        slots: (S,) int32, the material of each slot of each instance.
+        materials: (M,) `MATERIAL`.
+        texels: (N,) int32, all levels of all textures.
+        textures: (X,) `TEXTURE`.
+    """
+
+    vertices: NDArray[Any]
+    triangles: NDArray[np.int32]
+    clusters: NDArray[np.int32]
+    spheres: NDArray[np.float32]
+    parts: NDArray[np.int32]
+    slots: NDArray[np.int32]
+    materials: NDArray[Any]
+    texels: NDArray[np.int32]
+    textures: NDArray[Any]
+
+
+class Poses(NamedTuple):
+    """Where the instances are.
+
+    Attributes:
+        models: (I, 12) float32, mesh to world, 3x4 row by row.
+        turns: (I, 9) float32, the same for normals, 3x3.
+    """
+
+    models: NDArray[np.float32]
+    turns: NDArray[np.float32]
+
+
+class Light(NamedTuple):
+    """What lights a scene.
+
+    Attributes:
+        lamps: (L,) `LAMP`.
+        sky: (20,) float32, RGB of horizon, zenith, ground and glow, direction to the sun, begin and depth of mist.
+        sun: (16,) float32, world to the shadow map: three rows of a 3x4 matrix, and the width of a texel, m.
+        shadow: (H, W) float32, how near to the sun the nearest surface is, m; None without shadows.
+        near_sun, near_shadow: a finer map of a part of the world, or None; it goes before the other.
+    """
+
+    lamps: NDArray[Any]
+    sky: NDArray[np.float32]
+    sun: NDArray[np.float32]
+    shadow: NDArray[np.float32] | None
+    near_sun: NDArray[np.float32] | None = None
+    near_shadow: NDArray[np.float32] | None = None
+
+
+class Pictures(NamedTuple):
+    """What cameras see, one after the other.
+
+    Attributes:
+        rgb: (N, 3) uint8; of cameras without colour, anything.
+        depth: (N,) float32, metres along the axis, 0 where nothing is.
+        ids: (N,) int32, number of the instance, -1 where nothing is.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    ids: NDArray[np.int32]
+
+
+def tiles_of(cameras: NDArray[Any]) -> NDArray[np.int32]:
+    """(N, 4) int32, camera, left, top and 0 of all tiles; fills in the first tile and pixel of each camera."""
+    found = [np.zeros((0, 4), dtype=np.int32)]
+    tile = pixel = 0
+    for number, row in enumerate(cameras):
+        width, height = int(row["width"]), int(row["height"])
+        row["tile"], row["pixel"] = tile, pixel
+        y, x = np.mgrid[0:height:TILE, 0:width:TILE].reshape(2, -1)
+        found.append(np.column_stack([np.full(len(x), number), x, y, np.zeros_like(x)]).astype(np.int32))
+        tile, pixel = tile + len(x), pixel + width * height
+    return np.concatenate(found)

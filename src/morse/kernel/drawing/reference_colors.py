@@ -1,0 +1,179 @@
+"""The colours of what is shown; the twin of ``c/draw_pixels.c``, ``draw_surface.h`` and ``draw_texture.h``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SHADELESS
+from morse.kernel.drawing.reference_light import lit, mixed, sky_in, tone, unit, within
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing.arrays import Drawing, Light, Poses
+    from morse.kernel.drawing.reference_project import Projected
+
+    Floats = NDArray[np.float32]
+
+_ONE = np.float32(1)
+
+
+def paint(
+    drawing: Drawing, camera: NDArray[Any], poses: Poses, light: Light, seen: Projected, shown: NDArray[np.int32]
+) -> NDArray[np.uint8]:
+    """(N, 3) the colours of pixels that show triangles (samples, N)."""
+    samples, pixels = shown.shape
+    total = np.zeros((pixels, 3), np.float32)
+    column = (np.arange(pixels) % int(camera["width"])).astype(np.float32)
+    row = (np.arange(pixels) // int(camera["width"])).astype(np.float32)
+    for sample in range(samples):
+        known = (shown[:sample] == shown[sample]).any(axis=0)
+        share = (shown[sample:] == shown[sample]).sum(axis=0).astype(np.float32) / np.float32(samples)
+        shift = np.array(SAMPLES[samples][sample], np.float32)
+        new = ~known
+        x, y = column[new] + np.float32(0.5) + shift[0], row[new] + np.float32(0.5) + shift[1]
+        color = _colors(drawing, camera, poses, light, seen, shown[sample, new], x, y)
+        total[new] += within(color, 0, 1) * share[new, None]
+    return ENCODED[(total * np.float32(4095) + np.float32(0.5)).astype(np.int64)]
+
+
+def _colors(
+    d: Drawing,
+    k: NDArray[Any],
+    poses: Poses,
+    light: Light,
+    seen: Projected,
+    who: NDArray[np.int32],
+    x: Floats,
+    y: Floats,
+) -> Floats:
+    """(N, 3) linear light of samples that show triangles ``who``, -1 for the sky."""
+    none = who < 0
+    r, sky = k["axes"], light.sky
+    cx, cy = (x - k["cx"]) * (_ONE / k["fx"]), (y - k["cy"]) * (_ONE / k["fy"])
+    direction = unit([r[i] * cx + r[3 + i] * cy + r[6 + i] for i in range(3)])
+    sky_color = tone(sky_in(sky, direction))
+    result = np.stack(sky_color, axis=1)
+    solid = np.flatnonzero(~none)
+    if not len(solid):
+        return result
+    x, y, number = x[solid], y[solid], who[solid]
+    e, w = seen.e[number], seen.w[number]
+    material = d.materials[seen.material[number]]
+    v = seen.vertices(d, number)
+    turn = poses.turns[d.parts[seen.part[number], 1]]
+    facing = np.where(seen.back[number], np.float32(-1), _ONE)
+    inverse = w[:, 0] * x + w[:, 1] * y + w[:, 2]
+    n = v["n"]
+    turned = np.stack(
+        [
+            (
+                turn[:, None, 3 * b] * n[..., 0]
+                + turn[:, None, 3 * b + 1] * n[..., 1]
+                + turn[:, None, 3 * b + 2] * n[..., 2]
+            )
+            * facing[:, None]
+            for b in range(3)
+        ],
+        axis=2,
+    )
+    planes = [[_sum(e, turned[:, :, b], a) for a in range(3)] for b in range(3)]
+    normal = unit([p[0] * x + p[1] * y + p[2] for p in planes])
+    base = [material["color"][:, i].copy() for i in range(3)]
+    textured = np.flatnonzero(material["texture"] >= 0)
+    if len(textured):
+        factor = _texture(d, material["texture"][textured], e[textured], v["uv"][textured], x[textured], y[textured])
+        for i in range(3):
+            base[i][textured] = base[i][textured] * factor[i]
+    eye = k["eye"]
+    cx, cy, depth = cx[solid], cy[solid], _ONE / inverse
+    ray = [r[i] * cx + r[3 + i] * cy + r[6 + i] for i in range(3)]
+    place = [eye[i] + ray[i] * depth for i in range(3)]
+    toward = [direction[i][solid] * np.float32(-1) for i in range(3)]
+    color = lit(light, place, normal, toward, base, material["metallic"], material["roughness"])
+    color = [color[i] + material["emission"][:, i] for i in range(3)]
+    if sky[16] > 0:
+        t = within((depth - sky[15]) * (_ONE / sky[16]), 0, 1)
+        color = mixed(color, [sky[0], sky[1], sky[2]], t * t * (np.float32(3) - np.float32(2) * t))
+    plain = material["flags"] & SHADELESS != 0
+    result[solid] = np.where(plain[:, None], np.stack(base, axis=1), np.stack(tone(color), axis=1))
+    return result
+
+
+def _sum(e: Floats, values: Floats, axis: int) -> Floats:
+    """(N,) of edges (N, 3, 3) and of what the corners have (N, 3): one coefficient of a plane."""
+    made: Floats = e[:, 0, axis] * values[:, 0] + e[:, 1, axis] * values[:, 1] + e[:, 2, axis] * values[:, 2]
+    return made
+
+
+def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: Floats, y: Floats) -> list[Floats]:
+    """Three colours (N,) of textures at places of triangles."""
+    t = d.textures[numbers]
+    whole = [e[:, 0, a] + e[:, 1, a] + e[:, 2, a] for a in range(3)]
+    inverse = _ONE / (whole[0] * x + whole[1] * y + whole[2])
+    at, across, down = [], [], []
+    for b in range(2):
+        p = [_sum(e, uv[:, :, b], a) for a in range(3)]
+        value = (p[0] * x + p[1] * y + p[2]) * inverse
+        at.append(value)
+        across.append((p[0] - value * whole[0]) * inverse)
+        down.append((p[1] - value * whole[1]) * inverse)
+    w, h = t["width"].astype(np.float32), t["height"].astype(np.float32)
+    ux, vx, uy, vy = across[0] * w, across[1] * h, down[0] * w, down[1] * h
+    px, py = (_lesser(a * a + b * b, np.float32(1e8)) for a, b in ((ux, vx), (uy, vy)))
+    longer, shorter = np.sqrt(np.where(px > py, px, py)), np.sqrt(_lesser(px, py))
+    du, dv = np.where(px < py, down[0], across[0]), np.where(px < py, down[1], across[1])
+    looks = within(np.floor(longer / np.where(shorter > _ONE, shorter, _ONE) + np.float32(0.4)), 1, 4)
+    size = longer / looks
+    size = np.where(size > _ONE, size, _ONE).astype(np.float32)
+    bits = size.view(np.int32)
+    level, most = (bits >> 23) - 127, t["levels"] - 1
+    last = level >= most
+    level = np.where(last, most, level)
+    fraction = ((bits & 0x7FFFFF) | 0x3F800000).view(np.float32)
+    blend = np.where(last, np.float32(0), within(np.float32(2) * fraction - np.float32(2.5), 0, 1))
+    after = np.where(last, level, level + 1)
+    rows = np.arange(len(t))
+    total = [np.zeros(len(t), np.float32) for _ in range(3)]
+    for n in range(4):
+        going = looks > n
+        share = np.where(going, _ONE / (looks * np.float32(1046529.0)), np.float32(0))
+        s = (np.float32(n) + np.float32(0.5)) / looks - np.float32(0.5)
+        u, v = at[0] + s * du, at[1] + s * dv
+        for which, weight in ((level, share * (_ONE - blend)), (after, share * blend)):
+            wide, high = np.maximum(t["width"] >> which, 1), np.maximum(t["height"] >> which, 1)
+            _bilinear(d.texels, t["first"][rows, which], wide, high, u, v, weight, total)
+    return total
+
+
+def _lesser(a: Floats, b: np.float32 | Floats) -> Floats:
+    return np.where(a < b, a, b).astype(np.float32)
+
+
+def _bilinear(
+    texels: NDArray[np.int32],
+    first: NDArray[np.int32],
+    width: NDArray[np.int32],
+    height: NDArray[np.int32],
+    u: Floats,
+    v: Floats,
+    share: Floats,
+    total: list[Floats],
+) -> None:
+    x = within(u * width.astype(np.float32) - np.float32(0.5), -8e6, 8e6)
+    y = within(v * height.astype(np.float32) - np.float32(0.5), -8e6, 8e6)
+    fx, fy = np.floor(x), np.floor(y)
+    ax, ay = x - fx, y - fy
+    ix, iy = fx.astype(np.int32), fy.astype(np.int32)
+    x0, x1 = ix & (width - 1), (ix + 1) & (width - 1)
+    low, high = first + (iy & (height - 1)) * width, first + ((iy + 1) & (height - 1)) * width
+    top = ay * share
+    bottom = share - top
+    tr, br = top * ax, bottom * ax
+    for at, weight in ((low + x0, bottom - br), (low + x1, br), (high + x0, top - tr), (high + x1, tr)):
+        texel = texels[at]
+        for i in range(3):
+            c = ((texel >> (10 * i)) & 1023).astype(np.float32)
+            total[i] += c * c * weight

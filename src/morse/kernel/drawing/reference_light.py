@@ -1,0 +1,183 @@
+"""How lamps light surfaces; the twin of ``c/draw_light.h``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import HEMISPHERE, SPOT, SUN
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing.arrays import Light
+
+    #: of float32
+    Floats = NDArray[Any]
+    #: three arrays (N,), or numbers
+    Vectors = Sequence[Any]
+
+f = np.float32
+
+
+def within(a: Floats, low: float, high: float) -> Floats:
+    """Between two numbers; what is no number becomes the high one."""
+    below = np.where(a < f(high), a, f(high))
+    return np.where(below > f(low), below, f(low)).astype(np.float32)
+
+
+def dot(a: Vectors, b: Vectors) -> Floats:
+    """(N,) products."""
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+def unit(a: Vectors) -> list[Floats]:
+    """Of length 1."""
+    square = dot(a, a)
+    factor = f(1) / np.sqrt(np.where(square > f(1e-30), square, f(1e-30)))
+    return [part * factor for part in a]
+
+
+def mixed(a: Vectors, b: Vectors, t: Floats) -> list[Floats]:
+    """From a to b."""
+    return [p + (q - p) * t for p, q in zip(a, b, strict=True)]
+
+
+def power(base: Floats, exponent: np.float32) -> Floats:
+    """Positive bases to an exponent."""
+    bits = np.asarray(base, np.float32).view(np.int32)
+    high = (bits - np.int32(0x3F3504F3)) >> 23
+    m = (bits - high * np.int32(8388608)).view(np.float32)
+    t = (m - f(1)) / (m + f(1))
+    s = t * t
+    series = f(1) + s * (f(0.33333333) + s * (f(0.2) + s * f(0.14285714)))
+    log2 = f(2.88539008) * t * series + high.astype(np.float32)
+    p = within(log2 * exponent, -100, 100)
+    n = np.floor(p)
+    r = (p - n) * f(0.69314718)
+    two = ((n.astype(np.int32) + 127) * 8388608).astype(np.int32).view(np.float32)
+    rest = f(1) + r * (f(0.5) + r * (f(0.16666667) + r * (f(0.041666667) + r * f(0.0083333333))))
+    made: Floats = (f(1) + r * rest) * two
+    return made
+
+
+def sky_in(sky: Floats, d: Vectors) -> list[Floats]:
+    """The light of the sky in unit directions."""
+    up, down = np.where(d[2] > 0, d[2], f(0)), np.where(-d[2] > 0, -d[2], f(0)) * f(3)
+    left = f(1) - up
+    rise = f(1) - power(np.where(left > f(1e-6), left, f(1e-6)), f(2.6))
+    fall = f(1) - np.where(down < f(1), down, f(1))
+    n = dot(d, [sky[12], sky[13], sky[14]])
+    n = np.where(n > 0, n, f(0))
+    n2 = n * n
+    n4 = n2 * n2
+    n8 = n4 * n4
+    n16 = n8 * n8
+    n32 = n16 * n16
+    n64 = n32 * n32
+    n128 = n64 * n64
+    c = mixed(mixed(list(sky[0:3]), list(sky[3:6]), rise), list(sky[6:9]), f(1) - fall * fall)
+    glow = f(0.22) * n8 * n4 + f(0.5) * n128 * n128 * n128 * n16
+    return [part + glare * glow for part, glare in zip(c, sky[9:12], strict=True)]
+
+
+def _filmic(v: Floats) -> Floats:
+    made: Floats = (v * (v + f(0.0245786)) - f(0.000090537)) / (v * (f(0.983729) * v + f(0.4329510)) + f(0.238081))
+    return made
+
+
+def tone(c: Vectors) -> list[Floats]:
+    """ACES filmic tone mapping."""
+    r, g, b = (part * f(1.5) for part in c)
+    x = _filmic(f(0.59719) * r + f(0.35458) * g + f(0.04823) * b)
+    y = _filmic(f(0.07600) * r + f(0.90834) * g + f(0.01566) * b)
+    z = _filmic(f(0.02840) * r + f(0.13383) * g + f(0.83777) * b)
+    return [
+        f(1.60475) * x - f(0.53108) * y - f(0.07367) * z,
+        f(-0.10208) * x + f(1.10813) * y - f(0.00605) * z,
+        f(-0.00327) * x - f(0.07276) * y + f(1.07602) * z,
+    ]
+
+
+def _in_sun(light: Light, place: Vectors, n: Vectors, nl: Floats) -> Floats:
+    """The share of the sun's light that reaches places: by the finer map, where there is one, else by the other."""
+    share = np.where(nl > 0, f(-1), f(0))
+    for sun, shadow in ((light.near_sun, light.near_shadow), (light.sun, light.shadow)):
+        if sun is not None and shadow is not None:
+            share = np.where(share < 0, _looked_up(sun, shadow, place, n), share)
+    return np.where(share < 0, f(1), share).astype(np.float32)
+
+
+def _looked_up(s: Floats, shadow: Floats, place: Vectors, n: Vectors) -> Floats:
+    """The shares by one map; -1 beside it."""
+    p = [a + b * (s[12] * f(1.3)) for a, b in zip(place, n, strict=True)]
+    u = s[0] * p[0] + s[1] * p[1] + s[2] * p[2] + (s[3] - f(0.5))
+    v = s[4] * p[0] + s[5] * p[1] + s[6] * p[2] + (s[7] - f(0.5))
+    d = s[8] * p[0] + s[9] * p[1] + s[10] * p[2] + (s[11] + s[12] * f(1.5))
+    fu, fv = np.floor(u), np.floor(v)
+    au, av = u - fu, v - fv
+    height, width = shadow.shape
+    inside = (fu >= 1) & (fv >= 1) & (fu < width - 2) & (fv < height - 2)
+    column = np.where(inside, fu, 1).astype(np.int64) - 1
+    row = np.where(inside, fv, 1).astype(np.int64) - 1
+    across, down = [f(1) - au, f(1), f(1), au], [f(1) - av, f(1), f(1), av]
+    lit = [np.zeros_like(u) for _ in range(4)]
+    for j in range(4):
+        for i in range(4):
+            near = shadow[np.minimum(row + j, height - 1), np.minimum(column + i, width - 1)]
+            lit[i] = lit[i] + np.where(near <= d, across[i], f(0)) * down[j]
+    return np.where(inside, (lit[0] + lit[1] + lit[2] + lit[3]) * f(1 / 9.0), f(-1)).astype(np.float32)
+
+
+def lit(
+    light: Light, place: Vectors, n: Vectors, v: Vectors, base: Vectors, metallic: Floats, roughness: Floats
+) -> list[Floats]:
+    """Light of all lamps that surfaces send to the camera."""
+    rough = np.where(roughness > f(0.0525), roughness, f(0.0525))
+    alpha = rough * rough
+    a2 = alpha * alpha
+    nv = dot(n, v)
+    nv = np.where(nv > f(1e-4), nv, f(1e-4))
+    f0 = mixed([f(0.04)] * 3, base, metallic)
+    diffuse = [np.zeros_like(a2) for _ in range(3)]
+    shine = [np.zeros_like(a2) for _ in range(3)]
+    for k in light.lamps:
+        color, to = list(k["color"]), list(k["towards"])
+        if k["kind"] == HEMISPHERE:
+            facing = f(0.5) * dot(n, to) + f(0.5)
+            diffuse = [a + b for a, b in zip(diffuse, mixed(list(k["ground"]), color, facing), strict=True)]
+            continue
+        fade: Floats = np.ones_like(a2)
+        if k["kind"] != SUN:
+            way = [k["place"][i] - place[i] for i in range(3)]
+            square = dot(way, way)
+            far = np.sqrt(np.where(square > f(1e-8), square, f(1e-8)))
+            inverse = f(1) / far
+            way = [part * inverse for part in way]
+            fade = power(far, -k["decay"])
+            if k["kind"] == SPOT:
+                t = within((dot(way, to) - k["outer"]) * (f(1) / (k["inner"] - k["outer"])), 0, 1)
+                fade = fade * (t * t * (f(3) - f(2) * t))
+            to = way
+        nl = dot(n, to)
+        nl = np.where(nl > 0, nl, f(0))
+        if k["kind"] == SUN and k["outer"] > 0 and light.shadow is not None:
+            fade = _in_sun(light, place, n, nl)
+        strength = fade * nl
+        shone = [part * strength for part in color]
+        diffuse = [a + b for a, b in zip(diffuse, shone, strict=True)]
+        h = unit([a + b for a, b in zip(to, v, strict=True)])
+        nh, vh = dot(n, h), dot(v, h)
+        t = nh * nh * (a2 - f(1)) + f(1)
+        q = f(1) - np.where(vh < f(1), vh, f(1))
+        q2 = q * q
+        both = nl * np.sqrt(a2 + (f(1) - a2) * nv * nv) + nv * np.sqrt(a2 + (f(1) - a2) * nl * nl)
+        seen = f(0.5) / np.where(both > f(1e-6), both, f(1e-6))
+        factor = a2 / (f(3.14159265) * t * t) * seen
+        for i, mirrored in enumerate(mixed(f0, [f(1)] * 3, q2 * q2 * q)):
+            shine[i] = shine[i] + shone[i] * mirrored * factor
+    rest = (f(1) - metallic) * f(1 / np.float32(3.14159265))
+    return [base[i] * diffuse[i] * rest + shine[i] for i in range(3)]

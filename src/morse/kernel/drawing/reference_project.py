@@ -1,0 +1,146 @@
+"""Which triangles a camera may see, and where; the twin of ``c/draw_project.c``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import DOUBLE_SIDED, MIRRORED
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing.arrays import Drawing, Poses
+
+_SMALLEST = np.float32(0.25)
+
+
+@dataclass
+class Projected:
+    """Triangles as a camera sees them, in the order of parts.
+
+    Attributes:
+        e: (N, 3, 3) float32, the edges as planes (d/dx, d/dy, at pixel 0, 0).
+        w: (N, 3) float32, 1 / depth as such a plane.
+        box: (N, 4) pixels x0, y0, x1, y1, included.
+        triangle, part, material: (N,) numbers in the drawing.
+        back: (N,) whether it is seen from behind.
+    """
+
+    e: NDArray[np.float32]
+    w: NDArray[np.float32]
+    box: NDArray[np.int64]
+    triangle: NDArray[np.int64]
+    part: NDArray[np.int64]
+    material: NDArray[np.int64]
+    back: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.w)
+
+    def vertices(self, drawing: Drawing, numbers: NDArray[np.integer]) -> NDArray[Any]:
+        """(N, 3) `VERTEX`, the corners of some triangles."""
+        first = drawing.clusters[drawing.parts[self.part[numbers], 0], 0]
+        found: NDArray[Any] = drawing.vertices[drawing.triangles[self.triangle[numbers], :3] + first[:, None]]
+        return found
+
+
+def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) -> Projected:
+    """The triangles that a camera may see."""
+    found = [
+        one
+        for part in range(len(drawing.parts))
+        if _may_be_seen(drawing, camera, poses, part)
+        for one in [_part(drawing, camera, poses, part, 0.9 if samples > 1 else 0.5)]
+    ]
+    none = np.zeros(0, np.int64)
+    empty = Projected(
+        np.zeros((0, 3, 3), np.float32),
+        np.zeros((0, 3), np.float32),
+        np.zeros((0, 4), np.int64),
+        none,
+        none,
+        none,
+        np.zeros(0, bool),
+    )
+    columns = zip(*(vars(one).values() for one in [empty, *found]), strict=True)
+    return Projected(*(np.concatenate(column) for column in columns))
+
+
+def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+    cluster, instance = drawing.parts[part, :2]
+    s, m, r = drawing.spheres[cluster], poses.models[instance].reshape(3, 4), k["axes"]
+    fx, fy = k["fx"], k["fy"]
+    side = [k["cx"], np.float32(k["width"]) - k["cx"], k["cy"], np.float32(k["height"]) - k["cy"]]
+    length = [np.sqrt((fx * fx if i < 2 else fy * fy) + side[i] * side[i]) for i in range(4)]
+    x = [m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i] for i in range(3)]
+    scale = np.float32(0)
+    for i in range(3):
+        scale += m[0, i] * m[0, i] + m[1, i] * m[1, i] + m[2, i] * m[2, i]
+    q = [r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2] for i in range(3)]
+    size = s[3] * np.sqrt(scale)
+    if not (q[2] >= k["near"] - size and q[2] <= k["far"] + size):
+        return False
+    if q[2] > size and max(fx, fy) * size < _SMALLEST * q[2]:
+        return False
+    apart = (
+        side[0] * q[2] + fx * q[0] < -size * length[0],
+        side[1] * q[2] - fx * q[0] < -size * length[1],
+    )
+    if any(apart):
+        return False
+    return bool(side[2] * q[2] + fy * q[1] >= -size * length[2] and side[3] * q[2] - fy * q[1] >= -size * length[3])
+
+
+def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: float) -> Projected:
+    cluster, instance, slots, flags = drawing.parts[part].tolist()
+    first_vertex, vertices, first, count = drawing.clusters[cluster].tolist()
+    a = _projection(k, poses.models[instance].reshape(3, 4))
+    p = drawing.vertices["p"][first_vertex : first_vertex + vertices].astype(np.float64)
+    screen = np.stack([a[i, 0] * p[:, 0] + a[i, 1] * p[:, 1] + a[i, 2] * p[:, 2] + a[i, 3] for i in range(3)], axis=1)
+    depth = np.where(screen[:, 2] < k["near"], 1.0, screen[:, 2])
+    flat = screen[:, :2] / depth[:, None]
+    corners = drawing.triangles[first : first + count]
+    q, at = screen[corners[:, :3]], flat[corners[:, :3]]
+    material = drawing.slots[slots + corners[:, 3]].astype(np.int64)
+    box, inside = _bounds(k, q, at, reach)
+    e = np.stack([np.cross(q[:, (i + 1) % 3], q[:, (i + 2) % 3]) for i in range(3)], axis=1)
+    volume = q[:, 0, 0] * e[:, 0, 0] + q[:, 0, 1] * e[:, 0, 1] + q[:, 0, 2] * e[:, 0, 2]
+    back = (volume > 0) != bool(flags & MIRRORED)
+    two_sided = drawing.materials["flags"][material] & DOUBLE_SIDED != 0
+    near = ~(q[:, :, 2] > k["far"]).all(axis=1)
+    chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
+    edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
+    inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
+    numbers = np.arange(first, first + count)
+    return Projected(
+        edges[chosen], inverse[chosen], box[chosen], numbers[chosen],
+        np.full(int(chosen.sum()), part), material[chosen], back[chosen],
+    )  # fmt: skip
+
+
+def _projection(k: NDArray[Any], m: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(3, 4) mesh to (x w, y w, w)."""
+    r = k["axes"].astype(np.float64)
+    fx, fy, cx, cy = (float(k[name]) for name in ("fx", "fy", "cx", "cy"))
+    x = m.astype(np.float64)
+    x[:, 3] -= k["eye"].astype(np.float64)
+    row = [r[3 * n] * x[0] + r[3 * n + 1] * x[1] + r[3 * n + 2] * x[2] for n in range(3)]
+    return np.stack([fx * row[0] + cx * row[2], fy * row[1] + cy * row[2], row[2]])
+
+
+def _bounds(
+    k: NDArray[Any], q: NDArray[np.float64], at: NDArray[np.float64], reach: float
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Pixels whose samples may lie in triangles, and whether there are any."""
+    width, height = int(k["width"]), int(k["height"])
+    behind = (q[:, :, 2] < k["near"]).sum(axis=1)
+    low, high = np.fmin(at.min(axis=1), 1e9) - reach, np.fmax(at.max(axis=1), -1e9) + (reach - 1)
+    low[behind > 0], high[behind > 0] = 0.0, (width, height)
+    fine = (behind < 3) & (high >= 0).all(axis=1) & (low[:, 0] < width) & (low[:, 1] < height)
+    size = np.array([width, height])
+    first = np.where(fine[:, None] & (low > 0), np.ceil(low), 0).astype(np.int64)
+    last = np.where(fine[:, None] & (high < size - 1), np.trunc(high), size - 1).astype(np.int64)
+    return np.concatenate([first, last], axis=1), fine & (first <= last).all(axis=1)

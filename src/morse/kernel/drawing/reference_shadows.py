@@ -1,0 +1,72 @@
+"""How near to the sun the nearest surface is; the twin of ``c/draw_shadow.c``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing.arrays import Drawing, Light, Poses
+
+f = np.float32
+
+
+def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
+    """Draw parts into the shadow map; returns the texels (N, 4) that each may have filled."""
+    shadow, s = light.shadow, light.sun
+    assert shadow is not None
+    height, width = shadow.shape
+    size = np.array([width, height], np.float32)
+    rectangles = np.zeros((len(parts), 4), np.int32)
+    for row, part in zip(rectangles, parts.tolist(), strict=True):
+        cluster, instance = drawing.parts[part, :2].tolist()
+        first_vertex, vertices, first, count = drawing.clusters[cluster].tolist()
+        m = poses.models[instance]
+        a = [
+            [
+                s[4 * i] * m[n] + s[4 * i + 1] * m[4 + n] + s[4 * i + 2] * m[8 + n] + (s[4 * i + 3] if n == 3 else f(0))
+                for n in range(4)
+            ]
+            for i in range(3)
+        ]
+        p = drawing.vertices["p"][first_vertex : first_vertex + vertices]
+        seen = np.stack([a[i][0] * p[:, 0] + a[i][1] * p[:, 1] + a[i][2] * p[:, 2] + a[i][3] for i in range(3)], axis=1)
+        low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+        row[:2] = np.maximum(np.minimum(low, size), 0)
+        row[2:] = np.maximum(np.minimum(high + f(1), size), 0)
+        for corners in drawing.triangles[first : first + count, :3]:
+            _fill(shadow, seen[corners])
+    return rectangles
+
+
+def _fill(shadow: NDArray[np.float32], q: NDArray[np.float32]) -> None:
+    height, width = shadow.shape
+    o = q[0]
+    bx, by, bz = q[1] - o
+    cx, cy, cz = q[2] - o
+    area = bx * cy - by * cx
+    left, right = o[0] + min(f(0), bx, cx), o[0] + max(f(0), bx, cx)
+    top, bottom = o[1] + min(f(0), by, cy), o[1] + max(f(0), by, cy)
+    if not (area > 0 or area < 0) or not (right >= 0.5 and bottom >= 0.5 and left < width and top < height):
+        return
+    x0, x1 = int(np.ceil(max(left, f(0.5)) - f(0.5))), int(min(right, f(width)) - f(0.5))
+    y0, y1 = int(np.ceil(max(top, f(0.5)) - f(0.5))), int(min(bottom, f(height)) - f(0.5))
+    if x1 < x0 or y1 < y0:
+        return
+    sign = f(1) if area > 0 else f(-1)
+    dx, dy = (bz * cy - cz * by) / area, (cz * bx - bz * cx) / area
+    fx = np.arange(x0, x1 + 1).astype(np.float32) + f(0.5)
+    fy = (np.arange(y0, y1 + 1).astype(np.float32) + f(0.5))[:, None]
+    part = shadow[y0 : y1 + 1, x0 : x1 + 1]
+    inside = np.ones(part.shape, bool)
+    for i in range(3):
+        b, e = q[(i + 1) % 3], q[(i + 2) % 3]
+        base = sign * ((e[0] - b[0]) * (fy - b[1]) + (e[1] - b[1]) * b[0])
+        inside &= base + -sign * (e[1] - b[1]) * fx >= 0
+    z = o[2] + dy * (fy - o[1]) - dx * o[0]
+    d = z + dx * fx
+    inside &= d > part
+    part[inside] = d[inside]

@@ -1,0 +1,40 @@
+"""The structure ``Frame`` of ``c/drawing.h``."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+from morse.kernel.memory import address
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
+    models turns cameras shadow sun near_shadow near_sun jobs starts counts seen firsts members tiles rgb depth ids"""
+_NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
+    near_width near_height"""
+
+
+class FrameStructure(ctypes.Structure):
+    """``Frame``. The arrays that it points to are kept as long as it does so."""
+
+    _fields_ = (
+        *[(name, ctypes.c_void_p) for name in _ADDRESSES.split()],
+        *[(name, ctypes.c_int32) for name in _NUMBERS.split()],
+        ("next", ctypes.c_int64),
+    )
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kept: dict[str, NDArray[Any] | None] = {}
+
+    def point(self, **arrays: NDArray[Any] | None) -> None:
+        """Let addresses be those of arrays in one piece, or null."""
+        for name, array in arrays.items():
+            setattr(self, name, address(array))
+        self._kept.update(arrays)
+
+    def forget(self, *names: str) -> None:
+        """Let go of arrays that the frame was pointed to."""
+        self.point(**dict.fromkeys(names))

@@ -1,0 +1,26 @@
+"""Robots that are driven together: over a level floor, and on wheels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.kernel.driving import reference
+from morse.kernel.driving.native import NativeChassis, NativeGliders
+from morse.kernel.loading import library
+
+if TYPE_CHECKING:
+    from morse.kernel.driving.arrays import ChassisArrays, ChassisWork, GliderArrays, GliderWork
+
+__all__ = ["chassis", "gliders"]
+
+
+def gliders(arrays: GliderArrays) -> GliderWork:
+    """What drives robots over a level floor: C, or Python without a kernel."""
+    loaded = library()
+    return reference.Gliders(arrays) if loaded is None else NativeGliders(loaded, arrays)
+
+
+def chassis(arrays: ChassisArrays) -> ChassisWork:
+    """What moves robots on wheels: C, or Python without a kernel."""
+    loaded = library()
+    return reference.Chassis(arrays) if loaded is None else NativeChassis(loaded, arrays)

@@ -1,0 +1,100 @@
+"""Driven robots by C functions."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import c_double, c_int64, c_void_p
+from typing import TYPE_CHECKING
+
+from morse.kernel.memory import addresses
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays
+
+_GLIDERS = "slots forward aside rate shifts dofs speeds margins extents plain sliding trees asleep"
+_CHASSIS = "first geoms motors radii levers slots dofs axles frictions turnings driven"
+
+
+def _pointers(names: str) -> list[tuple[str, type]]:
+    return [(name, c_void_p) for name in names.split()]
+
+
+class _GlidersStructure(ctypes.Structure):
+    """``Gliders`` of ``c/glide.c``."""
+
+    _fields_ = (
+        ("count", c_int64),
+        *_pointers(f"{_GLIDERS} rotations"),
+        ("period", c_double),
+        *_pointers("velocities done cosines sines others"),
+    )
+
+
+class _ChassisStructure(ctypes.Structure):
+    """``Chassis`` of ``c/traction.c``."""
+
+    _fields_ = (
+        ("count", c_int64),
+        *_pointers(_CHASSIS),
+        ("pairs", c_int64),
+        *_pointers("touching touched controls rotations"),
+        *((name, c_double) for name in ("period", "gravity", "creep")),
+        *_pointers("velocities dimensions"),
+    )
+
+
+class NativeGliders:
+    """See `morse.kernel.driving.arrays.GliderWork`."""
+
+    def __init__(self, library: ctypes.CDLL, arrays: GliderArrays) -> None:
+        self._arrays = arrays
+        self._known: Floats | None = None
+        names = [*_GLIDERS.split(), "velocities", "done", "cosines", "sines", "others"]
+        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        self._structure = _GlidersStructure(count=len(arrays.slots), period=arrays.period, **found)
+        self._all = ctypes.byref(self._structure)
+        self._begin, self._end = library.morse_glide_begin, library.morse_glide_end
+        self._begin.restype, self._end.restype = c_int64, None
+
+    def begin(self, rotations: Floats) -> int:
+        """Write the velocities of a tick."""
+        if rotations is not self._known:
+            self._known = rotations
+            (self._structure.rotations,) = addresses(rotations)
+        count: int = self._begin(self._all)
+        return count
+
+    def end(self) -> None:
+        """The tick is over."""
+        self._end(self._all)
+
+
+class NativeChassis:
+    """See `morse.kernel.driving.arrays.ChassisWork`."""
+
+    def __init__(self, library: ctypes.CDLL, arrays: ChassisArrays) -> None:
+        self._arrays = arrays
+        self._known: Floats | None = None
+        names = [*_CHASSIS.split(), "touched", "controls", "velocities", "dimensions"]
+        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        self._touching: NDArray[np.int32] | None = None
+        self._structure = _ChassisStructure(count=len(arrays.slots), period=arrays.period, creep=arrays.creep, **found)
+        self._all = ctypes.byref(self._structure)
+        self._pull = library.morse_traction
+        self._pull.restype = None
+
+    def pull(self, rotations: Floats, pairs: int, gravity: float) -> None:
+        """Bring the velocities of the robots closer to those of their treads."""
+        structure = self._structure
+        if rotations is not self._known:
+            self._known = rotations
+            (structure.rotations,) = addresses(rotations)
+        if self._arrays.touching is not self._touching:
+            self._touching = self._arrays.touching
+            (structure.touching,) = addresses(self._touching)
+        structure.pairs = pairs
+        structure.gravity = gravity
+        self._pull(self._all)

@@ -1,0 +1,65 @@
+"""Finds the library that suits the processor, and loads it."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+from functools import cache
+
+from morse.kernel import targets
+
+logger = logging.getLogger(__name__)
+
+#: the version of the structures and signatures that Python knows; see ``c/processor.c``
+INTERFACE = 4
+VARIABLE = "MORSE_KERNEL"
+
+
+@cache
+def library() -> ctypes.CDLL | None:
+    """The kernel; None if numpy does its work.
+
+    The environment variable ``MORSE_KERNEL`` chooses: ``off`` for numpy, ``v2`` or ``v3`` for the build of a level of
+    the instruction set, nothing for the highest that the processor has.
+    """
+    wanted = os.environ.get(VARIABLE, "").strip().lower()
+    if wanted == "off":
+        return None
+    target = targets.host()
+    if target is None:
+        logger.warning("There is no native kernel for this platform: rays are cast by numpy, which is slow")
+        return None
+    known = {f"v{level}": level for level in target.levels if level}
+    if wanted not in known and wanted not in ("", "on"):
+        logger.warning("%s=%r is none of %s: it is ignored", VARIABLE, wanted, ", ".join(["off", "on", *known]))
+    try:
+        return load(target, known[wanted]) if wanted in known else _best(target)
+    except OSError as error:
+        logger.warning("The native kernel is not used (%s): rays are cast by numpy, which is slow", error)
+        return None
+
+
+def load(target: targets.Target, level: int) -> ctypes.CDLL:
+    """Load the build of one level.
+
+    Raises:
+        OSError: it is not there, or is of another version of MORSE.
+    """
+    path = targets.FOLDER / target.file_name(level)
+    if not path.is_file():
+        raise FileNotFoundError(f"{path.name} was not built; python -m morse.kernel.build does it")
+    loaded = ctypes.CDLL(str(path))
+    found = loaded.morse_interface()
+    if found != INTERFACE:
+        raise OSError(f"{path.name} is of another version of MORSE; python -m morse.kernel.build makes it anew")
+    return loaded
+
+
+def _best(target: targets.Target) -> ctypes.CDLL:
+    lowest = load(target, target.levels[0])
+    level = lowest.morse_processor_level()
+    if level < target.levels[0]:
+        raise OSError(f"the processor lacks instructions of {target.processor(target.levels[0])}")
+    fitting = max(known for known in target.levels if known <= level)
+    return lowest if fitting == target.levels[0] else load(target, fitting)

@@ -1,0 +1,27 @@
+"""Rays at solids, as arrays: the C functions and their twin in numpy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.kernel.loading import library
+from morse.kernel.rays import primitives
+from morse.kernel.rays.arrays import Fan, Hits, Poses, SolidArrays, TriangleMesh
+
+if TYPE_CHECKING:
+    from morse.kernel.rays.native import NativeRays
+    from morse.kernel.rays.reference import ReferenceRays
+
+__all__ = ["Fan", "Hits", "Poses", "SolidArrays", "TriangleMesh", "primitives", "ray_caster"]
+
+
+def ray_caster(solids: SolidArrays) -> NativeRays | ReferenceRays:
+    """What casts rays at solids: C, or numpy where the kernel is missing or switched off; both give the same bits."""
+    loaded = library()
+    if loaded is None:
+        from morse.kernel.rays.reference import ReferenceRays
+
+        return ReferenceRays(solids)
+    from morse.kernel.rays.native import NativeRays
+
+    return NativeRays(loaded, solids)

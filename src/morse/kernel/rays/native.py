@@ -1,0 +1,174 @@
+"""Rays cast by the C functions."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from morse.kernel import threads
+from morse.kernel.memory import address, addresses, aligned, pointer
+from morse.kernel.rays.arrays import Hits
+from morse.kernel.rays.structures import (
+    BLOCK,
+    NODE,
+    GatheringStructure,
+    MeshStructure,
+    PlacingStructure,
+    RaysStructure,
+    SolidsStructure,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.kernel.rays.arrays import Fan, Poses, SolidArrays, TriangleMesh
+
+#: rays that pay for waking another thread
+_RAYS_A_THREAD = 2500
+
+
+class _Memory:
+    """What it takes to build a tree.
+
+    Args:
+        count: number of boxes.
+        most: boxes in a leaf.
+    """
+
+    def __init__(self, count: int, most: int) -> None:
+        self.boxes = np.empty((count, 6), dtype=np.float32)
+        self.scratch = np.empty(count, dtype=np.int32)
+        self.nodes = aligned(max(count - 1, 1), NODE)
+        self.leaves = np.empty((count, most), dtype=np.int32)
+
+
+class _Gathering:
+    """Some solids in a tree that is built anew when they have moved."""
+
+    def __init__(self, members: NDArray[np.integer]) -> None:
+        self._members = np.ascontiguousarray(members, dtype=np.int32)
+        self._memory = memory = _Memory(len(members), 1)
+        rows = (self._members, memory.boxes, memory.scratch, memory.nodes, memory.leaves)
+        self.structure = GatheringStructure(len(members), *addresses(*rows))
+
+
+class _MeshTree:
+    """The triangles of a mesh, four at a time, in a tree."""
+
+    def __init__(self, library: ctypes.CDLL, mesh: TriangleMesh) -> None:
+        corners = mesh.corners()
+        memory, leaf_count = _Memory(len(corners), 4), ctypes.c_int32()
+        low, high = corners.min(axis=1, initial=np.inf), corners.max(axis=1, initial=-np.inf)
+        memory.boxes[:] = np.concatenate([_below(low), -_below(-high)], axis=1)
+        nodes = library.morse_tree_build(
+            ctypes.c_int32(len(corners)),
+            pointer(memory.boxes),
+            ctypes.c_int32(4),
+            pointer(memory.scratch),
+            pointer(memory.nodes),
+            pointer(memory.leaves),
+            ctypes.byref(leaf_count),
+        )
+        leaves = leaf_count.value
+        self._nodes, self._blocks = aligned(nodes, NODE), aligned(leaves, BLOCK)
+        self._nodes[:] = memory.nodes[:nodes]
+        order = memory.leaves[:leaves]
+        self._blocks["faces"] = order
+        chosen = corners[order] if leaves else np.empty((0, 4, 3, 3))
+        chosen[order < 0] = 0.0
+        self._blocks["corners"] = chosen.transpose(0, 2, 3, 1)
+        self.structure = MeshStructure(address(self._nodes) if nodes else None, address(self._blocks))
+
+
+def _below(numbers: NDArray[np.float64]) -> NDArray[np.float32]:
+    """In single precision, but not more."""
+    limited = np.clip(numbers - 1e-6 * np.abs(numbers) - 1e-9, -3e38, 3e38)
+    return limited.astype(np.float32)
+
+
+class NativeRays:
+    """Casts rays at solids; see `morse.kernel.rays.reference.ReferenceRays`, its twin."""
+
+    def __init__(self, library: ctypes.CDLL, solids: SolidArrays) -> None:
+        self._library = library
+        self._keep = solids
+        count = len(solids)
+        self.positions, self.rotations = np.zeros((count, 3)), np.zeros((count, 3, 3))
+        self._gatherings: dict[bool, _Gathering] = {}
+        self._fans: WeakKeyDictionary[Fan, RaysStructure] = WeakKeyDictionary()
+        self._known: Poses | None = None
+        self._pose_addresses: list[int | None] = []
+        self._placing = PlacingStructure(
+            None,
+            None,
+            None,
+            *addresses(solids.slots, solids.places, solids.turns, solids.centres, solids.halves, solids.kinds),
+            *addresses(self.positions, self.rotations),
+        )
+        meshes = [None if mesh is None else _tree_of(library, mesh) for mesh in solids.meshes]
+        self._meshes = (ctypes.c_void_p * count)(
+            *[None if mesh is None else ctypes.addressof(mesh.structure) for mesh in meshes]
+        )
+        self._mesh_trees = meshes
+        self._solids = SolidsStructure(
+            *addresses(solids.kinds, self.positions, self.rotations, solids.sizes),
+            ctypes.addressof(self._meshes),
+        )
+
+    def gather(self, members: NDArray[np.integer], moving: bool) -> None:
+        """Say which solids stand still, or which ones move; `place` them before rays are cast."""
+        self._gatherings[moving] = _Gathering(members)
+
+    def place(self, poses: Poses, moving: bool) -> None:
+        """Put the solids that stand still, or those that move, where their groups are."""
+        placing, some = self._placing, self._gatherings[moving].structure
+        placing.slot_positions, placing.slot_rotations, placing.anchor = self._addresses_of(poses)
+        nodes = self._library.morse_rays_place(ctypes.byref(placing), ctypes.byref(some))
+        if moving:
+            self._solids.moving, self._solids.moving_leaves = some.nodes if nodes else None, some.leaves
+        else:
+            self._solids.still, self._solids.still_leaves = some.nodes if nodes else None, some.leaves
+
+    def cast(self, fan: Fan, poses: Poses, groups: NDArray[np.int64]) -> Hits:
+        """What the rays meet first; solids of the group (S,) of a sensor's owner are passed through."""
+        hits = Hits.empty(fan.shape)
+        rays = self._rays_of(fan)
+        rays.slot_positions, rays.slot_rotations, rays.anchor = self._addresses_of(poses)
+        rays.groups = address(groups)
+        rays.distances, rays.solids, rays.faces = addresses(*hits)
+        whole = fan.shape[0] * fan.shape[1]
+
+        def cast_some(first: int, last: int) -> None:
+            self._library.morse_rays_cast(
+                ctypes.byref(self._solids), ctypes.byref(rays), ctypes.c_int64(first), ctypes.c_int64(last)
+            )
+
+        threads.share_out(cast_some, whole, _RAYS_A_THREAD)
+        return hits
+
+    def _addresses_of(self, poses: Poses) -> list[int | None]:
+        """Asked for once for all that happens at one moment: an address takes as long as the rays of a small fan."""
+        if self._known is not poses:
+            self._known, self._pose_addresses = poses, addresses(*poses)
+        return self._pose_addresses
+
+    def _rays_of(self, fan: Fan) -> RaysStructure:
+        """What does not change from one cast of a fan to the next."""
+        rays = self._fans.get(fan)
+        if rays is None:
+            rays = self._fans[fan] = RaysStructure(rays=fan.shape[1], upright=fan.upright, limit=fan.limit)
+            rays.slots, rays.offsets, rays.turns = addresses(fan.slots, fan.offsets, fan.turns)
+            rays.directions, rays.origins, rays.owners = addresses(fan.directions, fan.origins, fan.owners)
+        return rays
+
+
+_trees: WeakKeyDictionary[TriangleMesh, _MeshTree] = WeakKeyDictionary()
+
+
+def _tree_of(library: ctypes.CDLL, mesh: TriangleMesh) -> _MeshTree:
+    if mesh not in _trees:
+        _trees[mesh] = _MeshTree(library, mesh)
+    return _trees[mesh]

@@ -1,0 +1,146 @@
+"""Closed formulas for where a ray enters and leaves a primitive.
+
+The reference for ``c/primitives.h``: each operation is the same there, in the same order, so that
+both give the same bits.
+
+All functions take rays in the frame of the primitive, whose axis is Z: ``origins`` (3, N) metres,
+``directions`` (3, N) unit vectors, and ``sizes`` (3, N) as collision shapes have them (half sizes;
+radius and half length), one column a ray. They return two arrays (N,) of distances along the rays, negative behind the
+origin; a ray that misses enters at infinity and leaves at minus infinity.
+
+The primitives are convex: the part of a line within one is an interval, that within an
+intersection of two is the intersection of the intervals, and so is a union that is convex.
+Divisions by zero are meant to be silent (`numpy.errstate`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Interval = tuple[Floats, Floats]
+
+#: how arrays number the kinds of shapes
+BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH = range(6)
+#: stands for a direction without any component along an axis: finite quotients, no NaN
+_PARALLEL = 1e-200
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    # term by term: einsum adds up in another order if there is one ray only
+    result: Floats = one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+    return result
+
+
+def _slab(origins: Floats, directions: Floats, halves: Floats) -> Interval:
+    """Between the two planes at plus and minus ``halves``, one axis or several."""
+    inverses = 1.0 / np.where(np.abs(directions) < _PARALLEL, _PARALLEL, directions)
+    middle, half = -origins * inverses, np.abs(halves * inverses)
+    return middle - half, middle + half
+
+
+def _ball(middle: Floats, rest: Floats, scale: Floats | float = 1.0) -> Interval:
+    """Around ``middle``, as far as the root of ``rest``, over ``scale``; nowhere if ``rest`` is negative."""
+    root = np.sqrt(rest)  # NaN for a miss
+    misses = ~(rest >= 0.0)
+    enter, leave = (middle - root) / scale, (middle + root) / scale
+    enter[misses], leave[misses] = np.inf, -np.inf
+    return enter, leave
+
+
+def _both(one: Interval, other: Interval) -> Interval:
+    """The intersection of two intervals."""
+    enter, leave = np.maximum(one[0], other[0]), np.minimum(one[1], other[1])
+    misses = ~(enter <= leave)
+    enter[misses], leave[misses] = np.inf, -np.inf
+    return enter, leave
+
+
+def box(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
+    """A box about the origin."""
+    near, far = _slab(origins, directions, sizes)
+    return _both((near[0], far[0]), _both((near[1], far[1]), (near[2], far[2])))
+
+
+def sphere(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
+    """A sphere about the origin."""
+    middle = -_dot(origins, directions)
+    # the foot of the perpendicular, not o^2 - r^2: far away that difference loses its digits
+    foot = origins + directions * middle
+    return _ball(middle, sizes[0] ** 2 - _dot(foot, foot))
+
+
+def ellipsoid(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
+    """An ellipsoid about the origin: a sphere once space is squeezed."""
+    directions = directions / sizes
+    length = np.sqrt(_dot(directions, directions))
+    enter, leave = sphere(origins / sizes, directions / length, np.ones_like(sizes))
+    return enter / length, leave / length
+
+
+def cylinder(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
+    """A cylinder about the Z axis with flat ends."""
+    return _both(_tube(origins, directions, sizes[0]), _slab(origins[2], directions[2], sizes[1]))
+
+
+def capsule(origins: Floats, directions: Floats, sizes: Floats) -> Interval:
+    """A cylinder about the Z axis with a half sphere at each end."""
+    enter, leave = cylinder(origins, directions, sizes)
+    for sign in (1.0, -1.0):
+        shifted = origins.copy()
+        shifted[2] -= sign * sizes[1]
+        near, far = sphere(shifted, directions, sizes)
+        enter, leave = np.minimum(enter, near), np.maximum(leave, far)
+    return enter, leave
+
+
+def _tube(origins: Floats, directions: Floats, radius: Floats) -> Interval:
+    """An endless cylinder about the Z axis."""
+    (x, y), (u, v) = origins[:2], directions[:2]
+    scale = u * u + v * v
+    # r^2 (u^2 + v^2) - (x v - y u)^2: the distance from the axis, seen along the ray, keeps its digits
+    enter, leave = _ball(-(x * u + y * v), radius**2 * scale - (x * v - y * u) ** 2, scale)
+    along = np.flatnonzero(scale < 1e-20)
+    if len(along):
+        inside = x[along] ** 2 + y[along] ** 2 <= radius[along] ** 2
+        enter[along] = np.where(inside, -np.inf, np.inf)
+        leave[along] = np.where(inside, np.inf, -np.inf)
+    return enter, leave
+
+
+#: by the number of the kind
+INTERVALS: tuple[Callable[[Floats, Floats, Floats], Interval], ...] = (box, sphere, cylinder, capsule, ellipsoid)
+
+
+def first_surface(kind: int, origins: Floats, directions: Floats, sizes: Floats) -> Floats:
+    """Distance (N,) to the first surface of a primitive ahead, from outside or inside; infinite without one."""
+    enter, leave = INTERVALS[kind](origins, directions, sizes)
+    distance = np.where(enter >= 0.0, enter, leave)
+    distance[distance < 0.0] = np.inf
+    # no -0.0: which zero a minimum gives is not said anywhere
+    return np.asarray(distance + 0.0)
+
+
+def normal(kind: int, point: Floats, size: Floats) -> Floats:
+    """Outward unit normal (3,) of a primitive at a point (3,) of its surface."""
+    if kind == BOX:
+        axis = int(np.argmax(np.abs(point) / size))
+        result = np.zeros(3)
+        result[axis] = np.copysign(1.0, point[axis])
+        return result
+    if kind == ELLIPSOID:
+        result = point / size**2
+    elif kind == CYLINDER:
+        on_end = abs(point[2]) / size[1] > np.hypot(point[0], point[1]) / size[0]
+        result = np.array([0.0, 0.0, point[2]]) if on_end else np.array([point[0], point[1], 0.0])
+    else:
+        half = size[1] if kind == CAPSULE else 0.0
+        result = point - np.array([0.0, 0.0, np.clip(point[2], -half, half)])
+    return np.asarray(result / np.linalg.norm(result), dtype=np.float64)

@@ -1,0 +1,54 @@
+"""Shares work out among threads while C functions run without the GIL."""
+
+from __future__ import annotations
+
+import itertools
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: more would only wait for the memory
+_MOST = 8
+VARIABLE = "MORSE_THREADS"
+
+
+@cache
+def count() -> int:
+    """How many threads work: one for each processor, at most eight, or as many as ``MORSE_THREADS`` says."""
+    given = os.environ.get(VARIABLE, "")
+    if given.isdecimal() and int(given) > 0:
+        return int(given)
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(usable, _MOST)
+
+
+@cache
+def _pool(workers: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(workers, thread_name_prefix="morse-kernel")
+
+
+def share_out(work: Callable[[int, int], None], size: int, least: int) -> None:
+    """Call ``work(first, last)`` for parts of ``range(size)``, in threads if each gets at least so much."""
+    parts = min(count(), size // least)
+    if parts <= 1:
+        work(0, size)
+        return
+    cuts = [size * part // parts for part in range(parts + 1)]
+    pool = _pool(count() - 1)
+    waiting = [pool.submit(work, first, last) for first, last in itertools.pairwise(cuts[1:])]
+    work(cuts[0], cuts[1])
+    for future in waiting:
+        future.result()
+
+
+def together(work: Callable[[], object], pieces: int) -> None:
+    """Call ``work`` in so many threads at once, at most as many as there are pieces; it takes them one by one."""
+    workers = min(count(), pieces)
+    waiting = [_pool(count() - 1).submit(work) for _ in range(workers - 1)]
+    work()
+    for future in waiting:
+        future.result()

@@ -1,0 +1,92 @@
+"""Compiling the kernel."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from morse.kernel import build, targets
+
+ROOT = Path(__file__).parents[2]
+HOST = targets.host()
+
+
+@pytest.fixture
+def needs_compiler():
+    if importlib.util.find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed")
+
+
+def test_every_platform_has_libraries_of_its_own():
+    names = [target.file_name(level) for target in targets.ALL for level in target.levels]
+    assert len(set(names)) == len(names)
+    assert {"linux-gnu-x86_64", "linux-musl-x86_64", "linux-gnu-aarch64", "macos-aarch64", "windows-x86_64"} <= {
+        str(target) for target in targets.ALL
+    }
+
+
+# the C library of Windows takes the compiler minutes
+@pytest.mark.parametrize(
+    "name", ["macos-aarch64", "linux-musl-aarch64", pytest.param("windows-x86_64", marks=pytest.mark.soak)]
+)
+def test_it_compiles_for_other_platforms(needs_compiler, tmp_path, name):
+    (target,) = [target for target in targets.ALL if str(target) == name]
+    starts = {"windows": b"MZ", "macos": b"\xcf\xfa\xed\xfe", "linux-musl": b"\x7fELF"}
+    for library in build.build(target, tmp_path):
+        assert library.read_bytes().startswith(starts[target.system])
+
+
+@pytest.mark.skipif(HOST is None, reason="no kernel for this platform")
+def test_it_is_compiled_again_only_when_the_sources_change(needs_compiler, tmp_path, monkeypatch):
+    calls = []
+    monkeypatch.setattr(build, "_compile", lambda target, level, folder: calls.append(_touch(folder, target, level)))
+    for _ in range(2):
+        build.build(HOST, tmp_path)
+    assert len(calls) == len(HOST.levels)
+    (tmp_path / HOST.file_name(HOST.levels[0])).unlink()
+    build.build(HOST, tmp_path)
+    assert len(calls) == 2 * len(HOST.levels)
+
+
+def _touch(folder, target, level):
+    (folder / target.file_name(level)).write_bytes(b"")
+    return level
+
+
+@pytest.mark.skipif(HOST is None, reason="no kernel for this platform")
+def test_a_mistake_in_c_is_shown(needs_compiler, tmp_path, monkeypatch):
+    (tmp_path / "wrong.c").write_text("int wrong(void) { return nothing; }\n")
+    monkeypatch.setattr(build, "SOURCES", tmp_path)
+    with pytest.raises(RuntimeError, match="nothing"):
+        build.build(HOST, tmp_path / "lib")
+
+
+@pytest.mark.skipif(HOST is None, reason="no kernel for this platform")
+def test_a_wheel_is_for_one_platform_and_any_python(monkeypatch):
+    pytest.importorskip("hatchling")
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    hook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hook)
+    built = []
+    monkeypatch.setattr(build, "build", built.append)
+    data = {}
+    hook.build_kernel(ROOT, SimpleNamespace(display_warning=print), data)
+    assert built == [HOST]
+    assert not data["pure_python"]
+    assert data["tag"].startswith("py3-none-")
+    assert not data["tag"].endswith("-any")
+
+
+def test_a_platform_without_a_kernel_gets_a_warning_and_a_wheel(monkeypatch):
+    pytest.importorskip("hatchling")
+    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
+    hook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hook)
+    monkeypatch.setattr(targets, "host", lambda: None)
+    said, data = [], {}
+    hook.build_kernel(ROOT, SimpleNamespace(display_warning=said.append), data)
+    assert "no native kernel" in said[0]
+    assert data == {}

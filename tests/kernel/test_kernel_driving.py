@@ -1,0 +1,114 @@
+"""Driven robots: the C functions equal their twins in Python, to the bit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from morse.kernel.driving import reference
+from morse.kernel.driving.arrays import ChassisArrays, GliderArrays
+from morse.kernel.driving.native import NativeChassis, NativeGliders
+
+
+def rotations(chance, count):
+    q = chance.normal(size=(count, 4))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
+    rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z)]
+    rows += [1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x)]
+    return np.ascontiguousarray(np.stack([*rows, 1 - 2 * (x * x + y * y)], axis=1))
+
+
+def gliders(seed, strange=False):
+    chance = np.random.default_rng(seed)
+    n, k = int(chance.integers(0, 9)), 12
+    commands = chance.uniform(-2, 2, size=(3, n)) * (chance.random((3, n)) < 0.7)
+    if strange and n:
+        commands[:, 0] = chance.choice([math.nan, math.inf, 1e308, -1e5], 3)
+    return GliderArrays(
+        slots=chance.permutation(k)[:n].astype(np.int64),
+        forward=commands[0].copy(), aside=commands[1].copy(), rate=commands[2].copy(),
+        shifts=chance.integers(0, 2, n).astype(np.uint8),
+        dofs=6 * np.arange(k), speeds=np.where(chance.random(k) < 0.2, -1.0, chance.uniform(0, 4, k)),
+        margins=chance.uniform(0, 0.5, k), extents=chance.uniform(0, 1, k),
+        plain=(chance.random(k) < 0.9).astype(np.uint8), sliding=chance.integers(0, 2, k).astype(np.uint8),
+        trees=chance.integers(-1, 6, k).astype(np.int32), asleep=chance.integers(-2, 3, 6).astype(np.int32),
+        velocities=chance.normal(size=6 * k), period=1 / 60, done=np.zeros(n, dtype=np.uint8),
+        cosines=np.zeros(n), sines=np.zeros(n), others=np.zeros(n, dtype=np.int64),
+    ), rotations(chance, k)  # fmt: skip
+
+
+@pytest.mark.parametrize("strange", [False, True])
+def test_gliders_are_driven_alike(build, strange):
+    for seed in range(200):
+        (mine, turned), (theirs, _) = gliders(seed, strange), gliders(seed, strange)
+        native, twin = NativeGliders(build, mine), reference.Gliders(theirs)
+        left = native.begin(turned)
+        assert left == twin.begin(turned)
+        assert mine.others[:left].tolist() == theirs.others[:left].tolist()
+        assert mine.velocities.tobytes() == theirs.velocities.tobytes()
+        native.end()
+        twin.end()
+        assert mine.velocities.tobytes() == theirs.velocities.tobytes()
+
+
+def test_a_glider_ends_where_the_arc_ends(build):
+    arrays, _ = gliders(0)
+    one = np.zeros(1)
+    for work in (lambda a: NativeGliders(build, a), reference.Gliders):
+        arrays.slots, arrays.forward, arrays.aside = np.zeros(1, dtype=np.int64), one + 0.5, one.copy()
+        arrays.rate, arrays.shifts = one + 3.0, np.zeros(1, dtype=np.uint8)
+        arrays.done, arrays.cosines, arrays.sines = np.zeros(1, dtype=np.uint8), one.copy(), one.copy()
+        arrays.others = np.zeros(1, dtype=np.int64)
+        arrays.speeds[0], arrays.margins[0], arrays.plain[0] = 9.0, 9.0, 1
+        driven = work(arrays)
+        assert driven.begin(np.tile(np.eye(3).ravel(), (12, 1))) == 0
+        # radius v / w: an arc of w T from the origin
+        turned, radius = 3.0 / 60, 0.5 / 3.0
+        moved = arrays.velocities[:2] / 60
+        assert moved == pytest.approx([radius * math.sin(turned), radius * (1 - math.cos(turned))], rel=1e-13)
+        driven.end()
+        assert arrays.velocities[:2] == pytest.approx([0.5 * math.cos(turned), 0.5 * math.sin(turned)], rel=1e-3)
+
+
+def chassis(seed, strange=False):
+    chance = np.random.default_rng(seed)
+    n, k, g = int(chance.integers(1, 6)), 8, 40
+    wheels = chance.integers(1, 5, n)
+    w = int(wheels.sum())
+    speeds = chance.normal(size=w) * (chance.random() < 0.8)
+    if strange:
+        speeds[0] = chance.choice([math.nan, math.inf, -1e300])
+    return ChassisArrays(
+        first=np.concatenate([[0], np.cumsum(wheels)]).astype(np.int64), geoms=chance.permutation(g)[:w],
+        motors=np.arange(w), radii=chance.uniform(0.05, 0.3, w), levers=chance.normal(size=w),
+        slots=chance.permutation(k)[:n], dofs=6 * np.arange(n), axles=chance.normal(size=n),
+        frictions=chance.uniform(0.1, 1, n), turnings=chance.uniform(1, 9, n),
+        driven=(chance.random(n) < 0.2).astype(np.uint8),
+        touching=chance.integers(-1, g, (16, 2)).astype(np.int32), touched=np.ones(g, dtype=np.uint8),
+        controls=speeds, velocities=chance.normal(size=6 * n) * chance.choice([1.0, 1e-3]),
+        dimensions=np.full(g, 4, dtype=np.int32), period=1 / 60, creep=0.02,
+    ), rotations(chance, k)  # fmt: skip
+
+
+@pytest.mark.parametrize("strange", [False, True])
+def test_robots_on_wheels_are_moved_alike(build, strange):
+    for seed in range(200):
+        (mine, turned), (theirs, _) = chassis(seed, strange), chassis(seed, strange)
+        for pairs in (0, seed % 17):
+            with np.errstate(all="ignore"):
+                NativeChassis(build, mine).pull(turned, pairs, 9.81)
+                reference.Chassis(theirs).pull(turned, pairs, 9.81)
+            same = np.array_equal(mine.velocities, theirs.velocities, equal_nan=True)
+            assert same
+            assert mine.dimensions.tobytes() == theirs.dimensions.tobytes()
+
+
+@given(st.floats(-1e5, 1e5))
+def test_sine_and_cosine(angle):
+    cosine, sine = reference.turn_by(angle)
+    assert cosine == pytest.approx(math.cos(angle), abs=3e-16)
+    assert sine == pytest.approx(math.sin(angle), abs=3e-16)
