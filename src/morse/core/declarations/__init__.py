@@ -1,0 +1,52 @@
+"""What a component class says of itself, once: the rest is derived from it.
+
+The functions are called in the body of a component class and write into its namespace::
+
+    class Thermostat(Sensor):
+        _name = "Thermostat"
+        _short_desc = "Measures the temperature of a room"
+
+        add_data("temperature", 0.0, "float", "Temperature of the air", unit="°C", low=-273.15)
+        add_property("_offset", 0.0, "Offset", "float", "Added to every reading", unit="K")
+        add_level("raw", None, doc="the reading of the probe", default=True)
+        add_kind("temperature", temperature="temperature")
+
+Builder classes, documentation, default streams, the messages of every middleware, the checks of what clients send and
+the panels of the live view come from these. A declaration that cannot be is refused when the class is made.
+"""
+
+from morse.core.builder_defaults import BuilderDefaults, RobotDefaults, Visual
+from morse.core.declarations.fields import DataField, KindUse, Level, Option, Property
+from morse.core.declarations.functions import add_data, add_kind, add_level, add_property
+from morse.core.declarations.merged import data_fields, kinds, levels, properties, says_nothing
+from morse.core.declarations.refused import FRAMES
+from morse.core.declarations.sources import Euler, Mapped, Prop, Scaled, euler, mapped, prop, scaled
+
+__all__ = [
+    "FRAMES",
+    "BuilderDefaults",
+    "DataField",
+    "Euler",
+    "KindUse",
+    "Level",
+    "Mapped",
+    "Option",
+    "Prop",
+    "Property",
+    "RobotDefaults",
+    "Scaled",
+    "Visual",
+    "add_data",
+    "add_kind",
+    "add_level",
+    "add_property",
+    "data_fields",
+    "euler",
+    "kinds",
+    "levels",
+    "mapped",
+    "prop",
+    "properties",
+    "says_nothing",
+    "scaled",
+]

@@ -1,0 +1,132 @@
+"""Declarations as data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+#: a shape: the length of each axis, None for any
+Shape = tuple["int | None", ...]
+
+
+class DataField(NamedTuple):
+    """A field of ``local_data``: what a sensor publishes or an actuator reads.
+
+    Attributes:
+        default: the value before the first measurement or command.
+        type: a word for people: ``float``, ``vec3``.
+        level: the levels that have the field, or ``all``.
+        unit: see `morse.core.units`; empty for none.
+        frame: see `FRAMES`; empty if the field is not given in a frame.
+        shape: of a list or array; None if it is a single value, or of any shape.
+        dtype: of the numpy array that the field holds; empty if it holds none.
+        low: smallest number, of each item.
+        high: largest number.
+        angle: kept in (-pi, pi]; noise wraps around.
+        quaternion: w, x, y, z, kept of unit length.
+        allow: values outside low..high that can occur: ``inf``, ``-inf``, ``nan``, ``none``.
+        follows: the fields that `Sensor.report` works it out from; it has no noise of its own.
+    """
+
+    default: Any
+    type: str = ""
+    doc: str = ""
+    level: str | tuple[str, ...] = "all"
+    unit: str = ""
+    frame: str = ""
+    shape: Shape | None = None
+    dtype: str = ""
+    low: float | None = None
+    high: float | None = None
+    angle: bool = False
+    quaternion: bool = False
+    allow: tuple[str, ...] = ()
+    follows: tuple[str, ...] = ()
+
+    def on_level(self, level: str | None) -> bool:
+        """Whether a component at that level has the field."""
+        return self.level == "all" or level is None or level == self.level or level in _words(self.level)
+
+
+def _words(level: str | tuple[str, ...]) -> tuple[str, ...]:
+    return (level,) if isinstance(level, str) else level
+
+
+class Property(NamedTuple):
+    """A parameter that scripts set with ``properties(Name=...)`` and clients with ``set_property``.
+
+    Attributes:
+        default: the value where a script sets none.
+        name: as scripts and clients write it.
+        type: a word for people; ``int`` takes no fractions.
+        low, high: the range of numbers, or None.
+        choices: the only values; empty for any.
+        unit: see `morse.core.units`.
+        allow: ``inf``, ``-inf``, ``nan``, ``none``.
+    """
+
+    default: Any
+    name: str
+    type: str = ""
+    doc: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Any, ...] = ()
+    unit: str = ""
+    allow: tuple[str, ...] = ()
+
+
+class Option(NamedTuple):
+    """An option of a modifier, a stream or a middleware, as scripts give it by keyword.
+
+    Attributes:
+        type: ``float``, ``int``, ``bool``, ``str``, ``list``, ``dict``, or several in a tuple; ``object`` for anything.
+        default: the value where the script gives none.
+        shape: of a list of numbers.
+    """
+
+    type: type | tuple[type, ...] = object
+    default: Any = None
+    doc: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Any, ...] = ()
+    unit: str = ""
+    allow: tuple[str, ...] = ()
+    shape: Shape | None = None
+
+
+class Level(NamedTuple):
+    """An abstraction level; ``classpath`` names the class that implements it, if another one does."""
+
+    classpath: str | None
+    doc: str
+    default: bool
+
+
+class KindUse(NamedTuple):
+    """That a component speaks a message kind, and where its slots come from.
+
+    Attributes:
+        kind: see `morse.core.kinds`.
+        slots: slot to field, fields, property, constant or function (see `add_kind`).
+        level: the levels that speak it, or ``all``.
+        when: tells of a component whether it does; None for always.
+        topic: sub-topic of the component's own topic; empty for that itself.
+        on_request: spoken only if the script asks for it.
+        where: file and line of the declaration.
+    """
+
+    kind: str
+    slots: Mapping[str, Any]
+    level: str | tuple[str, ...] = "all"
+    when: Callable[[Any], bool] | None = None
+    topic: str = ""
+    on_request: bool = False
+    where: str = ""
+
+    def on_level(self, level: str | None) -> bool:
+        """Whether a component at that level speaks it."""
+        return self.level == "all" or level is None or level in _words(self.level)

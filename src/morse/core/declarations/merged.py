@@ -1,0 +1,45 @@
+"""The declarations of a class together with those of its bases."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.core.declarations.fields import DataField, KindUse, Level, Property
+
+
+def _merged(cls: type, attribute: str) -> dict[str, Any]:
+    merged: dict[str, Any] = {}
+    for base in reversed(cls.__mro__):
+        merged.update(vars(base).get(attribute, {}))
+    return merged
+
+
+def data_fields(cls: type) -> dict[str, DataField]:
+    """The data fields of a class and its bases, in the order of declaration, bases first."""
+    return _merged(cls, "_data_fields")
+
+
+def properties(cls: type) -> dict[str, Property]:
+    """The properties of a class and its bases: python name to declaration."""
+    return _merged(cls, "_properties")
+
+
+def levels(cls: type) -> dict[str, Level]:
+    """The abstraction levels of a class and its bases."""
+    return _merged(cls, "_levels")
+
+
+def kinds(cls: type) -> tuple[KindUse, ...]:
+    """The message kinds that a class declares; those of its bases if it declares none."""
+    for base in cls.__mro__:
+        own = vars(base).get("_kinds")
+        if own is not None:
+            return tuple(own)
+    return ()
+
+
+def says_nothing(cls: type) -> bool:
+    """Whether a class declares that it speaks no message kind (``add_kind(None)``): no middleware carries it."""
+    declared = (vars(base).get("_kinds") for base in cls.__mro__)
+    return next((not own for own in declared if own is not None), False)

@@ -1,0 +1,282 @@
+"""Which messages a component speaks, and how they are made of its fields."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import data_fields, kinds, properties
+from morse.core.exceptions import MorseDeclarationError
+from morse.core.hints import nearest
+from morse.core.kinds.covariance import covariances
+from morse.core.kinds.installed import kind_named
+from morse.core.kinds.kind import ORIENTATION
+from morse.core.kinds.message import Message
+from morse.core.kinds.replaced import uses_after_modifiers
+from morse.core.kinds.sources import as_slot, source_of
+from morse.core.kinds.table import GENERAL
+from morse.core.kinds.turning import TURNABLE, turned
+from morse.core.quoting import shown
+from morse.core.validation.errors import CommandError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from morse.core.declarations import DataField, KindUse
+    from morse.core.kinds.kind import Kind, Slot
+    from morse.core.kinds.sources import Source
+
+
+#: what a modifier can change in the declaration of a field
+_CHANGEABLE = ("unit", "frame", "low", "high", "shape", "dtype", "angle", "allow")
+
+
+class KindError(MorseDeclarationError):
+    """Message kinds of a component do not fit its fields.
+
+    Attributes:
+        findings: all that is wrong, one sentence each.
+    """
+
+    def __init__(self, findings: list[str]) -> None:
+        super().__init__("; ".join(findings))
+        self.findings = findings
+
+
+class BoundKind:
+    """A message kind of one component.
+
+    Attributes:
+        component: the component.
+        kind: the kind.
+        topic: sub-topic of the component's own topic; empty for that itself.
+        frame: of the first slot of its messages.
+        on_request: it is spoken only if the script asks for it.
+        rest: the fields that are in no slot.
+    """
+
+    def __init__(self, component: Any, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]) -> None:
+        self.component = component
+        kind = kind_named(use.kind)
+        assert kind is not None, "the class was checked when it was made"
+        self.kind: Kind = kind
+        self.topic, self.on_request = use.topic, use.on_request
+        self._sources: list[tuple[Slot, Source]] = []
+        findings = []
+        declared = data_fields(type(component))
+        for name, given in use.slots.items():
+            slot = self.kind.slots[name]
+            if slot.optional and _names(given) - fields.keys() and _names(given) <= declared.keys():
+                continue  # another level has the field
+            try:
+                source = source_of(slot, given, fields, units)
+            except MorseDeclarationError as error:
+                findings.append(f"{component.name()}: slot '{name}' of kind '{use.kind}': {error}")
+                continue
+            if source is not None:
+                self._sources.append((slot, source))
+        if findings:
+            raise KindError(findings)
+        used = {name for _, source in self._sources for name in source.fields}
+        self.rest = tuple(name for name in fields if name not in used and name != "timestamp")
+        self._turns = self._find_turns()
+        self.frame = next((s.frame or slot.frame for slot, s in self._sources if slot.frame), "own")
+        self._covariances = covariances(component, self.kind, self._sources, fields)
+
+    def _find_turns(self) -> dict[str, tuple[str, str]]:
+        """Slots whose fields are in another frame than the first slot with the same frame in the kind."""
+        leading: dict[str, str] = {}
+        turns = {}
+        for slot, source in self._sources:
+            frame = source.frame or slot.frame
+            wanted = leading.setdefault(slot.frame, frame)
+            if not slot.moves or frame == wanted:
+                continue
+            if frame not in TURNABLE or wanted not in TURNABLE:
+                raise KindError(
+                    [
+                        f"{self.component.name()}: slot '{slot.name}' of kind '{self.kind.name}' is in the frame "
+                        f"'{frame}', and cannot be brought into '{wanted}', that of its first slot"
+                    ]
+                )
+            turns[slot.name] = (frame, wanted)
+        return turns
+
+    def has(self, slot: str) -> bool:
+        """Whether the component has fields, or declared noise, for a slot."""
+        return slot in self._covariances or any(known.name == slot for known, _ in self._sources)
+
+    def gather(self) -> Message:
+        """The message as the fields are now."""
+        component = self.component
+        if self.kind.name == GENERAL:
+            return Message(self.kind, stamp_of(component), "own", dict(component.local_data))
+        slots: dict[str, Any] = {}
+        for slot, source in self._sources:
+            value = source.get(component)
+            if value is None:
+                continue
+            if slot.name in self._turns:
+                value = turned(value, slot.moves, *self._turns[slot.name], component)
+            slots[slot.name] = as_slot(slot, value)
+        slots.update(self._covariances)
+        return Message(self.kind, stamp_of(component), self.frame, slots)
+
+    def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
+        """The fields that a command sets, for `morse.core.validation.Commands`; those it has not stay as they are.
+
+        Args:
+            slots: by name; None, a quaternion of zeros and slots that are not there set nothing.
+            frame: in which the first slot is given; empty for that of the fields.
+
+        Returns:
+            Field to value, and what to tell the sender of what has no effect, or None.
+
+        Raises:
+            CommandError: no such slot, or a value does not fit.
+        """
+        if self.kind.name == GENERAL:
+            return dict(slots), None
+        fields: dict[str, Any] = {}
+        remarks = []
+        known = {slot.name: (slot, source) for slot, source in self._sources}
+        for name, value in slots.items():
+            if value is None:
+                continue
+            if name not in known:
+                if name in self.kind.slots:
+                    remarks.append(f"slot '{name}' has no effect")
+                    continue
+                raise CommandError(
+                    shown(name), f"kind '{self.kind.name}' has no slot {shown(name)}{nearest(name, self.kind.slots)}"
+                )
+            slot, source = known[name]
+            try:
+                remark = source.put(self._given(slot, source, value, frame), fields)
+            except (TypeError, ValueError, AttributeError) as error:
+                said = str(error) if isinstance(error, ValueError) and str(error) else f"the shape {slot.shape}"
+                raise CommandError(name, f"slot '{name}' is {shown(value)}, expected {said}") from None
+            if remark is not None:
+                remarks.append(f"{remark} in slot '{name}'")
+        return fields, "; ".join(remarks) or None
+
+    def _given(self, slot: Slot, source: Source, value: Any, frame: str) -> Any:
+        if slot.shape and slot.dtype not in ("str", "object"):
+            value = _checked_array(slot, value)
+        if slot.name in self._turns:
+            # the sender gives all slots in the frame of the first
+            given, wanted = self._turns[slot.name][1], self._turns[slot.name][0]
+        else:
+            given = wanted = source.frame or slot.frame
+        leading = next((s.frame for s, _ in self._sources if s.frame), "")
+        if frame and slot.frame == leading:
+            given = frame
+        if not slot.moves or given == wanted:
+            return value
+        if given not in TURNABLE or wanted not in TURNABLE:
+            raise ValueError(f"the frame '{wanted}', which '{given}' cannot be turned into")
+        if slot.moves == ORIENTATION and not any(value):
+            return value
+        return turned(value, slot.moves, given, wanted, self.component)
+
+
+def _checked_array(slot: Slot, value: Any) -> Any:
+    import numpy as np
+
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"numbers of the shape {slot.shape}")
+    for shape in (slot.shape, *slot.shapes):
+        if array.ndim == len(shape) and all(
+            wanted is None or wanted == size for wanted, size in zip(shape, array.shape, strict=True)
+        ):
+            return array
+    raise ValueError(f"the shape {slot.shape}")
+
+
+def _names(given: Any) -> set[str]:
+    return {given} if isinstance(given, str) else set()
+
+
+def stamp_of(component: Any) -> int:
+    """Simulated time of the data of a component, whole ns: of the measurement, even if it is delivered later."""
+    return int(component.clock.stamp(component.local_data.get("timestamp")))
+
+
+def fields_of(component: Any) -> dict[str, DataField]:
+    """The declarations of the fields that a component has, as its properties and modifiers leave them."""
+    fields = {name: f for name, f in data_fields(type(component)).items() if name in component.local_data}
+    modifiers = [*component.output_modifiers, *component.input_modifiers]
+    for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
+        for name, change in changes.items():
+            if name in fields:
+                known = {key: value for key, value in change.items() if key in _CHANGEABLE}
+                fields[name] = fields[name]._replace(**known)
+    return fields
+
+
+def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
+    """The messages that a component speaks or understands; ``general`` if it declares none, none if it has no data.
+
+    Args:
+        component: made, at its level, with its modifiers.
+        on_request: those, too, that are spoken only if the script asks for them.
+
+    Raises:
+        KindError: with all that does not fit.
+    """
+    fields = fields_of(component)
+    units = {name: declared.unit for name, declared in properties(type(component)).items()}
+    bound, findings = [], []
+    for use in uses_after_modifiers(_uses(component, on_request), fields):
+        try:
+            bound.append(BoundKind(component, use, fields, units))
+        except KindError as error:
+            findings += error.findings
+    bound += _of_members(component, on_request)
+    topics = [one.topic for one in bound]
+    for topic in dict.fromkeys(topic for topic in topics if topics.count(topic) > 1):
+        names = ", ".join(f"'{one.kind.name}'" for one in bound if one.topic == topic)
+        findings.append(f"{component.name()}: the kinds {names} have one topic; say topic=... in add_kind")
+    if findings:
+        raise KindError(findings)
+    if bound or not fields:
+        return tuple(bound)
+    from morse.core.declarations import KindUse
+
+    return (BoundKind(component, KindUse(GENERAL, {}), fields, units),)
+
+
+def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:
+    """The messages of the components that a component speaks for, each below the name of its own."""
+    for name, member in component.kind_members.items():
+        for one in bind(member, on_request=on_request):
+            one.topic = f"{name}/{one.topic}".rstrip("/")
+            yield one
+
+
+def _uses(component: Any, on_request: bool) -> Iterable[KindUse]:
+    for use in kinds(type(component)):
+        wanted = use.on_level(component.level) and (on_request or not use.on_request)
+        if wanted and (use.when is None or use.when(component)):
+            yield use
+
+
+def findings_of(components: Iterable[Any]) -> list[tuple[Any, str]]:
+    """All that is wrong with the kinds of some components: component and sentence.
+
+    Of components that are alike only the first is looked at.
+    """
+    findings = []
+    seen = set()
+    for component in components:
+        modifiers = tuple(type(m) for m in [*component.output_modifiers, *component.input_modifiers])
+        by_properties = any(use.when is not None for use in kinds(type(component)))
+        alike = type(component), component.level, modifiers, component if by_properties else None
+        if alike in seen:
+            continue
+        seen.add(alike)
+        try:
+            bind(component, on_request=True)
+        except KindError as error:
+            findings += [(component, finding) for finding in error.findings]
+    return findings

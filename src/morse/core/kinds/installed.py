@@ -1,0 +1,62 @@
+"""Message kinds that installed packages bring.
+
+A package names an object, or a list, of kinds by an entry point::
+
+    [project.entry-points."morse.kinds"]
+    my_lab = "my_lab.kinds:SONAR"
+"""
+
+from __future__ import annotations
+
+import logging
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from morse.core.kinds.kind import Kind, Slot
+from morse.core.kinds.table import KINDS
+from morse.core.plugins import entry_points
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+logger = logging.getLogger(__name__)
+
+
+def kind_named(name: Any) -> Kind | None:
+    """The kind of that name, of MORSE or of an installed package; None if there is none."""
+    return KINDS.get(name) or kinds_of_packages().get(name)
+
+
+def kinds_of_packages() -> dict[str, Kind]:
+    """The kinds of all installed packages by name."""
+    found: dict[str, Kind] = {}
+    for point in entry_points("morse.kinds"):
+        for kind in _loaded(point):
+            if kind.name in KINDS or kind.name in found:
+                logger.warning("the message kind '%s' of %s exists already, and is left out", kind.name, point.value)
+            else:
+                found[kind.name] = kind
+    return found
+
+
+@lru_cache(maxsize=64)
+def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
+    try:
+        given = point.load()
+    except Exception as error:  # a package that is broken must not stop the others
+        logger.warning("the message kinds of %s cannot be loaded: %s: %s", point.value, type(error).__name__, error)
+        return ()
+    kinds = (given,) if isinstance(given, Kind) else tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    good = tuple(kind for kind in kinds if _is_kind(kind))
+    if len(good) < len(kinds):
+        logger.warning("%s brings something that is no message kind (morse.core.kinds.Kind)", point.value)
+    return good
+
+
+def _is_kind(kind: Any) -> bool:
+    return (
+        isinstance(kind, Kind)
+        and isinstance(kind.name, str)
+        and isinstance(kind.slots, dict)
+        and all(isinstance(slot, Slot) and slot.name == name for name, slot in kind.slots.items())
+    )

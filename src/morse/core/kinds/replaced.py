@@ -1,0 +1,40 @@
+"""Kinds that modifiers turn into others: a pose in degrees of longitude is a fix."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from morse.core.declarations import DataField, KindUse
+
+
+def uses_after_modifiers(uses: Iterable[KindUse], fields: Mapping[str, DataField]) -> Iterator[KindUse]:
+    """The kinds as the modifiers leave them.
+
+    A pose whose position is longitude, latitude and altitude becomes a ``fix``, with an ``attitude`` on the sub-topic
+    ``attitude`` if it has an orientation. One in geocentric coordinates has no kind of its own.
+    """
+    for use in uses:
+        frame = _frame_of_position(use, fields) if use.kind == "pose" else ""
+        if frame == "wgs84":
+            yield from _as_fix(use)
+        elif frame != "geocentric":
+            yield use
+
+
+def _frame_of_position(use: KindUse, fields: Mapping[str, DataField]) -> str:
+    position = use.slots["position"]
+    first = position[0] if isinstance(position, (tuple, list)) else None
+    field = fields.get(str(first))
+    return "" if field is None else field.frame
+
+
+def _as_fix(use: KindUse) -> Iterator[KindUse]:
+    longitude, latitude, altitude = use.slots["position"]
+    slots = {"latitude": latitude, "longitude": longitude, "altitude": altitude}
+    yield use._replace(kind="fix", slots=slots)
+    if "orientation" in use.slots:
+        slots = {"orientation": use.slots["orientation"]}
+        yield use._replace(kind="attitude", slots=slots, topic=f"{use.topic}/attitude".strip("/"))

@@ -1,0 +1,325 @@
+"""Where the value of a slot comes from, and where a command for it goes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations.sources import Euler, Mapped, Prop, Scaled
+from morse.core.exceptions import MorseDeclarationError
+from morse.core.hints import closest, nearest
+from morse.core.kinds.turning import angles_of, normalized, quaternion_of
+from morse.core.quoting import shown
+from morse.core.units import UnitError, conversion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from morse.core.declarations import DataField
+    from morse.core.kinds.kind import Slot
+
+_SCALAR: dict[str, Callable[[Any], Any]] = {"bool": bool, "str": str, "int32": int}
+
+
+class Source:
+    """The source of one slot.
+
+    Attributes:
+        fields: the names of its fields along the axes of the slot; None for an axis without one.
+        frame: the frame of these fields, or an empty string if they do not say.
+    """
+
+    fields: tuple[str | None, ...] = ()
+    frame = ""
+
+    def get(self, component: Any) -> Any:
+        """The value, in the unit of the slot."""
+        raise NotImplementedError
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """Turn a value of the slot into values of fields.
+
+        Returns:
+            What to tell the sender if something of it has no effect.
+
+        Raises:
+            ValueError: saying what is expected.
+        """
+        return None
+
+
+class Constant(Source):
+    """The same value always."""
+
+    def __init__(self, value: Any) -> None:
+        self._value = value
+
+    def get(self, component: Any) -> Any:
+        """The constant."""
+        return self._value
+
+
+class FromProperty(Source):
+    """A property, which may change."""
+
+    def __init__(self, source: Prop, factor: float, offset: float) -> None:
+        self._name, self._factor, self._offset = source.name, factor * source.scale, offset
+
+    def get(self, component: Any) -> Any:
+        """The property, in the unit of the slot."""
+        value = getattr(component, self._name)
+        return value if isinstance(value, (str, bool)) else value * self._factor + self._offset
+
+
+class FromFunction(Source):
+    """A function of the component; its frame is that of the field with the name of the slot, if there is one."""
+
+    def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
+        self._function, self.frame = function, frame
+
+    def get(self, component: Any) -> Any:
+        """What the function returns."""
+        return self._function(component)
+
+
+class FromField(Source):
+    """A field as it is, but for its unit."""
+
+    def __init__(self, name: str, field: DataField, factor: float, offset: float) -> None:
+        self.fields, self.frame = (name,), field.frame
+        self._name, self._factor, self._offset = name, factor, offset
+        self._plain = factor == 1.0 and offset == 0.0
+
+    def get(self, component: Any) -> Any:
+        """The field, in the unit of the slot."""
+        value = component.local_data[self._name]
+        if self._plain:
+            return value
+        return (
+            _array(value) * self._factor + self._offset
+            if hasattr(value, "__len__")
+            else (value * self._factor + self._offset)
+        )
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """The value in the unit of the field."""
+        if not self._plain:
+            value = ((_array(value) if hasattr(value, "__len__") else value) - self._offset) / self._factor
+        fields[self._name] = value
+        return None
+
+
+class Stack(Source):
+    """Several numbers beside each other."""
+
+    def __init__(self, names: tuple[str | None, ...], frame: str, scales: tuple[tuple[float, float], ...]) -> None:
+        self.fields, self.frame = names, frame
+        self._parts = tuple(zip(names, scales, strict=True))
+
+    def get(self, component: Any) -> Any:
+        """The numbers, 0 where there is no field."""
+        data = component.local_data
+        return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """Each number into its field; those without one have no effect."""
+        lost = []
+        for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
+            if name is not None:
+                fields[name] = (float(number) - offset) / factor
+            elif number:
+                lost.append(index)
+        return f"item {', '.join(map(str, lost))} has no effect" if lost else None
+
+
+class FromEuler(Source):
+    """A quaternion from Euler angles."""
+
+    def __init__(self, names: tuple[str | None, ...], frame: str, factor: float) -> None:
+        self.fields, self.frame = names, frame
+        self._factor = factor
+
+    def get(self, component: Any) -> Any:
+        """The quaternion w, x, y, z."""
+        data, names, factor = component.local_data, self.fields, self._factor
+        angles = data[names[0]] if len(names) == 1 else [0.0 if name is None else data[name] for name in names]
+        roll, pitch, yaw = (angle * factor for angle in angles)
+        return quaternion_of(roll, pitch, yaw)
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """The angles; none if the quaternion is zero."""
+        unit = normalized(value)
+        if unit is None:
+            return None
+        angles = [angle / self._factor for angle in angles_of(unit)]
+        if len(self.fields) == 1 and self.fields[0] is not None:
+            fields[self.fields[0]] = angles
+            return None
+        fields.update((name, angle) for name, angle in zip(self.fields, angles, strict=True) if name is not None)
+        return None
+
+
+class FromWord(Source):
+    """A word in the words of the kind."""
+
+    def __init__(self, source: Mapped) -> None:
+        self.fields = (source.field,)
+        self._name = source.field
+        self._words = dict(source.words)
+        self._own = {word: own for own, word in source.words.items()}
+
+    def get(self, component: Any) -> Any:
+        """The word of the kind."""
+        word = component.local_data[self._name]
+        return self._words.get(word, word)
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """The word of the component."""
+        fields[self._name] = self._own.get(value, value)
+        return None
+
+
+def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
+    """The source of a slot as it is declared; None if it is optional and the component has not its fields.
+
+    Args:
+        given: what `add_kind` was given for the slot.
+        fields: those of the component at its level, with all its modifiers.
+        units: units of its properties, by name in Python.
+
+    Raises:
+        MorseDeclarationError: saying what does not fit.
+    """
+    if isinstance(given, Euler):
+        return _euler(given.fields, fields)
+    if isinstance(given, Prop):
+        if given.name not in units:
+            raise MorseDeclarationError(f"there is no property {shown(given.name)}{nearest(given.name, units)}")
+        factor, offset = _converted(f"property '{given.name}'", units[given.name], slot)
+        return FromProperty(given, factor, offset)
+    if isinstance(given, Scaled):
+        field = _field(given.field, fields)
+        _check_shape(slot, given.field, field)
+        return FromField(given.field, field, given.factor, 0.0)
+    if isinstance(given, Mapped):
+        _field(given.field, fields)
+        unknown = [word for word in given.words.values() if slot.choices and word not in slot.choices]
+        if unknown:
+            raise MorseDeclarationError(f"{shown(unknown[0])} is no word of it{nearest(unknown[0], slot.choices)}")
+        return FromWord(given)
+    if callable(given):
+        return FromFunction(given, fields[slot.name].frame if slot.name in fields else "")
+    if isinstance(given, str):
+        return (
+            _word(slot, given, fields) if slot.dtype == "str" and given not in fields else _single(slot, given, fields)
+        )
+    if isinstance(given, (tuple, list)) and slot.dtype != "str" and any(isinstance(n, str) for n in given):
+        return _stack(slot, tuple(given), fields)
+    return Constant(given)
+
+
+def _field(name: Any, fields: Mapping[str, DataField]) -> DataField:
+    found = fields.get(name)
+    if found is None:
+        raise MorseDeclarationError(f"there is no field {shown(name)}{nearest(name, fields)}")
+    return found
+
+
+def _word(slot: Slot, given: str, fields: Mapping[str, DataField]) -> Source:
+    if slot.choices and given not in slot.choices:
+        known = [*slot.choices, *fields]
+        raise MorseDeclarationError(f"{shown(given)} is neither a field nor a word of it{nearest(given, known)}")
+    if not slot.choices and (near := closest(given, fields)) is not None:
+        raise MorseDeclarationError(f"there is no field {shown(given)}; did you mean '{near}'?")
+    return Constant(given)
+
+
+def _single(slot: Slot, name: str, fields: Mapping[str, DataField]) -> Source:
+    field = _field(name, fields)
+    _check_shape(slot, name, field)
+    factor, offset = _converted(f"field '{name}'", field.unit, slot)
+    return FromField(name, field, factor, offset)
+
+
+def _check_shape(slot: Slot, name: str, field: DataField) -> None:
+    from morse.core.declarations.refused import shape_of
+
+    if slot.dtype in ("str", "object", "bool"):
+        return
+    shape = field.shape if field.shape is not None else shape_of(field.default)
+    if shape is None or (0 in shape and field.shape is None):  # it says in words what it will be, or is empty yet
+        return
+    for wanted in (slot.shape, *slot.shapes):
+        if len(wanted) == len(shape) and all(
+            a is None or b is None or a == b for a, b in zip(wanted, shape, strict=True)
+        ):
+            return
+    raise MorseDeclarationError(f"it takes the shape {slot.shape}, field '{name}' has {shape}")
+
+
+def _stack(slot: Slot, names: tuple[Any, ...], fields: Mapping[str, DataField]) -> Source:
+    found = [None if name is None else _field(name, fields) for name in names]
+    if len(slot.shape) != 1 or (slot.shape[0] is not None and slot.shape[0] != len(names)):
+        raise MorseDeclarationError(f"it takes the shape {slot.shape}, {len(names)} fields are given")
+    scales = tuple(
+        (1.0, 0.0) if field is None else _converted(f"field '{name}'", field.unit, slot)
+        for name, field in zip(names, found, strict=True)
+    )
+    return Stack(names, _common_frame(names, found), scales)
+
+
+def _euler(names: tuple[str | None, ...], fields: Mapping[str, DataField]) -> Source:
+    found = [None if name is None else _field(name, fields) for name in names]
+    factors = set()
+    for name, field in zip(names, found, strict=True):
+        if field is not None:
+            if not field.unit:
+                raise MorseDeclarationError(f"an angle needs the unit rad or deg, field '{name}' has none")
+            factors.add(conversion(field.unit, "rad")[0])
+    if len(factors) > 1:
+        raise MorseDeclarationError(f"the angles {shown(names)} have different units")
+    return FromEuler(names, _common_frame(names, found), factors.pop() if factors else 1.0)
+
+
+def _common_frame(names: tuple[Any, ...], fields: list[DataField | None]) -> str:
+    frames = {field.frame: name for name, field in zip(names, fields, strict=True) if field is not None}
+    if len(frames) > 1:
+        listed = ", ".join(f"'{name}' in {frame or 'none'}" for frame, name in frames.items())
+        raise MorseDeclarationError(f"its fields are in different frames: {listed}")
+    return next(iter(frames), "")
+
+
+def _converted(what: str, given: str, slot: Slot) -> tuple[float, float]:
+    if not slot.unit or given == slot.unit:
+        return 1.0, 0.0
+    if not given:
+        if slot.unit == "1":
+            return 1.0, 0.0
+        raise MorseDeclarationError(f"it takes {slot.unit}, {what} has no unit")
+    try:
+        return conversion(given, slot.unit)
+    except UnitError as error:
+        known = str(error).partition("; known: ")[2]
+        raise MorseDeclarationError(
+            f"it takes {slot.unit}, {what} has {given}" + (f"; known: {known}" if known else "")
+        ) from None
+
+
+def _array(value: Any) -> Any:
+    import numpy as np
+
+    return np.asarray(value, dtype=np.float64)
+
+
+def as_slot(slot: Slot, value: Any) -> Any:
+    """A value in the form that readers get: a C-contiguous read-only array, or one of Python's own values."""
+    if slot.shape == ():
+        return _SCALAR.get(slot.dtype, float)(value)
+    if slot.dtype in ("str", "object"):
+        return tuple(value)
+    import numpy as np
+
+    given = getattr(value, "dtype", None)
+    dtype = str(given) if given is not None and str(given) in slot.dtypes else slot.dtype
+    array = np.ascontiguousarray(value, dtype=dtype).view()
+    array.flags.writeable = False
+    return array

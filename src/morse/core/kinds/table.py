@@ -1,0 +1,128 @@
+"""The message kinds.
+
+A new optional slot keeps the version of a kind; a changed unit, frame, shape or meaning is a new kind.
+"""
+
+from __future__ import annotations
+
+from morse.core.kinds.kind import ORIENTATION, POINT, VECTOR, Kind, Slot
+
+GENERAL = "general"
+
+
+def _kind(name: str, direction: str, doc: str, *slots: Slot, version: int = 1) -> Kind:
+    return Kind(name, {slot.name: slot for slot in slots}, "s" in direction, "c" in direction, version, doc)
+
+
+def _number(name: str, unit: str = "", doc: str = "", *, optional: bool = False, dtype: str = "float64") -> Slot:
+    return Slot(name, (), dtype, unit, optional=optional, doc=doc)
+
+
+def _maybe(name: str, unit: str = "", doc: str = "") -> Slot:
+    return _number(name, unit, doc, optional=True)
+
+
+def _word(name: str, doc: str, *choices: str, optional: bool = False) -> Slot:
+    return Slot(name, (), "str", choices=choices, optional=optional, doc=doc)
+
+
+def _three(name: str, unit: str, frame: str, doc: str = "", *, moves: str = VECTOR, optional: bool = False) -> Slot:
+    return Slot(name, (3,), "float64", unit, frame, optional, moves, doc=doc)
+
+
+def _quaternion(frame: str, *, optional: bool = True) -> Slot:
+    return Slot("orientation", (4,), "float64", "", frame, optional, ORIENTATION, doc="unit quaternion w, x, y, z")
+
+
+def _covariance(size: int, *of: str, name: str = "covariance") -> Slot:
+    return Slot(name, (size, size), optional=True, covariance_of=of, doc=f"of {' and '.join(of)}, row-major")
+
+
+_POSITION = _three("position", "m", "world", moves=POINT)
+_LINEAR, _ANGULAR = _three("linear", "m/s", "own"), _three("angular", "rad/s", "own")
+
+_ALL = (
+    _kind("pose", "sc", "Where something is, and how it is turned.",
+          _POSITION, _quaternion("world"), _maybe("tolerance", "m"), _maybe("speed", "m/s"),
+          _covariance(6, "position", "orientation")),
+    _kind("twist", "sc", "Linear and angular velocity.", _LINEAR, _ANGULAR, _covariance(6, "linear", "angular")),
+    _kind("accel", "s", "Acceleration of the coordinates, without gravity.",
+          _three("linear", "m/s^2", "own"), _three("angular", "rad/s^2", "own", optional=True)),
+    _kind("attitude", "sc", "How something is turned, and how fast it turns.",
+          _quaternion("world"), _three("rates", "rad/s", "own", optional=True),
+          _maybe("thrust", "", "share of the largest thrust, 0..1")),
+    _kind("odometry", "s", "Pose since the start, and velocity.",
+          _three("position", "m", "start", moves=POINT), _quaternion("start", optional=False), _LINEAR, _ANGULAR,
+          _covariance(6, "position", "orientation", name="pose_covariance"),
+          _covariance(6, "linear", "angular", name="twist_covariance")),
+    _kind("wrench", "sc", "Force and torque.", _three("force", "N", "own"), _three("torque", "N·m", "own")),
+    _kind("imu", "s", "Angular velocity and specific force (+9.81 upward at rest).",
+          _three("angular_velocity", "rad/s", "own"), _three("linear_acceleration", "m/s^2", "own"),
+          _quaternion("world"),
+          _covariance(3, "angular_velocity", name="angular_velocity_covariance"),
+          _covariance(3, "linear_acceleration", name="linear_acceleration_covariance"),
+          _covariance(3, "orientation", name="orientation_covariance")),
+    _kind("magnetic_field", "s", "The magnetic field.", _three("field", "T", "own"), _covariance(3, "field")),
+    _kind("fix", "sc", "A place on the earth.",
+          Slot("latitude", unit="deg", frame="wgs84"), Slot("longitude", unit="deg", frame="wgs84"),
+          Slot("altitude", unit="m", frame="wgs84", doc="over the ellipsoid"),
+          _three("velocity", "m/s", "enu", optional=True),
+          _maybe("course", "deg", "over ground, from north, clockwise; infinite if unknown"),
+          Slot("utc", (), "str", optional=True, doc="ISO 8601"),
+          Slot("covariance", (3, 3), unit="m^2", frame="enu", optional=True)),
+    _kind("pressure", "s", "Pressure of air or water.",
+          _maybe("absolute", "Pa"), _maybe("differential", "Pa"), _maybe("variance", "Pa^2")),
+    _kind("temperature", "s", "A temperature.", _number("temperature", "°C"), _maybe("variance", "K^2")),
+    _kind("battery", "s", "Charge of a battery.",
+          _number("charge", "1", "0..1"), _word("status", "", "unknown", "charging", "discharging", "full"),
+          _maybe("voltage", "V"), _maybe("current", "A", "negative while it discharges"), _maybe("temperature", "°C")),
+    _kind("range", "s", "Distance of the nearest thing in a cone about the X axis.",
+          _number("distance", "m", "+inf: too far, -inf: too near, NaN: invalid", dtype="float32"),
+          _number("min", "m"), _number("max", "m"), _number("fov", "rad", "full angle of the cone"),
+          _word("radiation", "what is sent", "infrared", "ultrasound", "radar"), _maybe("variance", "m^2")),
+    _kind("scan", "s", "Distances in one plane, counter-clockwise about the Z axis.",
+          Slot("ranges", (None,), "float32", "m", doc="+inf: too far, -inf: too near, NaN: invalid"),
+          Slot("intensities", (None,), "float32", optional=True),
+          _number("angle_min", "rad"), _number("angle_increment", "rad"),
+          _number("range_min", "m"), _number("range_max", "m")),
+    _kind("cloud", "s", "Points.",
+          Slot("points", (None, 3), "float32", "m", "own", moves=POINT, shapes=((None, None, 3),)),
+          Slot("intensity", (None,), "float32", optional=True, shapes=((None, None),)),
+          Slot("color", (None, 3), "uint8", optional=True, shapes=((None, None, 3),)),
+          Slot("ring", (None,), "uint16", optional=True, shapes=((None, None),)),
+          Slot("id", (None,), "uint32", optional=True, shapes=((None, None),))),
+    _kind("image", "sc", "A picture, the top row first.",
+          Slot("pixels", (None, None), "uint8", frame="optical", shapes=((None, None, None),),
+               dtypes=("uint16", "float32", "float64")),
+          _word("encoding", "as ROS names it"), _word("unit", "of what the pixels measure", optional=True),
+          _maybe("high", "", "the largest value")),
+    _kind("camera_info", "s", "How a camera projects.",
+          _number("width", "px", dtype="int32"), _number("height", "px", dtype="int32"),
+          Slot("k", (3, 3), unit="px", frame="optical", doc="intrinsic matrix"),
+          Slot("d", (None,), doc="distortion"), _word("model", "of the distortion"),
+          Slot("r", (3, 3), optional=True), Slot("p", (3, 4), unit="px", optional=True)),
+    _kind("detections", "s", "Things that were recognized: a list of records.",
+          Slot("records", (None,), "object", frame="optical",
+               doc="dictionaries with id, label, and perhaps score, position, orientation, size, box")),
+    _kind("contact", "s", "Whether something is touched.",
+          Slot("touching", (), "bool"), Slot("names", (None,), "str", optional=True, doc="what is touched"),
+          Slot("points", (None, 3), unit="m", frame="world", optional=True, moves=POINT),
+          Slot("normals", (None, 3), frame="world", optional=True, moves=VECTOR),
+          Slot("forces", (None, 3), unit="N", frame="world", optional=True, moves=VECTOR)),
+    _kind("joints", "sc", "Positions, speeds and forces of joints.",
+          Slot("names", (None,), "str"),
+          Slot("position", (None,), optional=True, doc="rad or m"),
+          Slot("velocity", (None,), optional=True, doc="rad/s or m/s"),
+          Slot("effort", (None,), optional=True, doc="N·m or N")),
+    _kind("actuators", "sc", "One value for each of several motors.",
+          Slot("values", (None,), doc="in the unit of the field"), Slot("names", (None,), "str", optional=True)),
+    _kind("switch", "sc", "On or off, or one of several states.",
+          Slot("on", (), "bool", optional=True), Slot("choice", (), "str", optional=True)),
+    _kind("clock", "s", "Simulated time.", _number("now", "s")),
+    _kind(GENERAL, "sc", "Every field as it is declared, for what has no kind."),
+)  # fmt: skip
+
+KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
+
+#: kinds of which a message needs at least one of the optional slots
+NEEDS_ONE = ("attitude", "pressure", "joints", "switch")

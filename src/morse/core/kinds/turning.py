@@ -1,0 +1,92 @@
+"""Quaternions (w, x, y, z), Euler angles and the frames of a component."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.kinds.kind import ORIENTATION, POINT
+from morse.mathutils.rotations import (
+    both_eulers,
+    nine,
+    product,
+    quaternion_from_rotation,
+    rotation_from_euler,
+    rotation_from_quaternion,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.mathutils.rotations import Quaternion4, Rotation9
+
+#: frames between which a component can turn what it says, at any time
+TURNABLE = ("own", "frd", "robot", "world", "earth")
+_SHORTEST = 1e-9
+
+
+def quaternion_of(roll: float, pitch: float, yaw: float) -> Quaternion4:
+    """The rotation about X by roll, then about Y by pitch, then about Z by yaw (fixed axes), rad."""
+    return quaternion_from_rotation(rotation_from_euler((roll, pitch, yaw), "XYZ"))
+
+
+def angles_of(quaternion: Sequence[float]) -> tuple[float, float, float]:
+    """Roll, pitch and yaw, rad, of a quaternion of length 1."""
+    w, x, y, z = quaternion
+    return both_eulers(rotation_from_quaternion(w, x, y, z), "XYZ")[0]
+
+
+def normalized(quaternion: Sequence[float]) -> tuple[float, ...] | None:
+    """The quaternion with length 1, or None if its length is 0, which means that none is given.
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+    length = math.hypot(*quaternion)
+    if not math.isfinite(length):
+        raise ValueError("a quaternion of finite numbers")
+    return tuple(number / length for number in quaternion) if length > _SHORTEST else None
+
+
+def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> Any:
+    """A value in another frame of its component.
+
+    Args:
+        value: (3,) or (..., 3) vector or point, or a quaternion.
+        moves: ``vector``, ``point`` or ``orientation``.
+        given, wanted: two of `TURNABLE`.
+        component: its present pose counts.
+    """
+    import numpy as np
+
+    origin, rotation = _between(given, wanted, component)
+    if moves == ORIENTATION:
+        w, x, y, z = value
+        return np.array(quaternion_from_rotation(product(rotation, rotation_from_quaternion(w, x, y, z))))
+    result = np.asarray(value, dtype=np.float64) @ np.reshape(rotation, (3, 3)).T
+    return result + np.array(origin) if moves == POINT else result
+
+
+def _between(given: str, wanted: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
+    """Origin and rotation that lead from one frame into another."""
+    (p, a), (q, b) = _pose(given, component), _pose(wanted, component)
+    inverse = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
+    x, y, z = (one - other for one, other in zip(p, q, strict=True))
+    origin = tuple(inverse[i] * x + inverse[i + 1] * y + inverse[i + 2] * z for i in (0, 3, 6))
+    return origin, product(inverse, a)
+
+
+def _pose(frame: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
+    if frame == "world":
+        return (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    if frame == "earth":
+        from morse.helpers.geodesy import LocalPlane
+
+        return LocalPlane.of(component.context.scene.properties).pose_of_earth()
+    holder = component.robot_parent if frame == "robot" and component.robot_parent is not None else component
+    pose = holder.position_3d
+    rotation = nine(pose.rotation_matrix)
+    if frame == "frd":
+        a, b, c, d, e, f, g, h, i = rotation
+        rotation = (a, -b, -c, d, -e, -f, g, -h, -i)
+    return (pose.x, pose.y, pose.z), rotation

@@ -1,0 +1,41 @@
+"""Checks of what a component class says of its message kinds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseDeclarationError
+from morse.core.hints import nearest
+from morse.core.kinds.installed import kind_named
+from morse.core.kinds.table import KINDS, NEEDS_ONE
+from morse.core.quoting import shown
+
+if TYPE_CHECKING:
+    from morse.core.declarations.fields import KindUse
+
+
+def check_use(use: KindUse) -> None:
+    """Refuse a kind that does not exist, slots that it does not have, and one without its slots.
+
+    Raises:
+        MorseDeclarationError: naming the place and the nearest match.
+    """
+    kind = kind_named(use.kind)
+    if kind is None:
+        raise MorseDeclarationError(
+            f"{use.where}: there is no message kind {shown(use.kind)}{nearest(use.kind, KINDS, limit=30)}"
+        )
+    for name in use.slots:
+        if name not in kind.slots:
+            raise MorseDeclarationError(
+                f"{use.where}: kind '{kind.name}' has no slot '{name}'{nearest(name, kind.slots)}"
+            )
+    missing = [name for name, slot in kind.slots.items() if not slot.optional and name not in use.slots]
+    if missing:
+        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs the slot {_quoted(missing)}")
+    if kind.name in NEEDS_ONE and not use.slots:
+        raise MorseDeclarationError(f"{use.where}: kind '{kind.name}' needs one of the slots {_quoted(kind.slots)}")
+
+
+def _quoted(names: Any) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,0 +1,23 @@
+"""Checks of everything that comes from outside: commands, properties, arguments of services, options of scripts.
+
+All follow from the declarations of the component (`morse.core.declarations`) or from the annotations of the service.
+"""
+
+from morse.core.validation.arguments import Arguments, Range
+from morse.core.validation.commands import Commands
+from morse.core.validation.errors import CommandError, OptionError, PropertyError
+from morse.core.validation.options import checked_options, with_defaults
+from morse.core.validation.properties import checked_property, checked_value
+
+__all__ = [
+    "Arguments",
+    "CommandError",
+    "Commands",
+    "OptionError",
+    "PropertyError",
+    "Range",
+    "checked_options",
+    "checked_property",
+    "checked_value",
+    "with_defaults",
+]

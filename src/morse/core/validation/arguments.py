@@ -1,0 +1,178 @@
+"""Checks of the arguments of a service call against the signature of the service.
+
+An annotation says what an argument may be: ``float``, ``int``, ``str``, ``bool``, ``list``, ``dict``, unions of them
+with None, ``Literal["a", "b"]`` for choices, and ``Annotated[float, Range(0.0, 10.0, "m/s")]`` for a range with its
+unit. Of ``Annotated[list[float], Range(-1.0, 1.0, shape=(3,))]`` the range is that of each item. Anything else takes
+any value.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.exceptions import MorseRPCNbArgsError, MorseRPCTypeError
+from morse.core.quoting import shown
+from morse.core.services import hints_of, signature_of
+from morse.core.validation.spec import Spec
+
+if TYPE_CHECKING:
+    import inspect
+    from collections.abc import Callable
+
+_KINDS: dict[Any, str] = {float: "number", int: "integer", str: "string", bool: "boolean", list: "list", dict: "dict"}
+_NAMES = {
+    "number": "a number", "integer": "an integer", "string": "a string", "boolean": "a boolean", "list": "a list",
+    "dict": "an object",
+}  # fmt: skip
+
+
+class Range(NamedTuple):
+    """The range of an argument of a service: ``Annotated[float, Range(0.0, 10.0, "m/s")]``.
+
+    Attributes:
+        low, high: both are included; None for no bound.
+        unit: see `morse.core.units`.
+        shape: of a list of numbers; None for any.
+        allow: ``inf``, ``-inf``: what is accepted although it lies in no range.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+    shape: tuple[int | None, ...] | None = None
+    allow: tuple[str, ...] = ()
+
+
+class Arguments:
+    """What a service takes, worked out once when it is registered.
+
+    Args:
+        callback: the function that offers the service.
+        service: its name.
+    """
+
+    def __init__(self, callback: Callable[..., Any], service: str) -> None:
+        self._service = service
+        self._signature: inspect.Signature | None = None
+        self._checks: list[tuple[str, Callable[[Any], Any]]] = []
+        self._least, self._most = 0, 0.0
+        try:
+            self._signature = signature_of(callback)
+        except (TypeError, ValueError):
+            return
+        hints = hints_of(callback)
+        rest: Callable[[Any], Any] | None = None
+        for parameter in self._signature.parameters.values():
+            check = check_of(hints.get(parameter.name))
+            if parameter.kind is parameter.VAR_POSITIONAL:
+                self._most = float("inf")
+                rest = check
+            elif parameter.kind in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):
+                self._most += 1
+                self._least += parameter.default is parameter.empty
+                self._checks.append((parameter.name, check))
+            elif parameter.kind is parameter.KEYWORD_ONLY and parameter.default is parameter.empty:
+                self._most = -1.0  # no list of arguments will do
+        self._rest = rest
+
+    def check(self, arguments: list[Any]) -> None:
+        """Raise if a call with these arguments cannot work.
+
+        Raises:
+            MorseRPCNbArgsError: too few or too many.
+            MorseRPCTypeError: one of the wrong type, or outside its range.
+        """
+        if self._signature is None:
+            return
+        count = len(arguments)
+        if not self._least <= count <= self._most:
+            raise MorseRPCNbArgsError(self._wrong_number(count))
+        for index, value in enumerate(arguments):
+            name, check = self._checks[index] if index < len(self._checks) else ("...", self._rest or _anything)
+            try:
+                check(value)
+            except ValueError as error:
+                raise MorseRPCTypeError(f"{self._service}: '{name}' is {error}, not {shown(value)}") from None
+
+    def _wrong_number(self, given: int) -> str:
+        assert self._signature is not None
+        if given == 0:
+            return f"some parameters are expected: {self._service}{self._signature}"
+        names = ", ".join(str(p).partition(":")[0].partition(" =")[0] for p in self._signature.parameters.values())
+        return f"wrong # of parameters for service. {self._service} takes ({names}), got {given}"
+
+
+def argument_ranges(method: Callable[..., Any]) -> dict[str, str]:
+    """The ranges and choices of the arguments of a service that declares them, in words, by name."""
+    found = {}
+    for name, hint in hints_of(method).items():
+        words = []
+        for spec in specs_of(hint):
+            words += [", ".join(map(str, spec.choices))] if spec.choices else [spec.range_text().strip()]
+        if any(words) and name != "return":
+            found[name] = " or ".join(filter(None, words))
+    return found
+
+
+def _anything(value: Any) -> Any:
+    return value
+
+
+def check_of(hint: Any) -> Callable[[Any], Any]:
+    """The check that follows from an annotation."""
+    specs = specs_of(hint)
+    if not specs:
+        return _anything
+    if len(specs) == 1:
+        return specs[0].check()
+    checks = [spec.check() for spec in specs]
+    expected = " or ".join(_NAMES[spec.kind] + spec.range_text() for spec in specs)
+
+    def check(value: Any) -> Any:
+        for one in checks:
+            try:
+                return one(value)
+            except ValueError:
+                continue
+        raise ValueError(expected)
+
+    return check
+
+
+def specs_of(hint: Any) -> list[Spec]:
+    """What an annotation accepts, one of several; none if it accepts anything."""
+    origin = typing.get_origin(hint)
+    if origin is typing.Annotated:
+        inner, *extras = typing.get_args(hint)
+        ranges = [extra for extra in extras if isinstance(extra, Range)]
+        return [_with_range(spec, ranges[0]) if ranges else spec for spec in specs_of(inner)]
+    if origin is typing.Literal:
+        return [Spec("string", choices=typing.get_args(hint))]
+    if origin in (typing.Union, types.UnionType):
+        parts = [part for part in typing.get_args(hint) if part is not types.NoneType]
+        accepted = [specs_of(part) for part in parts]
+        if not all(accepted):
+            return []
+        specs = [spec for part in accepted for spec in part]
+        # an integer is a number, too: the narrower type first
+        specs.sort(key=lambda spec: spec.kind == "number")
+        if types.NoneType in typing.get_args(hint):
+            specs = [spec._replace(allow=spec.allow | {"none"}) for spec in specs]
+        return specs
+    kind = _KINDS.get(origin or hint)
+    if kind is None:
+        return []
+    numeric = kind == "list" and typing.get_args(hint) == (float,)
+    return [Spec(kind, least=1 if numeric else 0, whole=True)]
+
+
+def _with_range(spec: Spec, range_: Range) -> Spec:
+    return spec._replace(
+        low=range_.low,
+        high=range_.high,
+        unit=range_.unit,
+        shape=range_.shape,
+        allow=spec.allow | frozenset(range_.allow),
+    )

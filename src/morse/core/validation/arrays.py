@@ -1,0 +1,119 @@
+"""Checks of lists and arrays of numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.validation.plain import check_plain
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.validation.spec import Spec
+
+
+def shape_text(shape: tuple[int | None, ...]) -> str:
+    """``3 numbers``, ``N x 3 numbers``."""
+    if shape == (1,):
+        return "1 number"
+    return " x ".join("N" if size is None else str(size) for size in shape) + " numbers"
+
+
+def array_check(spec: Spec, shape: tuple[int | None, ...], item: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """A check of lists, or arrays, of exactly that shape.
+
+    Args:
+        item: checks a single number.
+    """
+    dtype = spec.dtype
+    expected = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{spec.range_text()}"
+
+    def check(value: Any) -> Any:
+        if hasattr(value, "dtype"):
+            if not _fits(value, spec, shape):
+                raise ValueError(expected)
+            return _as_array(value, shape, dtype, expected) if dtype else value.tolist()
+        if not isinstance(value, (list, tuple)):
+            value = _listed(value, expected)
+        try:
+            checked = _nested(value, shape, item)
+        except ValueError:
+            raise ValueError(expected) from None
+        return _as_array(checked, shape, dtype, expected) if dtype else checked
+
+    return check
+
+
+def _fits(array: Any, spec: Spec, shape: tuple[int | None, ...]) -> bool:
+    import numpy as np
+
+    if array.dtype.kind not in "iuf" or array.ndim != len(shape):
+        return False
+    if any(wanted is not None and wanted != given for wanted, given in zip(shape, array.shape, strict=True)):
+        return False
+    fine = np.isfinite(array)
+    if spec.low is not None:
+        fine &= array >= spec.low
+    if spec.high is not None:
+        fine &= array <= spec.high
+    for name in spec.allow - {"none"}:
+        fine |= np.isnan(array) if name == "nan" else array == float(name)
+    return bool(fine.all())
+
+
+def _listed(value: Any, expected: str) -> list[Any]:
+    # vectors of mathutils, tuples of users; a string is a sequence, too
+    if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
+        raise ValueError(expected)
+    return list(value)
+
+
+def _nested(value: Any, shape: tuple[int | None, ...], item: Callable[[Any], Any]) -> list[Any]:
+    if not isinstance(value, (list, tuple)):
+        value = _listed(value, "")
+    if shape[0] is not None and len(value) != shape[0]:
+        raise ValueError
+    if len(shape) == 1:
+        return [item(number) for number in value]
+    rows = [_nested(row, shape[1:], item) for row in value]
+    if shape[1] is None and len({len(row) for row in rows}) > 1:
+        raise ValueError
+    return rows
+
+
+def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expected: str) -> Any:
+    import numpy as np
+
+    if len(value) == 0:
+        return np.zeros([size or 0 for size in shape], dtype)
+    wide = np.array(value)
+    try:
+        with np.errstate(over="ignore"):
+            array = np.array(wide, dtype)
+    except OverflowError:
+        raise ValueError(f"{expected} that fit {dtype}") from None
+    if array.dtype.kind in "iu" and not (array == wide).all():
+        raise ValueError(f"{expected} that fit {dtype}")
+    return array
+
+
+def list_check(
+    least: int, item: Callable[[Any], Any], allow: frozenset[str], range_text: str
+) -> Callable[[Any], list[Any]]:
+    """A check of lists whose shape is not declared: of ``least`` numbers or more, or of anything if that is 0."""
+    expected = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
+
+    def check(value: Any) -> list[Any]:
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if not isinstance(value, (list, tuple)) or (least > 1 and len(value) < least):
+            raise ValueError(expected + range_text)
+        if not least:
+            check_plain(value, allow)
+            return value if isinstance(value, list) else list(value)
+        try:
+            return [item(number) for number in value]
+        except ValueError:
+            raise ValueError(expected + range_text) from None
+
+    return check

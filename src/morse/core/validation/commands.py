@@ -1,0 +1,127 @@
+"""Takes messages into the data of a component, after a check."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from morse.core.declarations import data_fields
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.validation.errors import CommandError
+from morse.core.validation.fields import spec_of_field
+from morse.core.validation.plain import check_plain, size_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.validation.component import Checked
+
+#: fields that a component does not declare, but may read
+_MOST_EXTRA = 64
+_LONGEST_NAME = 100
+_MOST_BYTES = 1 << 20
+
+
+class Commands:
+    """What a component can be told, and the way into its ``local_data``.
+
+    A field takes what its declaration says. Where nothing is declared, it takes what is like the value it holds: a
+    number, a boolean, a string, a list (of numbers, at least as many), a dictionary; a field that holds nothing yet,
+    or something else, takes anything.
+
+    Args:
+        component: whose ``local_data`` messages go to.
+    """
+
+    def __init__(self, component: Checked) -> None:
+        self._component = component
+        declared = data_fields(type(component))
+        self._checks: dict[str, Callable[[Any], Any]] = {
+            name: spec_of_field(declared.get(name), value).check() for name, value in component.local_data.items()
+        }
+        self._extra: dict[str, int] = {}
+
+    def fitting(self, message: Any) -> dict[str, Any]:
+        """The fields of a message as they would be stored; fields that the component does not declare are refused.
+
+        Raises:
+            CommandError: the message is no dictionary, a value does not fit, or the component has no such field.
+        """
+        accepted, unknown = self.checked(message)
+        if unknown:
+            self._refuse(unknown)
+        return accepted
+
+    def take(self, message: Any) -> str | None:
+        """Take the fields of a message; the others stay as they are.
+
+        Returns:
+            What to tell the user of fields that the component does not declare, once for each.
+
+        Raises:
+            CommandError: the message is no dictionary, or a value does not fit, or, where the simulation is strict,
+                the component does not declare a field; then nothing has changed.
+        """
+        accepted, unknown = self.checked(message)
+        remark = self._take_unknown(unknown) if unknown else None
+        self._component.local_data.update(accepted)
+        return remark
+
+    def checked(self, message: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The fields of a message as they would be stored, and those that the component does not declare.
+
+        Raises:
+            CommandError: the message is no dictionary, or a value does not fit.
+        """
+        if not isinstance(message, dict):
+            fields = ", ".join(self._checks) or "its fields"
+            raise CommandError("", f"expected a JSON object with some of {fields}, got {shown(message)}")
+        accepted: dict[str, Any] = {}
+        unknown: dict[str, Any] = {}
+        checks = self._checks
+        for name, value in message.items():
+            check = checks.get(name)
+            if check is None:
+                unknown[name] = value
+                continue
+            try:
+                accepted[name] = check(value)
+            except ValueError as error:
+                raise CommandError(name, f"'{name}' is {shown(value)}, expected {error}") from None
+        return accepted, unknown
+
+    def _refuse(self, unknown: dict[str, Any]) -> NoReturn:
+        name = next(iter(unknown))
+        raise CommandError(shown(name), self._remark(name))
+
+    def _take_unknown(self, unknown: dict[str, Any]) -> str | None:
+        if self._component.context.strict:
+            self._refuse(unknown)
+        taken, remarks = {}, []
+        for name, value in unknown.items():
+            size = self._size(name, value)
+            new = name not in self._extra
+            if new and len(self._extra) >= _MOST_EXTRA:
+                continue
+            if sum(self._extra.values()) - self._extra.get(name, 0) + size > _MOST_BYTES:
+                remarks.append(f"the field {shown(name)}, which it does not declare, is too large and left out")
+                continue
+            if new:
+                remarks.append(self._remark(name))
+            self._extra[name] = size
+            taken[name] = value
+        self._component.local_data.update(taken)
+        return "; ".join(remarks) or None
+
+    def _size(self, name: Any, value: Any) -> int:
+        if not isinstance(name, str) or len(name) > _LONGEST_NAME:
+            raise CommandError(shown(name), f"{shown(name)} is no name of a field: a string of up to {_LONGEST_NAME}")
+        try:
+            check_plain(name)
+            check_plain(value)
+        except ValueError as error:
+            raise CommandError(shown(name), f"{shown(name)} is {shown(value)}, expected {error}") from None
+        return len(name) + size_of(value)
+
+    def _remark(self, name: Any) -> str:
+        return f"it declares no field {shown(name)}{nearest(name, self._checks)}"

@@ -1,0 +1,88 @@
+"""The specs that follow from declarations."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.validation.spec import Spec
+
+if TYPE_CHECKING:
+    from morse.core.declarations.fields import DataField, Option, Property
+
+_TYPE_KINDS: dict[Any, str] = {
+    float: "number", int: "integer", bool: "boolean", str: "string", list: "list", tuple: "list", dict: "dict",
+}  # fmt: skip
+_WORDS = {
+    "float": "number", "double": "number", "int": "integer", "integer": "integer", "bool": "boolean",
+    "boolean": "boolean", "string": "string", "str": "string",
+}  # fmt: skip
+
+
+def spec_of_field(field: DataField | None, held: Any) -> Spec:
+    """What a data field takes: as declared; where nothing is declared, what is like the value that it holds.
+
+    Args:
+        field: its declaration, or None if a component made up the field itself.
+        held: what the field holds before the first command. It says more than the default, which may be words such
+            as "initial position".
+    """
+    default = held if held is not None or field is None else field.default
+    if field is None:
+        return _like(default)._replace(allow=_occurring(default))
+    allow = frozenset(field.allow) | _occurring(default)
+    like = _like(default) if field.shape is None else Spec("list", field.shape, dtype=field.dtype)
+    return like._replace(allow=allow, low=field.low, high=field.high, unit=field.unit)
+
+
+def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
+    """What a property takes.
+
+    Args:
+        script: it is set in the scene script, where infinity is accepted if no range is declared.
+    """
+    default = prop.default
+    allow = frozenset(prop.allow) | _occurring(default)
+    bounded = prop.low is not None or prop.high is not None
+    if script and not bounded:
+        allow |= {"inf", "-inf"}
+    if default is None and (bounded or prop.choices):
+        like = Spec(_WORDS.get(prop.type, "number" if bounded else "any"))
+    else:
+        like = _like(default)
+    if like.kind == "number" and _WORDS.get(prop.type) == "integer":
+        like = Spec("integer")
+    return like._replace(low=prop.low, high=prop.high, choices=prop.choices, unit=prop.unit, allow=allow)
+
+
+def spec_of_option(option: Option) -> Spec:
+    """What an option of a script takes: exactly one of its types is checked, several take anything of them."""
+    kind = _TYPE_KINDS.get(option.type, "any") if option.shape is None else "list"
+    allow = frozenset(option.allow) | _occurring(option.default)
+    return Spec(
+        kind, option.shape, low=option.low, high=option.high, choices=option.choices, unit=option.unit, allow=allow
+    )
+
+
+def _like(default: Any) -> Spec:
+    if isinstance(default, bool):
+        return Spec("boolean")
+    if isinstance(default, (int, float)):
+        return Spec("number", whole=isinstance(default, int))
+    if isinstance(default, str):
+        return Spec("string")
+    if isinstance(default, dict):
+        return Spec("dict")
+    if hasattr(default, "__len__") and hasattr(default, "__iter__"):
+        flat = [isinstance(item, (int, float)) and not isinstance(item, bool) for item in default]
+        return Spec("list", least=len(flat) if all(flat) else 0)
+    return Spec("any")
+
+
+def _occurring(default: Any) -> frozenset[str]:
+    """A value that a field starts with is one that it takes."""
+    if default is None:
+        return frozenset({"none"})
+    if isinstance(default, float) and not math.isfinite(default):
+        return frozenset({str(float(default))})
+    return frozenset()

@@ -1,0 +1,49 @@
+"""Checks of the options that a script gives to modifiers, streams and middlewares."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.validation.errors import OptionError
+from morse.core.validation.fields import spec_of_option
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
+
+
+def checked_options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The options that were given, as they are to be stored.
+
+    Args:
+        owner: whose options they are, for messages.
+        declared: by name.
+        given: by name.
+
+    Raises:
+        OptionError: naming the option and what is expected, or the nearest name.
+    """
+    checked = {}
+    for name, value in given.items():
+        option = declared.get(name)
+        if option is None:
+            raise OptionError(f"{owner} has no option {shown(name)}{nearest(name, declared)}")
+        checked[name] = _checked(owner, name, option, value)
+    return checked
+
+
+def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
+    try:
+        if isinstance(option.type, tuple) and not isinstance(value, option.type):
+            raise ValueError(" or ".join(one.__name__ for one in option.type))
+        return spec_of_option(option).check()(value)
+    except ValueError as error:
+        raise OptionError(f"option '{name}' of {owner} is {shown(value)}, expected {error}") from None
+
+
+def with_defaults(declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
+    """All options: those given, and the defaults of the others."""
+    return {name: given.get(name, option.default) for name, option in declared.items()}

@@ -1,0 +1,71 @@
+"""Bounds of data whose form nobody declares: nested lists and dictionaries from outside."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+#: lists within lists
+DEEPEST = 32
+_LOWEST_INTEGER, _HIGHEST_INTEGER = -(2**63), 2**64 - 1
+
+
+def check_text(text: str) -> None:
+    """Refuse strings that cannot be written as UTF-8: lone surrogates.
+
+    Raises:
+        ValueError: saying what is expected.
+    """
+    if not text.isascii():
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            raise ValueError("valid Unicode (no lone surrogates)") from None
+
+
+def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
+    """Refuse what some middleware could not carry, however deep it is inside.
+
+    Objects that are neither text, numbers, lists nor dictionaries come from the process itself and are not looked into.
+
+    Args:
+        allow: may hold ``inf``, ``-inf`` and ``nan``.
+
+    Raises:
+        ValueError: saying what is expected.
+    """
+    waiting: list[tuple[Any, int]] = [(value, 0)]
+    while waiting:
+        item, depth = waiting.pop()
+        if isinstance(item, float):
+            if not math.isfinite(item) and str(float(item)) not in allow:
+                raise ValueError("finite numbers")
+        elif isinstance(item, str):
+            check_text(item)
+        elif isinstance(item, int):
+            if not _LOWEST_INTEGER <= item <= _HIGHEST_INTEGER:
+                raise ValueError("integers of at most 64 bits")
+        elif isinstance(item, (list, tuple, dict)):
+            if depth >= DEEPEST:
+                raise ValueError(f"lists and objects nested at most {DEEPEST} deep")
+            if isinstance(item, dict):
+                waiting.extend((key, depth + 1) for key in item)
+                item = item.values()
+            waiting.extend((inner, depth + 1) for inner in item)
+
+
+def size_of(value: Any) -> int:
+    """About how many bytes such a value takes; strings and list items are counted, objects of other types are not."""
+    size = 0
+    waiting = [value]
+    while waiting:
+        item = waiting.pop()
+        size += 16
+        if isinstance(item, (str, bytes)):
+            size += len(item)
+        elif isinstance(item, dict):
+            waiting.extend(item)
+            waiting.extend(item.values())
+        elif isinstance(item, (list, tuple)):
+            waiting.extend(item)
+    return size

@@ -1,0 +1,44 @@
+"""Checks of the values of properties."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import properties
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.validation.errors import PropertyError
+from morse.core.validation.fields import spec_of_property
+
+if TYPE_CHECKING:
+    from morse.core.declarations import Property
+    from morse.core.validation.component import Checked
+
+
+def checked_value(owner: str, prop: Property, value: Any, *, script: bool = False) -> Any:
+    """The value of a property as it is to be stored.
+
+    Args:
+        owner: whose property it is, for messages.
+        script: it is set in the scene script.
+
+    Raises:
+        PropertyError: naming the property, the value and what is expected.
+    """
+    try:
+        return spec_of_property(prop, script=script).check()(value)
+    except ValueError as error:
+        raise PropertyError(f"property '{prop.name}' of {owner} is {shown(value)}, expected {error}") from None
+
+
+def checked_property(component: Checked, name: Any, value: Any) -> tuple[str, Any]:
+    """The name of a property in Python, and the value as it is to be stored.
+
+    Raises:
+        PropertyError: no such property, or a value that does not fit.
+    """
+    by_name = {prop.name: (python_name, prop) for python_name, prop in properties(type(component)).items()}
+    if not isinstance(name, str) or name not in by_name:
+        raise PropertyError(f"{component.name()} has no property {shown(name)}{nearest(name, sorted(by_name))}")
+    python_name, prop = by_name[name]
+    return python_name, checked_value(component.name(), prop, value)

@@ -1,0 +1,196 @@
+"""What a value from outside may be, and the check that follows from it."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.hints import closest
+from morse.core.validation.arrays import array_check, list_check
+from morse.core.validation.plain import check_plain, check_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: the largest finite number
+LARGEST = sys.float_info.max
+_INTEGER = 2**63
+
+KINDS = ("number", "integer", "boolean", "string", "list", "dict", "any")
+
+
+class Spec(NamedTuple):
+    """What a value may be.
+
+    Attributes:
+        kind: ``number``, ``integer``, ``boolean``, ``string``, ``list``, ``dict`` or ``any``.
+        shape: of a list or array of numbers, None in it for any length; None for no numbers or any shape.
+        least: number of items that a list of numbers has at least, if its shape is not declared.
+        dtype: of numpy; a list becomes such an array, and an empty string leaves it a list.
+        low: smallest number, of each item.
+        high: largest number.
+        choices: the only values.
+        allow: ``inf``, ``-inf``, ``nan``, ``none``: what is accepted although it lies in no range.
+        unit: of the number; for messages.
+        whole: keep integers as integers.
+    """
+
+    kind: str = "any"
+    shape: tuple[int | None, ...] | None = None
+    least: int = 0
+    dtype: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[Any, ...] = ()
+    allow: frozenset[str] = frozenset()
+    unit: str = ""
+    whole: bool = False
+
+    def check(self) -> Callable[[Any], Any]:
+        """A function that returns the value as it is to be stored, or raises ValueError with what is expected."""
+        check = _CHECKS[self.kind](self)
+        if "none" not in self.allow:
+            return check
+        return lambda value: None if value is None else check(value)
+
+    def range_text(self) -> str:
+        """`` from 0 to 10 m``, `` from 0 upward``, or an empty string."""
+        unit = f" {self.unit}" if self.unit else ""
+        if self.low is not None and self.high is not None:
+            return f" from {_brief(self.low)} to {_brief(self.high)}{unit}"
+        if self.low is not None:
+            return f" from {_brief(self.low)}{unit} upward"
+        return "" if self.high is None else f" up to {_brief(self.high)}{unit}"
+
+
+def _brief(bound: float) -> str:
+    return str(bound) if isinstance(bound, int) else f"{bound:g}"
+
+
+def _number(spec: Spec) -> Callable[[Any], Any]:
+    low = -LARGEST if spec.low is None else spec.low
+    high = LARGEST if spec.high is None else spec.high
+    allow = spec.allow
+    whole = spec.whole
+    expected = f"a number{spec.range_text()}"
+
+    def check(value: Any) -> Any:
+        number = value
+        if type(value) is not float:
+            number = real(value)
+            if number is None:
+                raise ValueError(expected)
+            if whole and isinstance(value, int):
+                if not (low <= value <= high and -_INTEGER <= value < _INTEGER):
+                    raise ValueError(expected)
+                return int(value)
+        if low <= number <= high:  # not true of NaN
+            return number
+        if not math.isfinite(number):
+            if str(float(number)) in allow:
+                return number
+            raise ValueError(expected if math.isnan(number) else expected.replace("a number", "a finite number"))
+        raise ValueError(expected)
+
+    return check
+
+
+def _integer(spec: Spec) -> Callable[[Any], Any]:
+    low = -_INTEGER if spec.low is None else spec.low
+    high = _INTEGER - 1 if spec.high is None else spec.high
+    expected = f"an integer{spec.range_text()}"
+
+    def check(value: Any) -> int:
+        number = real(value)
+        # an integer is compared exactly, not as the float next to it
+        if number is None or not math.isfinite(number) or number != math.floor(number) or not low <= int(value) <= high:
+            raise ValueError(expected)
+        return int(value)
+
+    return check
+
+
+def real(value: Any) -> float | None:
+    """A number as a float, infinite if it is too large for one; None if it is no number."""
+    if isinstance(value, float):
+        return float(value)
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int):
+        try:
+            return float(value)
+        except OverflowError:
+            return math.inf if value > 0 else -math.inf
+    # scalars of numpy, and arrays without dimensions
+    if getattr(value, "shape", None) == () and getattr(value.dtype, "kind", "") in "iuf":
+        return float(value)
+    return None
+
+
+def _boolean(spec: Spec) -> Callable[[Any], Any]:
+    def check(value: Any) -> bool:
+        if isinstance(value, bool) or (type(value) is int and value in (0, 1)) or type(value).__name__ == "bool_":
+            return bool(value)
+        raise ValueError("a boolean")
+
+    return check
+
+
+def _string(spec: Spec) -> Callable[[Any], Any]:
+    choices = spec.choices
+
+    def check(value: Any) -> str:
+        if not isinstance(value, str):
+            raise ValueError("a string" if not choices else _one_of(choices, value))
+        check_text(value)
+        if choices and value not in choices:
+            raise ValueError(_one_of(choices, value))
+        return value
+
+    return check
+
+
+def _one_of(choices: tuple[Any, ...], value: Any) -> str:
+    near = closest(value, choices)
+    return f"one of {', '.join(map(repr, choices))}" + (f"; did you mean {near!r}?" if near else "")
+
+
+def _dictionary(spec: Spec) -> Callable[[Any], Any]:
+    def check(value: Any) -> Any:
+        if not isinstance(value, dict):
+            raise ValueError("an object such as {...}")
+        check_plain(value, spec.allow)
+        return value
+
+    return check
+
+
+def _any(spec: Spec) -> Callable[[Any], Any]:
+    choices = spec.choices
+
+    def check(value: Any) -> Any:
+        check_plain(value, spec.allow)
+        if choices and value not in choices:
+            raise ValueError(_one_of(choices, value))
+        return value
+
+    return check
+
+
+def _list(spec: Spec) -> Callable[[Any], Any]:
+    item = _number(spec._replace(shape=None, allow=spec.allow - {"none"}))
+    if spec.shape is not None:
+        return array_check(spec, spec.shape, item)
+    return list_check(spec.least, item, spec.allow, spec.range_text())
+
+
+_CHECKS: dict[str, Callable[[Spec], Callable[[Any], Any]]] = {
+    "number": _number,
+    "integer": _integer,
+    "boolean": _boolean,
+    "string": _string,
+    "list": _list,
+    "dict": _dictionary,
+    "any": _any,
+}
