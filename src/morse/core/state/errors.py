@@ -1,0 +1,7 @@
+"""What can be wrong with a saved state."""
+
+from morse.core.exceptions import MorseError
+
+
+class StateError(MorseError):
+    """A saved state is damaged, or belongs to another scene."""

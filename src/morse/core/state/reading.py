@@ -1,0 +1,340 @@
+"""From plain data back to objects, into those that are there where they fit."""
+
+from __future__ import annotations
+
+import inspect
+import random
+from collections import Counter, OrderedDict, defaultdict, deque
+from enum import Enum
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.local_data import LocalData
+from morse.core.state import arrays
+from morse.core.state.attributes import reorder
+from morse.core.state.errors import StateError
+from morse.core.state.simple import PUT_TOGETHER
+from morse.core.state.writing import (
+    AS_IS,
+    DEEPEST,
+    FACTORIES,
+    ITEMS,
+    attributes_of,
+    class_path,
+    is_apparatus,
+    is_made_of_attributes,
+)
+from morse.helpers.transformation import Transformation3d
+from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.state.references import References
+
+_MISSING: Any = object()
+_PLAIN = frozenset((type(None), bool, int, float, str, bytes))
+_VALUES: dict[str, Callable[[Any], Any]] = {cls.__name__: cls for cls in (Vector, Quaternion, Euler, Color, Matrix)}
+_DICTS: dict[str, type[dict[Any, Any]]] = {
+    "dict": dict,
+    "ordered dict": OrderedDict,
+    "local data": LocalData,
+    "counter": Counter,
+    "default dict": defaultdict,
+}
+
+
+class Reader:
+    """Reads the parts of one simulation, in the order in which a `Writer` wrote them.
+
+    Args:
+        fresh: make new objects everywhere and change none, to find out whether a state can be read.
+    """
+
+    def __init__(self, references: References, *, fresh: bool = False) -> None:
+        self._references = references
+        self._fresh = fresh
+        self._met: list[Any] = []
+        self._used: set[int] = set()
+        self._named: set[int] = set()
+        self._depth = 0
+        self._readers: dict[str, Callable[[list[Any], Any], Any]] = {
+            "list": self._list,
+            "tuple": lambda data, now: tuple(self._items(data[1], now)),
+            "named tuple": self._named_tuple,
+            "set": self._set,
+            "frozenset": lambda data, _: frozenset(self._items(data[1], _MISSING)),
+            "deque": self._deque,
+            "bytearray": lambda data, _: self._keep(bytearray(data[1])),
+            "namespace": self._namespace,
+            **dict.fromkeys(_DICTS, self._dict),
+            "array": lambda data, _: self._keep(arrays.array_of(arrays.dtype(data[1]), *data[2:])),
+            "view": self._view,
+            "objects": self._objects,
+            "scalar": lambda data, _: np.frombuffer(data[2], dtype=arrays.dtype(data[1]))[0],
+            "random": self._generator,
+            "legacy random": self._legacy_random,
+            "python random": self._python_random,
+            "values": lambda data, _: self._keep(_VALUES[data[1]](data[2])),
+            "simple": lambda data, _: PUT_TOGETHER[data[1]](*(self.value(part) for part in data[2:])),
+            "pose": self._pose,
+            "enum": self._enum,
+            "own": self._own,
+            "object": self._object,
+            "method": self._method,
+            "global": self._global,
+            "part": lambda data, _: references.find(data[1]),
+            "again": self._again,
+            "as is": lambda _, now: None if now is _MISSING else now,
+            "integer": lambda data, _: int(data[1], 16),
+            "text": lambda data, _: data[1].decode("utf-8", "surrogatepass"),
+        }
+
+    def part(self, name: str, saved: Any, now: Any) -> Any:
+        """The state of a part of the simulation.
+
+        Args:
+            name: for messages.
+            now: the state that the part has at present.
+
+        Raises:
+            StateError: what was saved is damaged, or names what is not there.
+        """
+        try:
+            return self.value(saved, now)
+        except StateError as error:
+            raise StateError(f"{name}: {error}") from None
+        except Exception as error:  # whatever a damaged state may lead to, `set_state` of a user's class too
+            raise StateError(f"{name}: the saved state is damaged ({type(error).__name__}: {error!s:.200})") from None
+
+    def value(self, data: Any, now: Any = _MISSING) -> Any:
+        """Anything.
+
+        Args:
+            now: what is there at present.
+        """
+        if type(data) is not list:
+            if type(data) not in _PLAIN:
+                raise StateError(f"the saved state is damaged: it holds a {type(data).__name__}")
+            return data
+        read = self._readers.get(data[0])
+        if read is None:
+            raise StateError(f"the saved state is damaged: nothing is called {data[0]!r:.40}")
+        self._depth += 1
+        if self._depth > DEEPEST + 20:
+            raise StateError("the saved state is nested too deeply")
+        try:
+            return read(data, now)
+        finally:
+            self._depth -= 1
+
+    def _keep(self, value: Any) -> Any:
+        self._met.append(value)
+        return value
+
+    def _again(self, data: list[Any], _now: Any) -> Any:
+        if type(data[1]) is not int or data[1] < 0:
+            raise StateError("the saved state is damaged: something is said to be met before that was not")
+        return self._met[data[1]]
+
+    def _target(self, now: Any, cls: type, make: Callable[[], Any]) -> Any:
+        """The object that is there, if it is of that class and stands for nothing else yet; else a new one."""
+        if self._fresh or type(now) is not cls or id(now) in self._used:
+            return self._keep(make())
+        if id(now) not in self._named and self._references.global_name(now) is not None:
+            # it is a constant of the project that happens to be there now: another one may have been meant
+            return self._keep(make())
+        self._used.add(id(now))
+        return self._keep(now)
+
+    def _items(self, saved: list[Any], now: Any) -> list[Any]:
+        present = list(now) if isinstance(now, (list, tuple, deque)) else []
+        return [self.value(item, present[i] if i < len(present) else _MISSING) for i, item in enumerate(saved)]
+
+    def _list(self, data: list[Any], now: Any) -> list[Any]:
+        target: list[Any] = self._target(now, list, list)
+        target[:] = self._items(data[1], now)
+        return target
+
+    def _set(self, data: list[Any], now: Any) -> set[Any]:
+        target: set[Any] = self._target(now, set, set)
+        items = self._items(data[1], _MISSING)
+        target.clear()
+        target.update(items)
+        return target
+
+    def _deque(self, data: list[Any], now: Any) -> deque[Any]:
+        fits = isinstance(now, deque) and now.maxlen == data[1]
+        target: deque[Any] = self._target(now if fits else _MISSING, deque, lambda: deque(maxlen=data[1]))
+        items = self._items(data[2], now)
+        target.clear()
+        target.extend(items)
+        return target
+
+    def _dict(self, data: list[Any], now: Any) -> dict[Any, Any]:
+        cls = _DICTS[data[0]]
+        target: dict[Any, Any] = self._target(now, cls, cls)
+        items = self._pairs(data[1], dict.copy(now) if isinstance(now, dict) else {})
+        target.clear()
+        target.update(items)
+        if isinstance(target, defaultdict) and data[2] is not None:
+            target.default_factory = FACTORIES[data[2]]
+        return target
+
+    def _pairs(self, saved: list[Any], present: dict[Any, Any]) -> dict[Any, Any]:
+        items = {}
+        for key, item in saved:
+            read = self.value(key)
+            items[read] = self.value(item, present.get(read, _MISSING))
+        return items
+
+    def _namespace(self, data: list[Any], now: Any) -> SimpleNamespace:
+        target: SimpleNamespace = self._target(now, SimpleNamespace, SimpleNamespace)
+        self._assign(target, data[1], dict(vars(now)) if type(now) is SimpleNamespace else {})
+        return target
+
+    def _named_tuple(self, data: list[Any], now: Any) -> Any:
+        cls = self._class(data[1], now)
+        if not issubclass(cls, tuple):
+            raise StateError(f"{data[1]} is no tuple")
+        return cls._make(self._items(data[2], now))  # type: ignore[attr-defined]
+
+    # -- numpy -----------------------------------------------------------------------------
+
+    def _view(self, data: list[Any], _now: Any) -> Any:
+        place = len(self._met)
+        self._keep(None)
+        root = self.value(data[1])
+        if type(root) is not np.ndarray or root.dtype.hasobject:
+            raise StateError("an array shares the memory of something that is no array")
+        self._met[place] = view = arrays.view_of(root, arrays.dtype(data[2]), *data[3:])
+        return view
+
+    def _objects(self, data: list[Any], _now: Any) -> Any:
+        # the shape is only believed when the items are there
+        if any(type(n) is not int or n < 0 for n in data[1]) or np.prod(data[1], dtype=object) != len(data[2]):
+            raise StateError("an array has not as many items as its shape says")
+        made = self._keep(np.empty(data[1], dtype=object))
+        flat = made.ravel()
+        for place, item in enumerate(self._items(data[2], _MISSING)):
+            flat[place] = item
+        return made
+
+    def _generator(self, data: list[Any], now: Any) -> Any:
+        name = data[1]
+        fits = isinstance(now, np.random.Generator) and type(now.bit_generator).__name__ == name
+        target = self._target(now if fits else _MISSING, np.random.Generator, lambda: arrays.generator(name))
+        state = self.value(data[2])
+        arrays.check_generator(name, state)
+        target.bit_generator.state = state
+        return target
+
+    def _legacy_random(self, data: list[Any], now: Any) -> Any:
+        target = self._target(now, np.random.RandomState, lambda: np.random.RandomState(0))
+        state = self.value(data[1])
+        arrays.check_place(state[2], 624)
+        target.set_state(state)
+        return target
+
+    def _python_random(self, data: list[Any], now: Any) -> Any:
+        target = self._target(now, random.Random, random.Random)
+        target.setstate(self.value(data[1]))
+        return target
+
+    def _pose(self, data: list[Any], now: Any) -> Transformation3d:
+        cls = type(now) if isinstance(now, Transformation3d) else Transformation3d
+        target: Transformation3d = self._target(now, cls, Transformation3d)
+        _, position, rotation = data
+        if len(position) != 3 or len(rotation) != 9:
+            raise StateError("a pose is 3 and 9 numbers")
+        target.set_pose(tuple(map(float, position)), tuple(map(float, rotation)))
+        return target
+
+    # -- objects ---------------------------------------------------------------------------
+
+    def _enum(self, data: list[Any], now: Any) -> Any:
+        cls = self._class(data[1], now)
+        if not issubclass(cls, Enum):
+            raise StateError(f"{data[1]} is no enumeration")
+        return cls(self.value(data[3])) if data[2] is None else cls[data[2]]
+
+    def _own(self, data: list[Any], now: Any) -> Any:
+        cls = self._attributed(data[1], now)
+        target = self._target(now, cls, lambda: object.__new__(cls))
+        state = self.value(data[2])
+        if not self._fresh:
+            target.set_state(state)
+        return target
+
+    def _object(self, data: list[Any], now: Any) -> Any:
+        cls = self._attributed(data[1], now)
+        base = next((base for base in ITEMS if issubclass(cls, base)), object)
+        target = self._target(now, cls, lambda: base.__new__(cls))
+        self._assign(target, data[2], attributes_of(now) if type(now) is cls else {})
+        if base is dict:
+            pairs = self._pairs(data[3], {})
+            dict.clear(target)
+            dict.update(target, pairs)
+        elif base is list:
+            list.__setitem__(target, slice(None), self._items(data[3], _MISSING))
+        elif base is set:
+            items = self._items(data[3], _MISSING)
+            set.clear(target)
+            set.update(target, items)
+        return target
+
+    def _assign(self, target: Any, saved: list[Any], present: dict[str, Any]) -> None:
+        names = set()
+        for name, item in saved:
+            if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
+                raise StateError(f"the saved state is damaged: an attribute is called {name!r:.40}")
+            names.add(name)
+            before = present.get(name, _MISSING)
+            value = self.value(item, before)
+            if not (item == AS_IS and before is _MISSING):
+                object.__setattr__(target, name, value)
+        if not self._fresh:
+            for name in present.keys() - names:
+                object.__delattr__(target, name)
+            reorder(getattr(target, "__dict__", {}), [name for name, _ in saved])
+
+    def _method(self, data: list[Any], now: Any) -> Any:
+        owner = self.value(data[1], getattr(now, "__self__", _MISSING))
+        name = data[2]
+        if name.startswith("__") or not inspect.isroutine(getattr(type(owner), name, None)):
+            raise StateError(f"a {type(owner).__name__} has no method {name!r:.40}")
+        return getattr(owner, name)
+
+    def _global(self, data: list[Any], _now: Any) -> Any:
+        found = self._references.find_global(data[1])
+        if inspect.isroutine(found):
+            return found
+        place = len(self._met)
+        if self._fresh:
+            return self.value(data[2])
+        self._named.add(id(found))
+        read = self.value(data[2], found)
+        if read is not found and type(found) is np.ndarray and read.shape == found.shape and read.dtype == found.dtype:
+            if found.flags.writeable:
+                found[...] = read
+            self._met[place] = read = found
+        return read
+
+    def _class(self, path: str, now: Any) -> type[Any]:
+        if now is not _MISSING and class_path(type(now)) == path:
+            return type(now)
+        found = self._references.find_class(path)
+        if found is None:
+            raise StateError(f"the saved state holds a {path!r:.80}, which the simulation does not know")
+        return found
+
+    def _attributed(self, path: str, now: Any) -> type[Any]:
+        """A class whose objects are made without a call of the class."""
+        cls = self._class(path, now)
+        if is_apparatus(cls) or not is_made_of_attributes(
+            cls, next((base for base in ITEMS if issubclass(cls, base)), object)
+        ):
+            raise StateError(f"a {path!r:.80} cannot be made from a saved state")
+        return cls

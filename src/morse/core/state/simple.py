@@ -1,0 +1,31 @@
+"""Values of Python's library that are made from a few others, and do not change."""
+
+from __future__ import annotations
+
+from datetime import date, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: class to its word, and what takes it apart
+TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[Any]]]] = {
+    complex: ("complex", lambda v: [v.real, v.imag]),
+    range: ("range", lambda v: [v.start, v.stop, v.step]),
+    slice: ("slice", lambda v: [v.start, v.stop, v.step]),
+    datetime: ("time", lambda v: [v.isoformat()]),
+    date: ("day", lambda v: [v.isoformat()]),
+    timedelta: ("duration", lambda v: [v.days, v.seconds, v.microseconds]),
+    type(Path()): ("path", lambda v: [str(v)]),
+}
+#: word to what puts it together
+PUT_TOGETHER: dict[str, Callable[..., Any]] = {
+    "complex": complex,
+    "range": range,
+    "slice": slice,
+    "time": datetime.fromisoformat,
+    "day": date.fromisoformat,
+    "duration": timedelta,
+    "path": Path,
+}

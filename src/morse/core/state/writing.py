@@ -1,0 +1,294 @@
+"""From objects to plain data.
+
+Numbers, strings, bytes and None stand for themselves. Everything else is a list that begins with a word:
+
+=========== =====================================================================
+``list`` …  items (also ``tuple``, ``set``, ``frozenset``, ``deque`` with its length)
+``dict`` …  pairs of key and value
+``array`` … type, shape, bytes (``scalar`` for a number of numpy)
+``view``    an array that shares the memory of another one
+``random``  state of a generator of random numbers (numpy's or Python's)
+``values``  class and numbers of a vector, matrix, quaternion, ...
+``simple``  word and parts of a path, a range, a duration, ... (see `simple`)
+``own``     class, and what its ``get_state()`` gave
+``object``  class, its attributes, and its items if it is a list, a dictionary or a set as well
+``method``  an object, and the name of the method
+``global``  name of a variable of the user's project, and the object that it holds
+``part``    name of a part of the simulation (see `references`)
+``again``   number of a list, dictionary or object that was met before
+``as is``   something that is not saved, and stays as it is: a function, a thread, ...
+=========== =====================================================================
+"""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import random
+import sys
+from collections import Counter, OrderedDict, defaultdict, deque
+from enum import Enum
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.local_data import Later, LocalData
+from morse.core.state import arrays
+from morse.core.state.simple import TAKEN_APART
+from morse.helpers.transformation import FOLLOWING, Transformation3d
+from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from morse.core.state.references import References
+
+AS_IS = ["as is"]
+#: how deep lists, dictionaries and objects are in each other at most; `Reader` takes a little more
+DEEPEST = 150
+_PLAIN = frozenset((type(None), bool, float, bytes))
+_LARGEST = 2**63
+_DICTS: dict[type, str] = {dict: "dict", OrderedDict: "ordered dict", LocalData: "local data", Counter: "counter"}
+#: what a `defaultdict` may make; others stay as they are
+FACTORIES: dict[str, Any] = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
+_VALUES = (Vector, Quaternion, Euler, Color)
+#: a class of users that is also one of these keeps its items
+ITEMS = (list, dict, set)
+#: they never change, so that two attributes with one of them share nothing
+_CONSTANT = frozenset((tuple, frozenset, *TAKEN_APART))
+#: what components are made of, as far as it belongs to MORSE: all else has parts of its own in a state, or none
+_WITH_STATE = ("core", "helpers", "mathutils", "sensors", "actuators", "robots", "modifiers", "services")
+#: classes with that attribute are apparatus: made from declarations, without a state
+APPARATUS = "is_apparatus"
+
+
+def class_path(cls: type) -> str:
+    """``module:name`` of a class."""
+    return f"{cls.__module__}:{cls.__qualname__}"
+
+
+class Writer:
+    """Turns the parts of one simulation into plain data; what several parts share stays shared.
+
+    Attributes:
+        unsaved: where things were met that cannot be saved, such as ``robot.lidar._thread (Thread)``.
+    """
+
+    def __init__(self, references: References) -> None:
+        self._references = references
+        self._numbers: dict[int, int] = {}
+        self._met: list[Any] = []
+        self.unsaved: list[str] = []
+        self._path: list[str] = []
+        self._depth = 0
+        self._writers: dict[type, Callable[[Any], Any]] = {
+            int: _integer,
+            str: _text,
+            list: lambda v: ["list", [self.value(item) for item in v]],
+            tuple: lambda v: ["tuple", [self.value(item) for item in v]],
+            set: lambda v: ["set", self._sorted(v)],
+            frozenset: lambda v: ["frozenset", self._sorted(v)],
+            deque: lambda v: ["deque", v.maxlen, [self.value(item) for item in v]],
+            bytearray: lambda v: ["bytearray", bytes(v)],
+            SimpleNamespace: lambda v: ["namespace", self._pairs(vars(v).items())],
+            np.ndarray: self._array,
+            random.Random: lambda v: ["python random", self.value(v.getstate())],
+            np.random.Generator: self._generator,
+            np.random.RandomState: lambda v: ["legacy random", self.value(v.get_state())],
+            Later: lambda v: self.value(v.make()),
+            Matrix: lambda v: ["values", "Matrix", [list(row) for row in v]],
+            Transformation3d: _pose,
+            defaultdict: lambda v: ["default dict", self._items(v), _factory(v)],
+            FOLLOWING: _pose,
+        }
+        for cls in _DICTS:
+            self._writers[cls] = lambda v: [_DICTS[type(v)], self._items(v)]
+        for cls in _VALUES:
+            self._writers[cls] = lambda v: ["values", type(v).__name__, list(v)]
+        for cls in TAKEN_APART:
+            self._writers[cls] = self._simple
+
+    def part(self, name: str, state: Any) -> Any:
+        """The state of a part of the simulation, as its ``get_state()`` gave it."""
+        self._path = [name]
+        # what is made for the occasion is nobody else's
+        if type(state) is dict:
+            self._number(state)
+            return ["dict", self._pairs(state.items())]
+        return self.value(state)
+
+    def value(self, value: Any) -> Any:
+        """Anything."""
+        cls = type(value)
+        if cls in _PLAIN:
+            return value
+        if cls is int or cls is str:
+            return self._writers[cls](value)
+        known = self._numbers.get(id(value))
+        if known is not None:
+            return ["again", known]
+        if self._depth >= DEEPEST:
+            return self._cannot_be_saved(value, f"nested more than {DEEPEST} deep")
+        self._depth += 1
+        try:
+            name = None if cls in _CONSTANT else self._references.global_name(value)
+            if name is not None:
+                return ["global", name, AS_IS if inspect.isroutine(value) else self._written(value, cls)]
+            return self._written(value, cls)
+        finally:
+            self._depth -= 1
+
+    def _written(self, value: Any, cls: type) -> Any:
+        write = self._writers.get(cls)
+        if write is None:
+            return self._other(value)
+        if cls not in _CONSTANT and cls is not Later:
+            self._number(value)
+        return write(value)
+
+    def _number(self, value: Any) -> None:
+        self._numbers[id(value)] = len(self._met)
+        self._met.append(value)  # so that nothing else gets its id meanwhile
+
+    def _cannot_be_saved(self, value: Any, why: str = "") -> Any:
+        why = why or type(value).__name__
+        self.unsaved.append(f"{'.'.join(self._path)} ({why})")
+        return AS_IS
+
+    def _other(self, value: Any) -> Any:
+        name = self._references.name_of(value)
+        if name is not None:
+            return ["part", name]
+        cls = type(value)
+        if isinstance(value, Enum):
+            member = cls.__members__.get(value.name or "") is value
+            return ["enum", class_path(cls), value.name if member else None, self.value(value.value)]
+        if isinstance(value, np.generic):
+            return ["scalar", arrays.type_of(value.dtype), value.tobytes()]
+        if inspect.ismethod(value) or inspect.isbuiltin(value):
+            return self._method(value)
+        if is_apparatus(cls) or _is_code(value):
+            return AS_IS
+        if isinstance(value, tuple) and hasattr(value, "_fields"):
+            return ["named tuple", class_path(cls), [self.value(item) for item in value]]
+        own = callable(getattr(cls, "get_state", None)) and callable(getattr(cls, "set_state", None))
+        base = next((base for base in ITEMS if isinstance(value, base)), object)
+        if not is_made_of_attributes(cls, base):
+            return self._cannot_be_saved(value)
+        self._number(value)
+        self._references.met_class(cls)
+        if own:
+            return ["own", class_path(cls), self.value(value.get_state())]
+        written = ["object", class_path(cls), self._pairs(attributes_of(value).items())]
+        if base is dict:
+            written.append([[self.value(key), self.value(item)] for key, item in dict.items(value)])
+        elif base is set:
+            written.append(self._sorted(value))
+        elif base is list:
+            written.append([self.value(item) for item in list.__iter__(value)])
+        return written
+
+    def _method(self, value: Any) -> Any:
+        owner = getattr(value, "__self__", None)
+        if owner is None or inspect.ismodule(owner) or inspect.isclass(owner):
+            return AS_IS
+        names = [value.__name__, *(f"_{cls.__name__.lstrip('_')}{value.__name__}" for cls in type(owner).__mro__)]
+        name = next((name for name in names if getattr(owner, name, None) == value), None)
+        written = AS_IS if name is None else self.value(owner)
+        return AS_IS if written == AS_IS else ["method", written, name]
+
+    def _simple(self, value: Any) -> Any:
+        word, apart = TAKEN_APART[type(value)]
+        return ["simple", word, *(self.value(part) for part in apart(value))]
+
+    def _pairs(self, items: Iterable[tuple[str, Any]]) -> list[list[Any]]:
+        pairs = []
+        for name, value in items:
+            self._path.append(str(name))
+            pairs.append([name, self.value(value)])
+            self._path.pop()
+        return pairs
+
+    def _items(self, value: dict[Any, Any]) -> list[list[Any]]:
+        return [[self.value(key), self.value(item)] for key, item in value.items()]
+
+    def _sorted(self, values: Iterable[Any]) -> list[Any]:
+        met = len(self._met)
+        written = [self.value(value) for value in values]
+        # sets have no order of their own; objects are numbered in the order in which they are read again
+        return sorted(written, key=repr) if len(self._met) == met else written
+
+    def _array(self, value: arrays.Array) -> Any:
+        if value.dtype.hasobject:
+            if value.dtype.names is not None:
+                return self._cannot_be_saved(value, "array of structures that hold objects")
+            return ["objects", list(value.shape), [self.value(item) for item in value.ravel().tolist()]]
+        kind, root = arrays.type_of(value.dtype), arrays.root_of(value)
+        # a small part of something large that nobody here holds is saved alone
+        shared = root is not value and (id(root) in self._numbers or root.nbytes == value.nbytes)
+        if shared and arrays.can_be_shared(root):
+            return ["view", self.value(root), kind, list(value.shape), *arrays.place_in(root, value)]
+        return ["array", kind, *arrays.content(value)]
+
+    def _generator(self, value: np.random.Generator) -> Any:
+        return ["random", type(value.bit_generator).__name__, self.value(value.bit_generator.state)]
+
+
+def _pose(value: Transformation3d) -> list[Any]:
+    return ["pose", *(list(part) for part in value.get_pose())]
+
+
+def attributes_of(value: Any) -> dict[str, Any]:
+    """The attributes of an object, from its dictionary and its slots."""
+    attributes: dict[str, Any] = {}
+    for cls in type(value).__mro__:
+        slots = vars(cls).get("__slots__", ())
+        for name in (slots,) if isinstance(slots, str) else slots:
+            if name.startswith("__") and not name.endswith("__"):
+                name = f"_{cls.__name__.lstrip('_')}{name}"
+            if name not in ("__dict__", "__weakref__") and hasattr(value, name):
+                attributes[name] = getattr(value, name)
+    attributes.update(getattr(value, "__dict__", {}))
+    return attributes
+
+
+def is_apparatus(cls: type[Any]) -> bool:
+    """Whether objects of a class are made from declarations and have no state: all of MORSE below its components."""
+    room, _, rest = cls.__module__.partition(".")
+    return getattr(cls, APPARATUS, False) or (room == "morse" and rest.partition(".")[0] not in _WITH_STATE)
+
+
+def is_made_of_attributes(cls: type[Any], base: type[Any] = object) -> bool:
+    """Whether the attributes of an object are all that there is of it, but for the items of a list, dict or set.
+
+    What Python's own library keeps, such as threads and files, has more to it; so has what has a ``__del__``.
+    """
+    if cls.__module__.partition(".")[0] in sys.stdlib_module_names or hasattr(cls, "__del__"):
+        return False
+    try:
+        base.__new__(cls)  # type: ignore[call-overload]
+    except TypeError:  # it is made of something else in C, or abstract
+        return False
+    return True
+
+
+def _factory(value: defaultdict[Any, Any]) -> str | None:
+    name = getattr(value.default_factory, "__name__", None)
+    return name if name is not None and FACTORIES.get(name) is value.default_factory else None
+
+
+def _is_code(value: Any) -> bool:
+    return inspect.isroutine(value) or inspect.isclass(value) or isinstance(value, (type(inspect), logging.Logger))
+
+
+def _integer(value: int) -> Any:
+    return value if -_LARGEST <= value < _LARGEST else ["integer", hex(value)]
+
+
+def _text(value: str) -> Any:
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return ["text", value.encode("utf-8", "surrogatepass")]
+    return value
