@@ -214,3 +214,52 @@ def test_a_reader_that_leaves_disturbs_nothing(monkeypatch):
     monkeypatch.setattr(sys, "stderr", complaints)
     logging.getLogger("morse").info("to nobody")
     assert complaints.getvalue() == ""
+
+
+@pytest.mark.parametrize("forged", ["a\n[ERROR][MORSE] b", "a\r[ERROR][MORSE] b", "\x1b[2J", "\x9b2J", "a\u2028b", "‮"])
+def test_no_text_can_look_like_a_record_or_control_the_terminal(forged):
+    try:
+        raise ValueError(forged)
+    except ValueError:
+        error = sys.exc_info()
+    for made in (record("it says %s", logging.ERROR, "morse", 0.1, forged), record("it fails", error=error)):
+        lines = MorseFormatter().format(made).split("\n")
+        assert all(line.replace("…", "").isprintable() for line in lines)
+        assert not any(line.startswith("[ERROR]") for line in lines)
+
+
+def test_a_lone_surrogate_can_be_written_to_any_file(tmp_path):
+    handler = logging.FileHandler(tmp_path / "log", encoding="utf-8")
+    handler.setFormatter(MorseFormatter())
+    handler.handle(record("it says %s", logging.INFO, "morse", 0.1, "\ud800"))
+    handler.close()
+    assert "\\ud800" in (tmp_path / "log").read_text()
+
+
+def test_modules_of_the_simulator_name_their_loggers_once():
+    sources = Path(morse.__file__).parent
+    wrong = [path for path in sources.rglob("*.py") if '"morse." + __name__' in path.read_text(encoding="utf-8")]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("name", ["core.request_manager", "morse.core.request_manager", "core"])
+def test_a_level_that_is_set_has_an_effect(name):
+    import morse.core.request_manager as module
+
+    loggers = logging.getLogger("morse.core"), module.logger
+    try:
+        log.set_level(name, "debug")
+        assert module.logger.isEnabledFor(logging.DEBUG)
+        log.set_level(name, "ERROR")
+        assert not module.logger.isEnabledFor(logging.WARNING)
+    finally:
+        for logger in loggers:
+            logger.setLevel(logging.NOTSET)
+
+
+@pytest.mark.parametrize("name", ["", ".", "a..b", "." * 60_000, "a." * 9 + "a", "x" * 200, "a\nb"])
+def test_a_name_that_would_only_take_memory_is_refused(name):
+    before = len(logging.root.manager.loggerDict)
+    with pytest.raises(ValueError, match="no name of a logger"):
+        log.set_level(name, "debug")
+    assert len(logging.root.manager.loggerDict) == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import socket
 import threading
 import time
@@ -71,6 +72,32 @@ def test_who_waits_serves_the_network(network: Network) -> None:
     assert threads[-1] != threading.get_ident()
 
 
+def test_who_waits_may_be_in_a_loop_of_its_own_as_notebooks_are(network: Network) -> None:
+    async def cell() -> tuple[list[int], bool]:
+        threads: list[int] = []
+
+        def note() -> None:
+            threads.append(threading.get_ident())
+            network.wake()
+
+        own = asyncio.get_running_loop()
+        network.post(note)
+        network.wait(10.0)
+        network.post(note)
+        network.wait(10.0)
+        network.give_back()
+        return threads, asyncio.get_running_loop() is own
+
+    ended: list[tuple[list[int], bool]] = []
+    # a thread that certainly has no loop yet
+    thread = threading.Thread(target=lambda: ended.append(asyncio.run(cell())))
+    thread.start()
+    thread.join()
+    threads, restored = ended[0]
+    assert threads[-1] == thread.ident
+    assert restored
+
+
 def test_waiting_ends_after_its_time(network: Network) -> None:
     begin = time.monotonic()
     for _ in range(5):
@@ -127,45 +154,97 @@ def test_it_ends_while_its_loop_is_borrowed() -> None:
     network.post(print)  # too late, and no error
 
 
-class _Reader(asyncio.Protocol):
-    def __init__(self, received: Callable[[bytes], object]) -> None:
-        self._received = received
-
-    def data_received(self, data: bytes) -> None:
-        self._received(data)
+@pytest.fixture
+def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
+    listener = listen("127.0.0.1", [0])
+    client = socket.create_connection(("127.0.0.1", port_of(listener)))
+    listener.setblocking(True)
+    server, _ = listener.accept()
+    server.setblocking(False)
+    yield client, server
+    for sock in (client, server, listener):
+        sock.close()
 
 
 @pytest.mark.parametrize("waiting", [True, False])
-def test_what_was_sent_before_on_a_new_connection_is_read_before(network: Network, waiting: bool) -> None:
+def test_what_was_sent_before_on_a_new_connection_is_read_before(
+    network: Network, waiting: bool, pair: tuple[socket.socket, socket.socket]
+) -> None:
     """A connection that is just made has its say before a request that came after it on an old one."""
     seen: list[bytes] = []
     done = threading.Event()
+    caller, requests = pair
+    commands = listen("127.0.0.1", [0])
+    accepted: list[socket.socket] = []
 
-    def asked(data: bytes) -> None:
+    def asked() -> None:
+        data = requests.recv(100)
         network.when_read(lambda: (seen.append(data), done.set(), network.wake()))
 
-    def serve(received: Callable[[bytes], object]) -> int:
-        listener = listen("127.0.0.1", [0])
-        listener.accepting = network.newcomer
+    def accept() -> None:
+        try:
+            connection, _ = commands.accept()
+        except BlockingIOError:
+            return
+        accepted.append(connection)
+        seen.append(connection.recv(100))
 
-        async def start() -> asyncio.Server:
-            return await network.loop.create_server(lambda: _Reader(received), sock=listener)
+    network.post(network.on_readable, requests, asked)
+    network.post(lambda: network.on_readable(commands, accept, comes_first=True))
+    for _ in range(100):
+        seen.clear()
+        done.clear()
+        with socket.create_connection(("127.0.0.1", port_of(commands))) as commander:
+            commander.sendall(b"command")
+            caller.sendall(b"request")
+            while waiting and not done.is_set():
+                network.wait(1.0)
+            assert done.wait(10.0)
+            assert seen == [b"command", b"request"]
+    network.give_back()
+    network.stop()
+    for connection in (*accepted, commands):
+        connection.close()
 
-        network.call(start())
-        return port_of(listener)
 
-    commands, requests = serve(seen.append), serve(asked)
-    with socket.create_connection(("127.0.0.1", requests)) as caller:
-        for _ in range(100):
-            seen.clear()
-            done.clear()
-            with socket.create_connection(("127.0.0.1", commands)) as commander:
-                commander.sendall(b"command")
-                caller.sendall(b"request")
-                while waiting and not done.is_set():
-                    network.wait(1.0)
-                assert done.wait(10.0)
-                assert seen == [b"command", b"request"]
+@pytest.mark.parametrize("waiting", [True, False])
+def test_a_command_that_arrives_while_the_loop_is_busy_comes_before_the_request_that_follows_it(
+    network: Network, waiting: bool, pair: tuple[socket.socket, socket.socket]
+) -> None:
+    """The loop has looked at the sockets, then both arrive, and the request is read in the same round."""
+    seen: list[bytes] = []
+    done = threading.Event()
+    caller, requests = pair
+    commander, commands = socket.socketpair()
+    commands.setblocking(False)
+
+    def asked() -> None:
+        commander.sendall(b"command")
+        caller.sendall(b" and more")
+        data = requests.recv(100)
+        while b"more" not in data:
+            with contextlib.suppress(BlockingIOError):
+                data += requests.recv(100)
+        network.when_read(lambda: (seen.append(data), done.set(), network.wake()))
+
+    def command() -> None:
+        with contextlib.suppress(BlockingIOError):
+            seen.append(commands.recv(100))
+
+    network.post(network.on_readable, requests, asked)
+    network.post(lambda: network.on_readable(commands, command, comes_first=True))
+    for _ in range(20):
+        seen.clear()
+        done.clear()
+        caller.sendall(b"request")
+        while waiting and not done.is_set():
+            network.wait(1.0)
+        assert done.wait(10.0)
+        assert seen == [b"command", b"request and more"]
+    network.give_back()
+    network.stop()
+    commander.close()
+    commands.close()
 
 
 def test_who_is_served_quickly_watches_and_sleeps_all_the_same(network: Network) -> None:

@@ -102,7 +102,27 @@ def test_angles_compose_to_the_rotation(body):
     pose = Transformation3d(body)
     again = Euler((pose.roll, pose.pitch, pose.yaw)).to_matrix()
     assert np.allclose(again, body.worldOrientation, atol=1e-7)
-    assert abs(pose.pitch) <= math.pi / 2
+    assert pose.numbers() == (pose.x, pose.y, pose.z, pose.yaw, pose.pitch, pose.roll)
+    assert tuple(pose.euler) == (pose.roll, pose.pitch, pose.yaw)
+
+
+def size(angles):
+    return sum(map(abs, angles))
+
+
+@given(turns, turns, turns)
+def test_of_the_two_solutions_the_one_with_the_smaller_sum_is_reported(roll, pitch, yaw):
+    given_angles = [math.remainder(angle, math.tau) for angle in (roll, pitch, yaw)]
+    other = [math.remainder(angle, math.tau) for angle in (roll + math.pi, math.pi - pitch, yaw + math.pi)]
+    pose = Transformation3d(Body((0, 0, 0), *given_angles))
+    assert size((pose.roll, pose.pitch, pose.yaw)) <= min(size(given_angles), size(other)) + 1e-6
+
+
+@given(turns)
+def test_a_pure_pitch_comes_back_as_a_pure_pitch(pitch):
+    pose = Transformation3d(Body((0, 0, 0), 0.0, pitch, 0.0))
+    assert (pose.yaw, pose.roll) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert math.remainder(pose.pitch - pitch, math.tau) == pytest.approx(0.0, abs=1e-6)
 
 
 @given(st.sampled_from([-1, 1]), turns, turns, st.floats(0, 1e-5))

@@ -11,7 +11,7 @@ from morse.core.services import ServiceDeclaration, declared_services
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
 class AbstractObject:
@@ -67,6 +67,13 @@ class AbstractObject:
 
     def restart(self) -> None:
         """The simulation starts anew: forget what happened."""
+
+    def get_state(self) -> Any:
+        """All that determines what the object does next, as plain data; None for an object without a state."""
+        return None
+
+    def set_state(self, state: Any) -> None:
+        """Take a state from `get_state`."""
 
     def finalize(self) -> None:
         """The simulation ends: release what was taken."""

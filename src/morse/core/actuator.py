@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from typing import ClassVar
+
+from morse.core.journal import COMMAND
 from morse.core.object import Object
 
 
@@ -9,17 +13,29 @@ class Actuator(Object):
     """Does something with the data it receives: read ``local_data`` in ``default_action``.
 
     The last command stays in ``local_data`` and is applied again every tick.
+
+    Attributes:
+        obeys_controls: whether it listens to the keys or the gamepad of the live view.
     """
+
+    obeys_controls: ClassVar[bool] = False
 
     def action(self) -> None:
         """One tick: pose, streams, modifiers if anything arrived, `default_action`."""
         if not self._active:
             return
         self.position_3d.update(self.bge_object)
+        if self.input_functions:
+            self.take_input()
+        self.default_action()
+
+    def take_input(self) -> None:
+        """Take what has arrived; modifiers change it."""
         received = False
         for read in self.input_functions:
             received = bool(read(self)) or received
         if received:
+            if self.context.journal.sinks:
+                self.context.journal.note(COMMAND, self.name(), deepcopy(dict(self.local_data)))
             for modifier in self.input_modifiers:
                 modifier.modify()
-        self.default_action()

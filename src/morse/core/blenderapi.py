@@ -80,7 +80,7 @@ class _PersistantStorage:
 
     @property
     def serviceObjectDict(self) -> dict[str, Any]:  # noqa: N802
-        return dict(current().service_objects)
+        return {obj.name(): obj for obj in reversed(current().service_objects)}
 
     @property
     def morse_services(self) -> Any:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import inspect
 from typing import Any
 
 from morse.core.exceptions import MorseError
+from morse.core.hints import closest
 
 
 class ClassPathError(MorseError):
@@ -36,6 +36,6 @@ def load_class(classpath: str) -> type[Any]:
     if inspect.isclass(found):
         return found
     classes = [name for name, member in vars(module).items() if inspect.isclass(member)]
-    close = difflib.get_close_matches(class_name, classes, n=1)
-    hint = f"did you mean '{close[0]}'?" if close else f"it has: {', '.join(classes) or 'no class at all'}"
+    close = closest(class_name, classes)
+    hint = f"did you mean '{close}'?" if close else f"it has: {', '.join(classes) or 'no class at all'}"
     raise ClassPathError(f"the module '{module_name}' has no class '{class_name}'; {hint}")

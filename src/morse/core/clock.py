@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import math
 import time
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.scene import TimeStrategies
+
+
+#: of a tick; times of the epoch are doubles that are exact to 2e-7 s
+_SAME_TICK = 1e-2
+
+SLOWEST = 1e-3
+"""The least speed of a simulation, simulated seconds a wall-clock second: slower, nobody would see time pass."""
 
 
 class Clock:
@@ -23,6 +31,7 @@ class Clock:
     __slots__ = (
         "_mean",
         "_origin",
+        "_rate",
         "_samples",
         "_square",
         "_start",
@@ -36,6 +45,7 @@ class Clock:
 
     def __init__(self, frequency: float, strategy: TimeStrategies, *, absolute: bool = False) -> None:
         self.frequency = frequency
+        self._rate = Fraction(frequency).limit_denominator(10**6)
         self.period = 1.0 / frequency
         self.strategy = strategy
         self._origin = time.time() if absolute else 0.0
@@ -52,10 +62,30 @@ class Clock:
         self.tick += 1
         self.time = self._origin + self.tick / self.frequency
 
+    def stamp(self, seconds: float | None = None) -> int:
+        """Simulated time in whole ns, from the number of ticks: the same for all that happens in a tick.
+
+        Args:
+            seconds: simulated time as `time` was then; None for now.
+        """
+        tick = self.tick
+        if isinstance(seconds, (int, float)) and math.isfinite(seconds):
+            ticks = (seconds - self._origin) * self.frequency
+            tick = round(ticks)
+            if abs(ticks - tick) > _SAME_TICK:  # somebody else's time
+                return round(seconds * 1e9)
+        nanoseconds = tick * 10**9 * self._rate.denominator
+        return round(self._origin * 1e9) + (nanoseconds + self._rate.numerator // 2) // self._rate.numerator
+
+    def go_to(self, tick: int) -> None:
+        """Go to another tick, since another state was restored."""
+        self.tick = tick
+        self.time = self._origin + tick / self.frequency
+        self._wall = self._start = None
+
     def restart(self) -> None:
         """Back to tick 0."""
-        self.tick = 0
-        self.time = self._origin
+        self.go_to(0)
         self._wall = self._start = None
         self._samples = 0
         self._mean = self._square = 0.0

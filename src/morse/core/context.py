@@ -1,13 +1,18 @@
-"""The running simulation, as components see it."""
+"""A running simulation, as components see it."""
 
 from __future__ import annotations
 
 import hashlib
+import threading
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from weakref import WeakSet
+
+from morse.core.journal import Journal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from types import TracebackType
 
     import numpy as np
 
@@ -16,31 +21,30 @@ if TYPE_CHECKING:
     from morse.core.network import Network
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
-    from morse.core.robot import Robot
     from morse.scene import Scene
 
-
-class WorldView(Protocol):
-    """What core needs of the physics world (see `morse.physics.World`)."""
-
-    def game_object(self, name: str) -> Any:
-        """The object of that name."""
+_S = TypeVar("_S")
 
 
-def _no_keys() -> frozenset[str]:
-    return frozenset()
+class Controls(NamedTuple):
+    """What a person does at the live view.
+
+    Attributes:
+        keys: names of the keys that are held down (``ArrowUp``).
+        axes: of the gamepad, -1 to 1, right and down positive; empty without a gamepad.
+        robot: name of the robot that the keys drive, or None for all robots.
+    """
+
+    keys: frozenset[str] = frozenset()
+    axes: tuple[float, ...] = ()
+    robot: str | None = None
 
 
-def _no() -> bool:
+_NOTHING_HELD = Controls()
+
+
+def _not_stopping() -> bool:
     return False
-
-
-def _no_gamepad() -> tuple[float, ...]:
-    return ()
-
-
-def _any_robot() -> str | None:
-    return None
 
 
 @dataclass(eq=False)
@@ -51,11 +55,13 @@ class Context:
         robots: by name; ``external_robots`` are run by other simulation nodes.
         components: sensors and actuators by fully qualified name.
         stream_managers: by class path.
-        service_objects: pseudo components: ``simulation``, ``time``, ``communication``.
-        held_keys: names of the keys that are held down in the live view (``ArrowUp``).
-        gamepad: axes of the gamepad at the live view, -1 to 1, right and down positive; empty without one.
-        listening_robot: name of the robot that the keys drive, or None for all.
-        stopping: whether the simulation has been told to end; what waits within a tick has to ask.
+        service_objects: offer the services of ``simulation``, ``time`` and ``communication``; several have one name.
+        network: serves sockets and pages; None for a simulation that has neither.
+        failed: names of the components that were deactivated because they raised exceptions.
+        controls: what a person does at the live view; it changes between ticks only.
+        journal: what comes in from outside.
+        strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
+        stopping: whether the simulation has been told to end; code that waits within a tick has to ask.
         seed: of all random numbers.
     """
 
@@ -63,27 +69,50 @@ class Context:
     clock: Clock
     world: Any
     services: MorseServices
-    network: Network
+    network: Network = None  # type: ignore[assignment] # who uses it has been made for a simulation that has one
     seed: int = 0
     host: str = "127.0.0.1"
-    robots: dict[str, Robot] = field(default_factory=dict)
-    external_robots: dict[str, Robot] = field(default_factory=dict)
+    strict: bool = False
+    robots: dict[str, Object] = field(default_factory=dict)
+    external_robots: dict[str, Object] = field(default_factory=dict)
     components: dict[str, Object] = field(default_factory=dict)
     stream_managers: dict[str, Any] = field(default_factory=dict)
-    service_objects: dict[str, AbstractObject] = field(default_factory=dict)
+    service_objects: list[AbstractObject] = field(default_factory=list)
     overlays: dict[str, Any] = field(default_factory=dict)
-    held_keys: Callable[[], frozenset[str]] = _no_keys
-    gamepad: Callable[[], tuple[float, ...]] = _no_gamepad
-    listening_robot: Callable[[], str | None] = _any_robot
-    stopping: Callable[[], bool] = _no
+    failed: set[str] = field(default_factory=set)
+    controls: Controls = _NOTHING_HELD
+    journal: Journal = field(init=False)
+    stopping: Any = _not_stopping
+    _servers: dict[Any, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.journal = Journal(self.clock)
+        _alive.add(self)
 
     def wait(self, seconds: float) -> None:
         """Let the simulation thread wait until something arrives from the network, or for about that long."""
-        self.network.wait(seconds)
+        if self.network is not None:
+            self.network.wait(seconds)
 
     def wake(self) -> None:
-        """Something has arrived: end `wait`; may be called from any thread."""
-        self.network.wake()
+        """End `wait`, since something has arrived; may be called from any thread."""
+        if self.network is not None:
+            self.network.wake()
+
+    def component(self, name: str) -> Object | None:
+        """The robot, sensor or actuator of that name, or None."""
+        return self.components.get(name) or self.robots.get(name)
+
+    def server(self, kind: Callable[[Any], _S]) -> _S:
+        """What answers the requests of components (see `morse.core.requests`): one of each kind, made when first asked.
+
+        Args:
+            kind: a class; it is given the world.
+        """
+        if kind not in self._servers:
+            self._servers[kind] = kind(self.world)
+        found: _S = self._servers[kind]
+        return found
 
     def random(self, name: str) -> np.random.Generator:
         """A generator of random numbers that depends on nothing but the seed and ``name``.
@@ -92,25 +121,59 @@ class Context:
         """
         import numpy as np
 
-        digest = hashlib.sha256(f"{self.seed}/{name}".encode()).digest()
+        digest = hashlib.sha256(f"{self.seed}/{name}".encode("utf-8", "surrogatepass")).digest()
         return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "little")))
 
 
-_current: Context | None = None
+_alive: WeakSet[Context] = WeakSet()
 
 
-def set_current(context: Context | None) -> None:
-    """Make ``context`` the one that new components belong to."""
-    global _current
-    _current = context
+def forget(context: Context) -> None:
+    """The simulation has ended: `current` does not find it any more."""
+    _alive.discard(context)
+
+
+class _Acting(threading.local):
+    context: Context | None = None
+
+
+_acting = _Acting()
+
+
+class acting:  # noqa: N801 (used as a statement: ``with acting(context):``)
+    """While the block runs, `current` is this simulation in this thread."""
+
+    __slots__ = ("_before", "_context")
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+
+    def __enter__(self) -> None:
+        self._before = _acting.context
+        _acting.context = self._context
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        _acting.context = self._before
 
 
 def current() -> Context:
-    """The running simulation.
+    """The simulation whose components are acting, or being made, in this thread.
+
+    Components have their own ``self.context``; this function is for code of MORSE 1.4, which knew one simulation only.
+    In a thread of its own such code gets the only simulation of the process.
 
     Raises:
-        RuntimeError: outside a simulation.
+        RuntimeError: no simulation acts in this thread, and there is not exactly one in the process.
     """
-    if _current is None:
-        raise RuntimeError("no simulation is running: components are made by 'morse run', not by hand")
-    return _current
+    if _acting.context is not None:
+        return _acting.context
+    alive = list(_alive)
+    if len(alive) == 1:
+        return alive[0]
+    if not alive:
+        raise RuntimeError("no simulation is running: components are made by morse.load or 'morse run', not by hand")
+    raise RuntimeError(
+        f"{len(alive)} simulations are running, and none of them acts in this thread: use self.context of a component"
+    )

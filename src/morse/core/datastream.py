@@ -2,46 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.classpath import load_class
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.kinds.table import GENERAL
+from morse.core.mapping import mapped_kinds
+from morse.core.observer import Observer
+from morse.core.validation.options import checked_options, with_defaults
+from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+
     from morse.core.context import Context
+    from morse.core.declarations import Option
     from morse.core.object import Object
-    from morse.scene import StreamDeclaration
-
-
-class DatastreamManager(ABC):
-    """Everything one middleware streams.
-
-    The simulation calls `action` at the beginning of a tick, the streams while the components
-    act, and `flush` at the end of the tick.
-
-    Attributes:
-        classpath: the name under which summaries and clients know it.
-        options: what ``env.configure_stream_manager`` said.
-    """
-
-    classpath: str = ""
-
-    def __init__(self, options: dict[str, Any], context: Context) -> None:
-        self.options = options
-        self.context = context
-        if not self.classpath:
-            self.classpath = f"{type(self).__module__}.{type(self).__name__}"
-
-    @abstractmethod
-    def register_component(self, component: Object, declaration: StreamDeclaration) -> None:
-        """Connect a component: append to its ``output_functions`` or ``input_functions``."""
-
-    def action(self) -> None:
-        """A tick begins; this may wait for a client that paces the simulation."""
-
-    def flush(self) -> None:
-        """A tick ends: hand over what was published."""
-
-    def finalize(self) -> None:
-        """The simulation ends: send what is left, close."""
 
 
 class AbstractDatastream(ABC):
@@ -51,7 +29,14 @@ class AbstractDatastream(ABC):
         component_instance: the component.
         component_name: its name.
         kwargs: the options of the stream from the scene script.
+        manager: the middleware that carries it; set before `initialize`.
+        direction: ``OUT`` or ``IN``; set before `initialize`.
     """
+
+    #: the options that scripts may give; None: any, the stream checks them itself
+    options: ClassVar[Mapping[str, Option] | None] = None
+    manager: Any = None
+    direction: str = ""
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         self.component_instance = component_instance
@@ -63,12 +48,184 @@ class AbstractDatastream(ABC):
         """The data of the component."""
         return self.component_instance.local_data
 
+    @property
+    def waiting(self) -> Collection[Any] | None:
+        """Always the same collection, which is empty while `default` has nothing to do; None if that is not known.
+
+        Components that act together do not call the streams that have nothing to do.
+        """
+        return None
+
     def initialize(self) -> None:
         """Called once before the first tick."""
 
     def finalize(self) -> None:
-        """Called once after the last tick."""
+        """Called once after the last tick, and when the component is made again or deleted."""
 
     @abstractmethod
     def default(self, ci: Object | None = None) -> Any:
         """Publish the data; or read and return True if something arrived."""
+
+
+class DatastreamManager(Observer):
+    """A middleware as far as data go: everything that it streams.
+
+    It keeps the list of streams itself: `connect` adds one, a component that is made again replaces its own,
+    `disconnect` removes those of a component that is deleted, `finalize` all. A subclass is told by `opened`,
+    `closed` and `left`. It carries message kinds by methods marked with `morse.core.mapping.maps`.
+
+    The simulation calls `action` at the beginning of a tick, the streams while the components
+    act, and `flush` at the end of the tick.
+
+    Attributes:
+        classpath: the name under which summaries and clients know it.
+        options: what ``env.configure_stream_manager`` said, and the defaults of the rest.
+        streams: those that are open, by name of the component, in the order of the script.
+    """
+
+    classpath: str = ""
+    #: the options of ``env.configure_stream_manager``; None: any
+    manager_options: ClassVar[Mapping[str, Option] | None] = None
+    #: the options of ``add_stream``; None: any
+    stream_options: ClassVar[Mapping[str, Option] | None] = None
+    _mapped: ClassVar[dict[tuple[str, str], str]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls._mapped = mapped_kinds(cls)
+
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        self.context = context
+        self.streams: dict[str, list[Any]] = {}
+        if not self.classpath:
+            self.classpath = f"{type(self).__module__}.{type(self).__name__}"
+        self.options = options
+        if self.manager_options is not None:
+            owner = self.classpath.rpartition(".")[2]
+            checked = checked_options(owner, self.manager_options, options)
+            self.options = with_defaults(self.manager_options, checked)
+
+    # -- streams -----------------------------------------------------------------------------
+
+    def connect(self, component: Object, declaration: StreamDeclaration) -> None:
+        """Give a component a stream; the streams of a former component of the same name are closed first.
+
+        Raises:
+            MorseMiddlewareError: the middleware cannot carry it.
+            OptionError: the stream has no such option.
+        """
+        name = component.name()
+        before = self.streams.get(name)
+        if before and before[0].component_instance is not component:
+            self._close_streams(name)
+        if _is_of_1_4(type(self)):
+            self.register_component(name, component, _mw_data(declaration))
+        else:
+            self.register_component(component, declaration)
+
+    def register_component(self, component: Any, declaration: Any, mw_data: list[Any] | None = None) -> None:
+        """Make a stream and attach it to a component.
+
+        A manager written for MORSE 1.4 overrides it with the arguments ``component_name, component_instance,
+        mw_data``, where ``mw_data`` is a list: manager, class path of the stream, direction, options. Both forms may
+        be passed on to this method.
+        """
+        if mw_data is not None:
+            component, declaration = declaration, StreamDeclaration(*mw_data[:4])
+        stream = self.make_stream(component, declaration)
+        stream.manager, stream.direction = self, declaration.direction
+        self.streams.setdefault(component.name(), []).append(stream)
+        self.opened(stream)
+        stream.initialize()
+        functions = component.input_functions if declaration.direction == "IN" else component.output_functions
+        functions.append(stream.default)
+
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
+        """The stream that a declaration asks for.
+
+        Raises:
+            MorseMiddlewareError: its class is none of a stream.
+        """
+        cls = load_class(declaration.stream)
+        if not callable(getattr(cls, "default", None)):
+            raise MorseMiddlewareError(f"{declaration.stream} is no stream: it has no method 'default'")
+        declared = getattr(cls, "options", None)
+        options = dict(declaration.options)
+        if declared is not None:
+            options = with_defaults(declared, checked_options(f"the stream of {component.name()}", declared, options))
+        return cls(component, options)
+
+    def disconnect(self, name: str) -> None:
+        """A component is deleted: close its streams for good."""
+        self._close_streams(name)
+        self.left(name)
+
+    def _close_streams(self, name: str) -> None:
+        for stream in self.streams.pop(name, ()):
+            stream.finalize()
+            self.closed(stream)
+
+    def opened(self, stream: Any) -> None:
+        """A stream begins; called before its `AbstractDatastream.initialize`."""
+
+    def closed(self, stream: Any) -> None:
+        """A stream has ended; that of a new component of the same name may follow."""
+
+    def left(self, name: str) -> None:
+        """A component of that name no longer exists."""
+
+    # -- kinds -------------------------------------------------------------------------------
+
+    def mapping(self, kind: str, direction: str = "OUT") -> Callable[..., Any] | None:
+        """The method that carries a kind, that of ``general`` if there is none of its own; None if nothing does."""
+        name = self._mapped.get((kind, direction)) or self._mapped.get((GENERAL, direction))
+        return None if name is None else getattr(self, name)
+
+    def wanted(self, stream: Any, topic: str) -> bool:
+        """Whether somebody listens; nothing is made of the data of a component if nobody does.
+
+        Args:
+            topic: sub-topic of the stream; empty for its main one.
+        """
+        return True
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def before_tick(self) -> None:
+        """See `action`."""
+        self.action()
+
+    def after_tick(self) -> None:
+        """See `flush`."""
+        self.flush()
+
+    def close(self) -> None:
+        """See `finalize`."""
+        self.finalize()
+
+    def action(self) -> None:
+        """A tick begins; this may wait for a client that paces the simulation."""
+
+    def drain(self) -> None:
+        """Take in what has arrived by now: a client asks for a tick, which is to see what was sent before."""
+
+    def sent(self) -> dict[str, int]:
+        """Number of messages sent by connection, for clients that step the simulation and wait for all of them."""
+        return {}
+
+    def flush(self) -> None:
+        """A tick ends: hand over what was published."""
+
+    def finalize(self) -> None:
+        """The simulation ends: send what is left, close."""
+        for name in list(self.streams):
+            self._close_streams(name)
+
+
+def _is_of_1_4(cls: type[DatastreamManager]) -> bool:
+    parameters = list(inspect.signature(cls.register_component).parameters.values())
+    return len(parameters) == 4 and parameters[3].default is inspect.Parameter.empty
+
+
+def _mw_data(declaration: StreamDeclaration) -> list[Any]:
+    return [declaration.manager, declaration.stream, declaration.direction, dict(declaration.options)]

@@ -52,6 +52,10 @@ class MorseRPCTypeError(MorseWrongArgsError):
     """An argument has the wrong type."""
 
 
+class MorseDeclarationError(MorseError):
+    """A component class declares something that cannot be."""
+
+
 class MorseBuilderError(MorseError):
     """A scene script asks for something that cannot be."""
 

@@ -9,15 +9,22 @@ if TYPE_CHECKING:
 
 
 class Later:
-    """A value that is worked out when it is wanted.
+    """An array that is worked out when it is wanted.
 
     Encoders call `tolist`, as they do for arrays.
+
+    Args:
+        make: returns the array.
     """
 
-    __slots__ = ("tolist",)
+    __slots__ = ("make",)
 
     def __init__(self, make: Callable[[], Any]) -> None:
-        self.tolist = make
+        self.make = make
+
+    def tolist(self) -> Any:
+        """The array as lists."""
+        return self.make().tolist()
 
 
 class LocalData(dict[str, Any]):
@@ -30,7 +37,7 @@ class LocalData(dict[str, Any]):
     def __getitem__(self, key: str) -> Any:
         value = super().__getitem__(key)
         if type(value) is Later:
-            value = self[key] = value.tolist()
+            value = self[key] = value.make()
         return value
 
     def all_present(self) -> LocalData:
@@ -78,16 +85,6 @@ class LocalData(dict[str, Any]):
 
     def __iter__(self) -> Iterator[str]:  # a dictionary that has its own is copied by its keys and items, not as it is
         return super().__iter__()
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, LocalData):
-            other.all_present()
-        return dict.__eq__(self.all_present(), other)
-
-    def __ne__(self, other: object) -> bool:
-        return not self == other
-
-    __hash__ = None
 
     def __or__(self, other: Any) -> Any:
         return self.copy() | other

@@ -9,10 +9,15 @@ section is announced by its title alone: other programs read these lines, so the
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import logging
+import re
 import sys
-from typing import TYPE_CHECKING, TextIO
+import traceback
+from typing import TYPE_CHECKING, Any, TextIO
+
+from morse.core.quoting import escaped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,6 +29,13 @@ ENDSECTION = 23
 
 logging.addLevelName(SECTION, "SECTION")
 logging.addLevelName(ENDSECTION, "ENDSECTION")
+
+LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
+"""Levels that users can set."""
+
+#: every part of the name of a logger takes memory, for as long as the process runs
+_MAX_NAME, _MAX_DEPTH = 128, 8
+_NAME = re.compile(r"[^\W.][\w-]*(\.[^\W.][\w-]*)*")
 
 _MAIN_LOGGERS = frozenset({"morse", "morse.main", "blender.main"})
 _TITLES = logging.getLogger("morse.main")
@@ -49,6 +61,24 @@ _XMAS = ("\033[91m", "\033[92m")
 
 COLOR_SCHEMES = ("mono", "bright", "dark", "xmas")
 """No colours; for a dark terminal; for a light one; for the days after Christmas."""
+
+
+def _safe(text: str) -> str:
+    """The text without what controls a terminal, and with no line but the first at the margin.
+
+    Names, requests and messages of clients get into the log: none of them may look like a record of its own.
+    """
+    if text.isprintable():
+        return text
+    first, *others = text.split("\n")
+    # tabs, with which lines of the summary begin, control nothing
+    first = "\t".join(escaped(part) for part in first.split("\t"))
+    return "\n".join([first, *(_continued(line) for line in others)])
+
+
+def _continued(line: str) -> str:
+    line = escaped(line.replace("\t", "    "))
+    return line if not line or line[0] == " " else "  " + line
 
 
 class MorseFormatter(logging.Formatter):
@@ -81,6 +111,14 @@ class MorseFormatter(logging.Formatter):
             text = f"[{record.relativeCreated / 1000.0:9.3f}] {text}"
         return self._colored(record.levelno, text)
 
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 (the name is logging's)
+        """The text of a record, without its traceback."""
+        return _safe(super().formatMessage(record))
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802
+        """A traceback; the message of the error may hold anything."""
+        return "\n".join(_safe(part.rstrip("\n")) for part in traceback.format_exception(*ei))
+
     def _colored(self, level: int, text: str) -> str:
         if self.colors == "mono":
             return text
@@ -95,15 +133,34 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
 
     def __init__(self) -> None:
         logging.Handler.__init__(self)
+        self._has_complained = False
 
     @property
     def stream(self) -> TextIO:  # type: ignore[override]
         return sys.stdout
 
+    def emit(self, record: logging.LogRecord) -> None:
+        # a process may be started with its standard output closed
+        if sys.stdout is not None:
+            super().emit(record)
+
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (the name is logging's)
+        error = sys.exc_info()[1]
         # the reader of a pipe (`morse run | head`) may leave: that is no reason to disturb the simulation
-        if not isinstance(sys.exc_info()[1], (BrokenPipeError, ValueError)):
+        if isinstance(error, (BrokenPipeError, ValueError)):
+            return
+        if not isinstance(error, OSError):
             super().handleError(record)
+        elif not self._has_complained:
+            self._has_complained = True
+            complain(f"the log cannot be written from here on: {error.strerror or error}")
+
+
+def complain(text: str) -> None:
+    """One line on the standard error, if there is one that can be written."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write(f"* {text}\n")
+        sys.stderr.flush()
 
 
 _handler: _ConsoleHandler | None = None
@@ -128,7 +185,9 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
         root.setLevel(logging.INFO)
         root.propagate = False
     if colors is not None or _handler.formatter is None:
-        _handler.setFormatter(MorseFormatter(colors if colors is not None and sys.stdout.isatty() else "mono"))
+        _handler.setFormatter(
+            MorseFormatter(colors if colors is not None and sys.stdout is not None and sys.stdout.isatty() else "mono")
+        )
     if _handler not in root.handlers:
         root.addHandler(_handler)
     if level is not None:
@@ -136,6 +195,32 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
     # what a script prints has to stay in order with the log, and no name may be lost to an ASCII terminal
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(line_buffering=True, errors="backslashreplace")
+
+
+def set_level(component: str, level: str) -> None:
+    """Set how much a part of the simulator says.
+
+    Args:
+        component: name of a logger, with or without ``morse.`` before it: ``core.request_manager``; the name of a
+            package (``core``) stands for all of its modules.
+        level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``, in any case.
+
+    Raises:
+        ValueError: no level of that name, or ``component`` is no dotted name.
+    """
+    if level.upper() not in LEVELS:
+        raise ValueError(f"there is no log level {level!r:.80}: it is one of {', '.join(LEVELS).lower()}")
+    name = component.removeprefix("morse.")
+    if len(name) > _MAX_NAME or name.count(".") >= _MAX_DEPTH or not _NAME.fullmatch(name):
+        raise ValueError(f"{component!r:.80} is no name of a logger, such as core.request_manager")
+    logging.getLogger("morse" if name == "morse" else f"morse.{name}").setLevel(level.upper())
+
+
+def known_components() -> set[str]:
+    """The names that `set_level` can have an effect for: loggers below ``morse``, modules that are loaded, packages."""
+    names = {name.removeprefix("morse.") for name in list(sys.modules)}
+    names |= {name[6:] for name in list(logging.root.manager.loggerDict) if name.startswith("morse.")}
+    return names
 
 
 def section(title: str) -> None:

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.state.attributes import replace
+from morse.core.validation.options import checked_options
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
     from morse.core.object import Object
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
 class AbstractModifier(ABC):
@@ -18,12 +25,30 @@ class AbstractModifier(ABC):
     Attributes:
         component_instance: the component.
         kwargs: the options that the scene script gave to ``alter``.
+        options: the options that there are, by name; None if the class does not declare them, so that all are taken.
+        changes: field to what becomes of its declaration, e.g. ``{"x": {"unit": "ft"}}``: ``unit``, ``frame``, ``low``,
+            ``high``, and ``stddev``, the standard deviation of the noise it adds.
+
+    Raises:
+        OptionError: an option that is not declared, or a value that does not fit.
     """
+
+    options: ClassVar[Mapping[str, Option] | None] = None
+    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         self.component_instance = component_instance
-        self.kwargs = kwargs
+        self.kwargs = kwargs if self.options is None else checked_options(type(self).__name__, self.options, kwargs)
         self._complaints: set[str] = set()
+
+    def get_state(self) -> dict[str, Any]:
+        """All that determines what the modifier does next: its attributes, but for what the scene script says."""
+        without = ("component_instance", "kwargs", "_complaints")
+        return {name: value for name, value in vars(self).items() if name not in without}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a state from `get_state`."""
+        replace(vars(self), self.get_state(), state)
 
     @property
     def data(self) -> dict[str, Any]:

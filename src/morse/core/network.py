@@ -10,14 +10,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Callable, Coroutine
 
 _T = TypeVar("_T")
 
-#: rounds of the loop from the acceptance of a connection to the reading of what it sent at once
-_ROUNDS = 5
-#: new connections delay what arrives on others by so many rounds at most
-_MOST_ROUNDS = 16
 #: wall-clock seconds for which a loop that is borrowed may stay unserved
 _UNSERVED = 0.002
 #: who waited less than that, wall-clock seconds, looks for so long next time before it sleeps: to be woken takes longer
@@ -34,6 +31,10 @@ class _WatchfulSelector(selectors.DefaultSelector):
 
     until = 0.0
 
+    def ready(self) -> list[tuple[selectors.SelectorKey, int]]:
+        """The sockets that are ready now."""
+        return super().select(0.0)
+
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
         """The sockets that are ready, at the latest after ``timeout`` seconds."""
         if timeout is None or timeout > 0.0:
@@ -41,7 +42,7 @@ class _WatchfulSelector(selectors.DefaultSelector):
             until = self.until if timeout is None else min(self.until, begin + timeout)
             now = begin
             while now < until:
-                if ready := super().select(0.0):
+                if ready := self.ready():
                     return ready
                 now = perf_counter()
             if timeout is not None:
@@ -68,7 +69,7 @@ class Network:
         self._asked_for = self._ending = self._woken = False
         self._borrower: int | None = None
         self._served = 0.0
-        self._newcomers = 0
+        self._first: dict[int, Callable[[], object]] = {}
         self._unread: list[Callable[[], object]] = []
         self._posted: list[tuple[Callable[..., object], tuple[Any, ...]]] = []
         self._alarm: asyncio.TimerHandle | None = None
@@ -119,35 +120,44 @@ class Network:
         self.give_back()
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(timeout)
 
-    # -- the order in which things arrive ----------------------------------------------------
+    # -- what arrives, and in which order ----------------------------------------------------
 
-    def newcomer(self) -> None:
-        """A connection is being made; to be called in the loop, as early as that is known."""
-        self._newcomers += 1
-        self._count_down(_ROUNDS)
+    def on_readable(self, sock: socket.socket, function: Callable[[], object], *, comes_first: bool = False) -> None:
+        """Call ``function`` whenever there is something to take from ``sock``; to be called in the loop.
 
-    def _count_down(self, rounds: int) -> None:
-        if rounds:
-            self._loop.call_soon(self._count_down, rounds - 1)
-        else:
-            self._newcomers -= 1
+        Args:
+            comes_first: `when_read` takes what is there, too. ``function`` must not block, and may be called when
+                there is nothing.
+        """
+        self._loop.add_reader(sock, function)
+        if comes_first:
+            self._first[sock.fileno()] = function
+
+    def ignore(self, sock: socket.socket) -> None:
+        """Take nothing from ``sock`` any more; to be called before it is closed."""
+        self._loop.remove_reader(sock)
+        self._first.pop(sock.fileno(), None)
 
     def when_read(self, function: Callable[[], object]) -> None:
         """Run ``function()`` when all that has arrived by now is read; to be called in the loop.
 
-        The loop reads connections in any order, and new ones some rounds late. A client that sends a
-        command on one and then asks for a tick on another means the tick to see the command.
+        The loop reads connections in any order. A client that sends a command on one and then asks for a tick on
+        another means the tick to see the command. The system puts what is sent first into the buffers first, so that
+        one look at all sockets after the request has been read finds the command.
         """
         if self._borrower is None:
-            self._loop.call_soon(self._if_read, function, _MOST_ROUNDS)
+            self._loop.call_soon(self._after_reading, [function])
         else:
             self._unread.append(function)
             self._loop.stop()
 
-    def _if_read(self, function: Callable[[], object], rounds: int) -> None:
-        if self._newcomers and rounds:
-            self._loop.call_soon(self._if_read, function, rounds - 1)
-        else:
+    def _after_reading(self, functions: list[Callable[[], object]]) -> None:
+        if self._first:
+            for key, _ in self._selector.ready():
+                read = self._first.get(key.fd)
+                if read is not None:
+                    read()
+        for function in functions:
             function()
 
     # -- the loop in the thread that waits ---------------------------------------------------
@@ -168,12 +178,25 @@ class Network:
         begin = perf_counter()
         if self._watchful:
             self._selector.until = begin + _WATCH
-        self._loop.run_forever()
+        self._run()
         if self._unread:
-            self._read_rest()
+            functions, self._unread = self._unread, []
+            self._after_reading(functions)
         self._woken = False
         self._served = perf_counter()
         self._watchful = self._served - begin < _WATCH
+
+    def _run(self) -> None:
+        # a notebook's cell, or a coroutine, waits within the loop of its own thread: that one pauses meanwhile
+        outer = asyncio._get_running_loop()
+        if outer is None:
+            self._loop.run_forever()
+            return
+        asyncio._set_running_loop(None)
+        try:
+            self._loop.run_forever()
+        finally:
+            asyncio._set_running_loop(outer)
 
     def _do_posted(self) -> None:
         # here, not in the loop: that would take a round of its own
@@ -183,17 +206,6 @@ class Network:
                 function(*args)
             except Exception as error:  # as the loop would do
                 self._loop.call_exception_handler({"message": f"error in {function}", "exception": error})
-
-    def _read_rest(self) -> None:
-        # a loop that is stopped finishes its round, so that old connections are read
-        for _ in range(_MOST_ROUNDS):
-            if not self._newcomers:
-                break
-            self._loop.stop()
-            self._loop.run_forever()
-        functions, self._unread = self._unread, []
-        for function in functions:
-            function()
 
     def wake(self) -> None:
         """End `wait`, now or as soon as it is called; may be called from any thread."""

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.generators import generator_state, set_generator_state
+from morse.core.units import conversion
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.declarations import DataField
     from morse.scene.realism import NoiseModel
 
 
@@ -18,10 +23,12 @@ class Noise:
 
     Args:
         random: draws all of them.
+        field: the declaration of the field, or None: noise does not lead out of what it declares.
     """
 
-    def __init__(self, model: NoiseModel, random: np.random.Generator) -> None:
+    def __init__(self, model: NoiseModel, random: np.random.Generator, field: DataField | None = None) -> None:
         self.model = model
+        self._field = field
         self._random = random
         self._bias: NDArray[np.float64] | float = 0.0
         self._step = 0.0
@@ -46,6 +53,35 @@ class Noise:
             measured = np.round(measured / model.quantization) * model.quantization
         return measured
 
+    def possible(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The values nearest to these that the field can hold.
+
+        Angles are in (-pi, pi], or the same in degrees; quaternions have the length 1; numbers are in low..high.
+        """
+        field = self._field
+        if field is None:
+            return values
+        if field.angle:
+            turn = 2.0 * math.pi * conversion("rad", field.unit)[0]
+            # the remainder is in [0, turn), so that the result is in (-turn/2, turn/2]
+            values = turn / 2.0 - np.mod(turn / 2.0 - values, turn)
+        if field.quaternion:
+            length = float(np.linalg.norm(values))
+            values = values / length if length > 0.0 else np.array([1.0, 0.0, 0.0, 0.0])
+        if field.low is not None or field.high is not None:
+            clipped = np.clip(values, field.low, field.high)
+            values = np.where(np.isfinite(values), clipped, values)
+        return values
+
+    def get_state(self) -> dict[str, Any]:
+        """What determines the errors to come, as plain data."""
+        return {"random": generator_state(self._random), "bias": copy.copy(self._bias)}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Go on from a state that `get_state` gave."""
+        set_generator_state(self._random, state["random"])
+        self._bias = copy.copy(state["bias"])
+
     def lost(self, count: int = 1) -> NDArray[np.bool_]:
         """(N,) which values do not arrive."""
         if self.model.dropout == 0.0:
@@ -58,9 +94,9 @@ def measured(value: Any, noise: Noise) -> Any:
     truth = np.array(value, dtype=np.float64)
     if truth.size == 0:
         return value
-    result = noise.errors(truth)
+    result = noise.possible(noise.errors(truth))
     if isinstance(value, np.ndarray):
-        return result
+        return result.astype(value.dtype)
     if isinstance(value, (int, float, list)):
         return result.tolist()
     return type(value)(result.tolist())

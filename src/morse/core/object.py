@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import copy
 import logging
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core import context as _context
+from morse.core import describing
 from morse.core.abstractobject import AbstractObject
 from morse.core.declarations import data_fields, levels, properties
-from morse.core.services import service
+from morse.core.group import OnDemand
+from morse.core.requests import Requesting
+from morse.core.services import ServiceDeclaration, declared_services, service
+from morse.core.state.attributes import replace
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from morse.core.context import Context
+    from morse.core.group import Group
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
-class Object(AbstractObject):
+class Object(Requesting, AbstractObject):
     """A component: something with a place in the world that does some work every tick.
 
     Attributes:
@@ -32,6 +37,14 @@ class Object(AbstractObject):
         context: the running simulation.
     """
 
+    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
+        """In a scene script, ``Sonar()`` and ``Sonar("name")`` give the sonar of the scene."""
+        if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
+            described = describing.describe(cls, *args, **kwargs)
+            if described is not None:
+                return described
+        return super().__new__(cls)
+
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__()
         self.bge_object = obj
@@ -39,6 +52,7 @@ class Object(AbstractObject):
         self.context: Context = _context.current()
         self.clock = self.context.clock
         self._active = True
+        self._offered: list[ServiceDeclaration] = []
         self.frequency = float(obj.get("frequency", self.clock.frequency))
         self.level = self._chosen_level(obj.get("abstraction_level"))
         for name, field in data_fields(type(self)).items():
@@ -59,6 +73,83 @@ class Object(AbstractObject):
             return str(asked)
         return next((name for name, level in declared.items() if level.default), None)
 
+    #: attributes that are no part of the state: they are made from the scene, and stay while the simulation runs
+    not_state: ClassVar[tuple[str, ...]] = (
+        "bge_object",
+        "robot_parent",
+        "context",
+        "clock",
+        "input_functions",
+        "output_functions",
+        "input_modifiers",
+        "output_modifiers",
+        "requests",
+        "rays",
+        "on_completion",
+        "_offered",
+        "group",
+    )
+
+    #: the components that it acts together with
+    group: Group | None = None
+
+    @property
+    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+        """Field to what differs from its declaration because of the properties of this component.
+
+        For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that it adds itself.
+        """
+        return {}
+
+    @property
+    def kind_members(self) -> Mapping[str, Object]:
+        """Components that this one speaks for: sub-topic to the component whose messages go out there."""
+        return {}
+
+    def get_state(self) -> dict[str, Any]:
+        """All that determines what the component does next: its attributes, but for those in `not_state`.
+
+        Override it together with `set_state` for a component that keeps a part of its state elsewhere.
+        """
+        without = {name for cls in type(self).__mro__ for name in vars(cls).get("not_state", ())}
+        if self.group is not None:
+            _ = self.local_data  # fills them in
+            self.settle()
+        own = {name: value for name, value in vars(self).items() if name not in without}
+        # a group takes the data away and gives them back; the others stay in their order: views follow their arrays
+        if "local_data" in own:
+            own["local_data"] = own.pop("local_data")
+        return own
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a state from `get_state`.
+
+        Raises:
+            ValueError: it would put something else in the place of a method.
+        """
+        present = vars(self)
+        for name, value in state.items():
+            hidden = name not in present and callable(getattr(type(self), name, None))
+            if hidden and getattr(value, "__self__", None) is not self:
+                raise ValueError(f"'{name}' is a method of {self.name()}")
+        # a class with a `set_state` of its own may have taken something out of the state
+        is_whole = type(self).set_state is Object.set_state
+        replace(present, [name for name in self.get_state() if name in present] if is_whole else (), state)
+        if self.group is not None:
+            self.group.is_changed = True
+        # who called a service that was under way is not there any more; the service goes on all the same
+        self.on_completion = None if self.running_service is None else _nobody
+
+    def services(self) -> list[ServiceDeclaration]:
+        """The services this component offers, those of its modifiers included."""
+        return [*super().services(), *self._offered]
+
+    def offer(self, other: object) -> None:
+        """Offer the services that another object declares, such as a modifier, as services of this component."""
+        for declaration in declared_services(type(other)):
+            setattr(self, declaration.attribute, getattr(other, declaration.attribute))
+            self._offered.append(declaration)
+
     def name(self) -> str:
         """The fully qualified name, e.g. ``robot.arm.pose``."""
         return str(self.bge_object.name)
@@ -71,10 +162,23 @@ class Object(AbstractObject):
     @active.setter
     def active(self, value: bool) -> None:
         self._active = bool(value)
+        if self.group is not None:
+            self.group.is_changed = True
 
     def toggle_active(self) -> None:
         """Switch between active and inactive."""
-        self._active = not self._active
+        self.active = not self._active
+
+    def may_act_together(self) -> bool:
+        """Whether it takes part in ``act_together`` of its class; asked whenever groups are formed."""
+        return True
+
+    def settle(self) -> None:
+        """Bring those attributes up to date that ``act_together`` leaves as they were.
+
+        It is called before a component that acted together with others acts alone, or is saved. ``position_3d`` and
+        ``local_data`` see to themselves.
+        """
 
     def periodic_call(self) -> bool:
         """Whether it is the turn of this component: always, as its action is called at its frequency alone."""
@@ -101,7 +205,7 @@ class Object(AbstractObject):
                 inside.add(zone.node.name)
         return inside
 
-    @service
+    @service(changes=False)
     def get_properties(self) -> dict[str, dict[str, tuple[Any, str, str, str]]]:
         """The properties: name to value, type, documentation, name in Python."""
         return {
@@ -114,12 +218,12 @@ class Object(AbstractObject):
     @service
     def set_property(self, name: str, value: Any) -> None:
         """Change a property while the simulation runs."""
-        from morse.core.values import checked_property
+        from morse.core.validation import checked_property
 
         python_name, checked = checked_property(self, name, value)
         setattr(self, python_name, checked)
 
-    @service
+    @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:
         """The values of the properties, and where the component sits on its robot."""
         configuration: dict[str, Any] = {
@@ -133,6 +237,13 @@ class Object(AbstractObject):
     def update_pose(self) -> None:
         """Take the present pose of the object into ``position_3d``."""
         self.position_3d.update(self.bge_object)
+
+
+Object.local_data = OnDemand()  # type: ignore[assignment] # all but members of groups have an attribute of their own
+
+
+def _nobody(_outcome: Any) -> None:
+    """Nobody waits for the end of a service."""
 
 
 def _as_tuple(level: str | tuple[str, ...]) -> tuple[str, ...]:

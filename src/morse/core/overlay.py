@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.abstractobject import AbstractObject
+from morse.core.state.attributes import replace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,6 +22,19 @@ class MorseOverlay(AbstractObject):
         super().__init__()
         self.overlaid_object = overlaid_object
         self.options = options
+
+    #: attributes that are no part of the state: they are made from the scene
+    not_state: ClassVar[tuple[str, ...]] = ("overlaid_object", "options", "on_completion")
+
+    def get_state(self) -> dict[str, Any]:
+        """All that determines what the overlay does next: its attributes, but for those in `not_state`."""
+        return {name: value for name, value in vars(self).items() if name not in self.not_state}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a state from `get_state`."""
+        replace(vars(self), self.get_state(), state)
+        # who called a service that was under way is not there any more
+        self.on_completion = None if self.running_service is None else _nobody
 
     def name(self) -> str:
         """Override it to offer the services under another name."""
@@ -42,3 +56,7 @@ class MorseOverlay(AbstractObject):
     def interrupt(self) -> None:
         """Interrupt the object behind the overlay."""
         self.overlaid_object.interrupt()
+
+
+def _nobody(_outcome: Any) -> None:
+    """Nobody waits for the end of a service."""

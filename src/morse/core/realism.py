@@ -6,6 +6,7 @@ from collections import deque
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
+from morse.core.declarations import data_fields
 from morse.core.local_data import LocalData
 from morse.core.noise import Noise
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Realism:
-    """Measures for a sensor that is not ideal.
+    """Measures for a sensor that is not ideal: measure, noise, report, modifiers, delay.
 
     The errors are added to what is published, never to what the sensor works with: a sensor that adds up what
     it measures does not add up its noise.
@@ -32,8 +33,9 @@ class Realism:
         fields: dict[str, NoiseModel] = {}
         for name, noise in model.noise.items():
             fields.update(dict.fromkeys([name] if name else sensor.noisy_fields(), noise))
+        declared = data_fields(type(sensor))
         self._noises = {
-            name: Noise(noise, random(f"{sensor.name()}/noise/{name}"))
+            name: Noise(noise, random(f"{sensor.name()}/noise/{name}"), declared.get(name))
             for name, noise in fields.items()
             if name in sensor.local_data
         }
@@ -41,6 +43,10 @@ class Realism:
         self._truth = {name: copied(sensor.local_data[name]) for name in kept}
         self._last: float | None = None
         self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
+
+    def deviations(self) -> dict[str, float]:
+        """Standard deviation of the white noise of each field, in its unit."""
+        return {name: noise.model.gaussian for name, noise in self._noises.items()}
 
     def act(self) -> None:
         """One measurement: as `Sensor.action`, with errors and delay."""
@@ -52,6 +58,8 @@ class Realism:
         sensor.default_action()
         self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
         self._add_noise(shown)
+        if sensor._reports:
+            sensor.report()
         for modifier in sensor.output_modifiers:
             modifier.modify()
         if not self.delay:
@@ -77,6 +85,23 @@ class Realism:
             data.clear()
             data.update(self._waiting.popleft()[1])
             self._publish()
+
+    def get_state(self) -> dict[str, Any]:
+        """What determines the data to come, as plain data."""
+        return {
+            "truth": copied(self._truth),
+            "last": self._last,
+            "waiting": [[time, copied(data)] for time, data in self._waiting],
+            "noises": {name: noise.get_state() for name, noise in self._noises.items()},
+        }
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Go on from a state that `get_state` gave."""
+        self._truth = copied(state["truth"])
+        self._last = state["last"]
+        self._waiting = deque((time, copied(data)) for time, data in state["waiting"])
+        for name, noise in self._noises.items():
+            noise.set_state(state["noises"][name])
 
     def _publish(self) -> None:
         for publish in self._sensor.output_functions:

@@ -5,27 +5,61 @@ from __future__ import annotations
 import logging
 import uuid
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
-from morse.core.arguments import Arguments
 from morse.core.exceptions import (
     MorseMethodNotFoundError,
     MorseRPCInvokationError,
     MorseServiceError,
 )
-from morse.core.values import nearest
+from morse.core.hints import nearest
+from morse.core.journal import CANCEL, SERVICE
+from morse.core.quoting import quoted, short
+from morse.core.services import ServiceDeclaration
+from morse.core.validation.arguments import Arguments
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
 
-    from morse.core.context import Context
+    from morse.core.journal import Journal
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 #: a finished call: status and result
 Outcome = tuple[str, Any]
+
+
+class OfferedService(NamedTuple):
+    """A service that a manager offers.
+
+    Attributes:
+        callback: runs the service.
+        is_async: whether the service ends later, by calling its first argument.
+        accepted: what arguments it takes.
+        changes: whether it may change the simulation; the journal keeps no other calls.
+    """
+
+    callback: Callable[..., Any]
+    is_async: bool
+    accepted: Arguments
+    changes: bool
+
+    @classmethod
+    def of(cls, callback: Callable[..., Any], name: str, is_async: bool) -> OfferedService:
+        """A service from the method behind it."""
+        declaration = getattr(callback, "_morse_service", None)
+        changes = declaration.changes if isinstance(declaration, ServiceDeclaration) else True
+        return cls(callback, is_async, Arguments(callback, name), changes)
+
+
+class Journaling(Protocol):
+    """What every request manager needs of a simulation (`morse.core.context.Context`)."""
+
+    @property
+    def journal(self) -> Journal:
+        """What comes in from outside."""
 
 
 class RequestManager(ABC):
@@ -40,11 +74,12 @@ class RequestManager(ABC):
 
     classpath: str = ""
 
-    def __init__(self, context: Context | None = None) -> None:
+    def __init__(self, context: Journaling | None = None) -> None:
         self.context = context
-        self._services: dict[tuple[str, str], tuple[Callable[..., Any], bool, Arguments]] = {}
-        self._running: dict[uuid.UUID, AbstractObject | None] = {}
+        self._services: dict[tuple[str, str], OfferedService] = {}
+        self._running: dict[uuid.UUID, tuple[AbstractObject | None, str, str]] = {}
         self._arrivals: list[tuple[uuid.UUID, Outcome]] = []
+        self._cancellations: dict[uuid.UUID, Callable[[], object]] = {}
         if not self.classpath:
             self.classpath = f"{type(self).__module__}.{type(self).__name__}"
 
@@ -95,7 +130,7 @@ class RequestManager(ABC):
         if not callable(callback):
             raise MorseServiceError(f"'{name}' of {component} is not callable, it cannot be a service")
         if self.post_registration(component, name, is_async):
-            self._services[component, name] = (callback, is_async, Arguments(callback, name))
+            self._services[component, name] = OfferedService.of(callback, name, is_async)
 
     def unregister(self, component_name: str) -> None:
         """Stop offering the services of a component."""
@@ -109,6 +144,10 @@ class RequestManager(ABC):
             listing.setdefault(component, []).append(name)
         return listing
 
+    def find(self, component: str, service: str) -> OfferedService | None:
+        """The service of that name, or None."""
+        return self._services.get((component, service))
+
     def on_incoming_request(self, component: str, service: str, params: list[Any] | None) -> tuple[bool, Any]:
         """Run a service.
 
@@ -118,30 +157,33 @@ class RequestManager(ABC):
         Raises:
             MorseRPCInvokationError: no such service, wrong arguments, or it refused.
         """
-        entry = self._services.get((component, service))
+        entry = self.find(component, service)
         if entry is None:
             raise MorseMethodNotFoundError(self._unknown(component, service))
-        callback, is_async, accepted = entry
         arguments = list(params or [])
-        accepted.check(arguments)
-        if not is_async:
-            return True, (status.SUCCESS, callback(*arguments))
+        entry.accepted.check(arguments)
+        if entry.changes and self.context is not None:
+            self.context.journal.note(SERVICE, component, (service, arguments))
+        if not entry.is_async:
+            return True, (status.SUCCESS, entry.callback(*arguments))
         request_id = uuid.uuid4()
-        owner = getattr(callback, "__self__", None)
-        self._running[request_id] = owner if isinstance(owner, AbstractObject) else None
+        owner = getattr(entry.callback, "__self__", None)
+        self._running[request_id] = (owner if isinstance(owner, AbstractObject) else None, component, service)
         try:
-            callback(lambda outcome: self._ended(request_id, outcome), *arguments)
+            cancel = entry.callback(lambda outcome: self._ended(request_id, outcome), *arguments)
         except BaseException:
             self._running.pop(request_id, None)
             raise
+        if request_id in self._running and getattr(entry.callback, "_morse_concurrent", False) and callable(cancel):
+            self._cancellations[request_id] = cancel
         return False, request_id
 
     def _unknown(self, component: str, service: str) -> str:
         known = self.services()
-        text = f"The request {service} has not been registered in {self.title}"
+        text = f"The request {short(service)} has not been registered in {self.title}"
         if component in known:
             return text + nearest(service, known[component])
-        return f"{text}: there is no component '{component}'{nearest(component, sorted(known))}"
+        return f"{text}: there is no component {quoted(component)}{nearest(component, sorted(known))}"
 
     #: how messages to clients call this manager
     title = "the service manager"
@@ -149,21 +191,41 @@ class RequestManager(ABC):
     def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
         if self._running.pop(request_id, _GONE) is _GONE:
             return
+        self._cancellations.pop(request_id, None)
         if not isinstance(outcome, tuple):
             outcome = (status.SUCCESS, outcome)
         self._arrivals.append((request_id, outcome))
 
+    def hand_over(self, before: AbstractObject, after: AbstractObject) -> None:
+        """Let another object answer for the calls of one that it replaces."""
+        for request_id, (owner, component, service) in list(self._running.items()):
+            if owner is before:
+                self._running[request_id] = (after, component, service)
+
     def abort_request(self, request_id: uuid.UUID) -> None:
         """Interrupt a running asynchronous call; its caller gets ``PREEMPTED``."""
-        owner = self._running.get(request_id)
-        if owner is not None:
+        if request_id not in self._running:
+            return
+        owner, component, service = self._running[request_id]
+        offered = self.find(component, service)
+        if self.context is not None and (offered is None or offered.changes):
+            self.context.journal.note(CANCEL, component, service)
+        cancel = self._cancellations.pop(request_id, None)
+        if cancel is not None:
+            cancel()
+        elif owner is not None:
             owner.interrupt()
         if self._running.pop(request_id, _GONE) is not _GONE:
             self._arrivals.append((request_id, (status.PREEMPTED, None)))
 
+    def abandon(self, request_id: uuid.UUID) -> None:
+        """Whoever called has gone: what was done for the caller alone ends (see `concurrent_service`)."""
+        if request_id in self._cancellations:
+            self.abort_request(request_id)
+
     def preempt(self, spared: Collection[AbstractObject]) -> None:
         """Interrupt every running asynchronous call but those of the ``spared`` objects."""
-        for request_id, owner in list(self._running.items()):
+        for request_id, (owner, _, _) in list(self._running.items()):
             if owner is not None and owner in spared:
                 continue
             try:
@@ -183,6 +245,11 @@ class MorseServices:
     def __init__(self, managers: Iterable[RequestManager] = ()) -> None:
         self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
         self._mapping: dict[str, list[str]] = {}
+        self._internal: list[RequestManager] = []
+
+    def add_internal(self, manager: RequestManager) -> None:
+        """Add a manager for who calls services from within the process; summaries do not list it."""
+        self._internal.append(manager)
 
     def add_request_manager(self, manager: RequestManager) -> None:
         """Add a manager and start it.
@@ -221,21 +288,37 @@ class MorseServices:
                 else:
                     manager.register_service(component, method, declaration.name)
 
+    def _everybody(self) -> list[RequestManager]:
+        return [*self._managers.values(), *self._internal]
+
+    def unregister(self, component: str) -> None:
+        """Stop offering the services of a component: it was deleted, or is made again."""
+        for manager in self._everybody():
+            manager.unregister(component)
+        self._mapping.pop(component, None)
+
+    def replace(self, name: str, before: AbstractObject, after: AbstractObject) -> None:
+        """Offer the services of an object instead of those of another; calls that go on belong to it, too."""
+        for manager in self._everybody():
+            manager.unregister(name)
+            manager.hand_over(before, after)
+        self.register_object(name, after)
+
     def process(self) -> None:
         """One tick of every manager."""
-        for manager in self._managers.values():
+        for manager in self._everybody():
             manager.update()
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
         """Interrupt every running asynchronous call but those of the ``spared`` objects."""
-        for manager in self._managers.values():
+        for manager in self._everybody():
             manager.preempt(spared)
 
     def finalize(self) -> None:
         """Send the last outcomes and stop every manager."""
-        for manager in self._managers.values():
+        for manager in self._everybody():
             manager.answer()
             manager.finalization()
 
 
-__all__ = ["MorseRPCInvokationError", "MorseServices", "Outcome", "RequestManager"]
+__all__ = ["MorseRPCInvokationError", "MorseServices", "OfferedService", "Outcome", "RequestManager"]

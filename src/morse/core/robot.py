@@ -15,6 +15,7 @@ class Robot(Object):
     """A body that carries components and that actuators move.
 
     Attributes:
+        position_3d: its present pose in the world.
         move_status: what the motion of the robot is doing: ``Stop``, ``Transit``, ``Arrived``.
     """
 
@@ -28,6 +29,7 @@ class Robot(Object):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self.time_shift = 0.0
+        self.position_3d.follow(obj)
         self._no_gravity = bool(self._no_gravity)
         self._is_ground_robot = bool(self._is_ground_robot)
         self.is_dynamic = bool(obj.is_dynamic)
@@ -42,6 +44,17 @@ class Robot(Object):
     @move_status.setter
     def move_status(self, value: str) -> None:
         self.local_data["move_status"] = value
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing would happen in a tick but that its pose is taken, which follows the body anyway."""
+        cls, own = type(self), vars(self)
+        return (
+            cls.action is Robot.action
+            and cls.default_action is Object.default_action
+            and cls.update_pose is Object.update_pose
+            and not own.keys() & {"action", "default_action", "update_pose"}
+        )
 
     def gettime(self) -> float:
         """Simulated time as this robot's clock shows it, s."""
@@ -79,3 +92,8 @@ class Robot(Object):
         if orientation is not None:
             self.bge_object.worldOrientation = orientation
         self.bge_object.halt()
+
+
+def drives_body(robot: Robot) -> bool:
+    """Whether `Robot.apply_speed` of a robot is that of its class `Robot`: `Group.drive` does the same."""
+    return type(robot).apply_speed is Robot.apply_speed and "apply_speed" not in vars(robot)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from morse.core.declarations import add_data
+from morse.core.declarations import add_data, data_fields
 from morse.core.noise import measured
 from morse.core.object import Object
 from morse.core.services import service
@@ -13,43 +13,53 @@ from morse.scene.realism import is_numeric
 if TYPE_CHECKING:
     from morse.core.noise import Noise
     from morse.core.realism import Realism
+    from morse.core.watched_space import WatchedSpace
 
 
 class Sensor(Object):
-    """Measures something and publishes it: fill ``local_data`` in ``default_action``.
+    """Measures something and publishes it.
+
+    Fill ``local_data`` in `measure`, or in ``default_action`` as in 1.4. Then come noise and delay, if the script
+    asks for them, and `report` works out the fields that follow from what is measured, so that they fit the noise.
 
     Attributes:
-        rays: the rays that it looks along (`morse.physics.RayBundle`), or None, see `add_rays`.
         realism: its delay and noise, or None for an ideal sensor.
+        capturing: whether a camera takes pictures now; None for a sensor that takes none.
     """
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 
-    rays: Any = None
     realism: Realism | None = None
+    #: whether the class has a `report` of its own
+    _reports: ClassVar[bool] = False
 
-    @service
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls._reports = cls.report is not Sensor.report
+
+    capturing: bool | None = None
+
+    @service(changes=False)
     def get_local_data(self) -> dict[str, Any]:
         """The present data of the sensor."""
         return self.local_data
 
-    def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> None:
-        """Look along rays; call it in ``__init__``.
+    def watched_space(self) -> WatchedSpace | None:
+        """The space that the sensor looks into, for the live view; None if there is none to show but its rays."""
+        return None
 
-        They are cast together with those of all other sensors, before ``default_action``, which finds what they
-        met in ``self.rays``: ``distances``, ``points``, ``hit``, ``object_of(i)``, ``remissions``. They pass
-        through the own robot and through everything that does not collide.
+    def measure(self) -> None:
+        """Fill the measured fields of ``local_data`` with the truth; noise is added afterwards."""
 
-        Args:
-            directions: (N, 3) vectors in the frame of the sensor.
-            reach: metres.
-            origins: (N, 3) metres in the frame of the sensor; None if all rays start at its origin.
-            upright: directions and origins are along the axes of the world, however the sensor is turned.
+    def report(self) -> None:
+        """Fill the fields that follow from the measured ones (``add_data(..., follows=...)``).
 
-        Raises:
-            ValueError: arrays of another shape, numbers that are not finite, directions of no length, no reach.
+        It is called after noise was added to the measured fields.
         """
-        self.rays = self.context.world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
+
+    def default_action(self) -> None:
+        """One measurement."""
+        self.measure()
 
     def sensor_setup(self) -> None:
         """Take the pose and the time of a measurement."""
@@ -57,7 +67,7 @@ class Sensor(Object):
         self.local_data["timestamp"] = self.clock.time
 
     def action(self) -> None:
-        """One measurement: pose, time, `default_action`, modifiers, streams."""
+        """One measurement: pose, time, `default_action`, `report`, modifiers, streams."""
         if not self._active:
             return
         if self.realism is not None:
@@ -66,6 +76,8 @@ class Sensor(Object):
         self.position_3d.update(self.bge_object)
         self.local_data["timestamp"] = self.clock.time
         self.default_action()
+        if self._reports:
+            self.report()
         for modifier in self.output_modifiers:
             modifier.modify()
         for publish in self.output_functions:
@@ -74,11 +86,12 @@ class Sensor(Object):
     # -- noise -----------------------------------------------------------------------------
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """The fields that get the noise for which a script names no field: all numbers and vectors."""
-        return tuple(name for name, value in self.local_data.items() if name != "timestamp" and is_numeric(value))
+        """The fields that get the noise for which a script names no field: all measured numbers and vectors."""
+        follow = {name for name, field in data_fields(type(self)).items() if field.follows} | {"timestamp"}
+        return tuple(name for name, value in self.local_data.items() if name not in follow and is_numeric(value))
 
     def add_noise(self, field: str, noise: Noise, before: Any) -> None:
-        """Add errors to a field. A value that is lost stays as it was before.
+        """Add errors to a field, within what it declares. A value that is lost stays as it was before.
 
         Args:
             before: what the field held until this measurement.

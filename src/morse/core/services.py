@@ -7,9 +7,13 @@ for each component; or it may be called by many clients at the same time (`concu
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+import operator
+import typing
+from types import SimpleNamespace, UnionType
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
 
 from morse.core import status
 from morse.core.exceptions import MorseServiceAlreadyRunningError
@@ -30,44 +34,62 @@ class ServiceDeclaration(NamedTuple):
         attribute: name of the method.
         asynchronous: ends by ``completed``.
         component: name of the pseudo component that offers it, or None for its own component.
+        changes: whether a call may change the simulation; the journal keeps no others.
     """
 
     name: str
     attribute: str
     asynchronous: bool
     component: str | None
+    changes: bool = True
 
 
+@overload
+def service(fn: _F) -> _F: ...
+@overload
+def service(
+    *, component: str | None = None, name: str | None = None, asynchronous: bool = False, changes: bool = True
+) -> Callable[[_F], _F]: ...
 def service(
     fn: Callable[..., Any] | None = None,
     component: str | None = None,
     name: str | None = None,
     asynchronous: bool = False,
+    changes: bool = True,
 ) -> Any:
     """Declare a method as a service. Use with or without arguments.
 
     Args:
         component: offer it under this name instead of that of its component.
         name: offer it under another name than that of the method.
+        changes: whether a call may change the simulation; the journal of inputs keeps no others.
     """
     if fn is None:
-        return functools.partial(service, component=component, name=name, asynchronous=asynchronous)
+        return functools.partial(service, component=component, name=name, asynchronous=asynchronous, changes=changes)
     method = _asynchronous(fn) if asynchronous else fn
-    method._morse_service = ServiceDeclaration(name or fn.__name__, fn.__name__, asynchronous, component)  # type: ignore[attr-defined]
+    method._morse_service = ServiceDeclaration(name or fn.__name__, fn.__name__, asynchronous, component, changes)  # type: ignore[attr-defined]
     return method
 
 
 def async_service(fn: Callable[..., Any] | None = None, component: str | None = None, name: str | None = None) -> Any:
     """Declare a method as a service that ends when the component calls ``completed``."""
-    return service(fn, component, name, asynchronous=True)
+    return service(fn, component=component, name=name, asynchronous=True)  # type: ignore[call-overload]
 
 
-def concurrent_service(fn: _F) -> _F:
+@overload
+def concurrent_service(fn: _F) -> _F: ...
+@overload
+def concurrent_service(*, changes: bool = True) -> Callable[[_F], _F]: ...
+def concurrent_service(fn: Callable[..., Any] | None = None, *, changes: bool = True) -> Any:
     """Declare a method as a service that goes on over several ticks, any number of calls at the same time.
 
     The method takes, before the arguments of the client, a function: ``ended((status, result))`` ends this call.
+    It may return a function that cancels the call; nothing else cancels it then. Such a call ends with its caller.
+    For ``changes`` see `service`.
     """
-    fn._morse_service = ServiceDeclaration(fn.__name__, fn.__name__, True, None)  # type: ignore[attr-defined]
+    if fn is None:
+        return functools.partial(concurrent_service, changes=changes)
+    fn._morse_service = ServiceDeclaration(fn.__name__, fn.__name__, True, None, changes)  # type: ignore[attr-defined]
     fn._morse_concurrent = True  # type: ignore[attr-defined]
     return fn
 
@@ -125,13 +147,37 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
     plain = getattr(method, "_morse_callable", None) or getattr(
         getattr(method, "__func__", None), "_morse_callable", None
     )
-    if plain is None:
-        signature = inspect.signature(method)
-        if not getattr(method, "_morse_concurrent", False):
-            return signature
-        return signature.replace(parameters=list(signature.parameters.values())[1:])
-    parameters = list(inspect.signature(plain).parameters.values())[1:]
-    return inspect.Signature(parameters)
+    parameters = list(inspect.signature(plain or method).parameters.values())
+    asynchronous = plain is not None or getattr(method, "_morse_concurrent", False)
+    if asynchronous:
+        del parameters[0]
+    ranged = {name: hint for name, hint in hints_of(method).items() if _without_range(hint) is not hint}
+    shown = [p.replace(annotation=_without_range(ranged[p.name])) if p.name in ranged else p for p in parameters]
+    returns = inspect.Signature.empty if asynchronous else inspect.signature(method).return_annotation
+    return inspect.Signature(shown, return_annotation=returns)
+
+
+def hints_of(method: Callable[..., Any]) -> dict[str, Any]:
+    """The annotations of a service that can be evaluated, with what `typing.Annotated` adds."""
+    function = getattr(method, "_morse_callable", None) or getattr(method, "__func__", method)
+    names = getattr(function, "__globals__", {})
+    hints = {}
+    for name, annotation in getattr(function, "__annotations__", {}).items():
+        alone = SimpleNamespace(__annotations__={name: annotation})
+        # one by one: annotations may name what is imported for type checkers only, and those of users anything
+        with contextlib.suppress(Exception):
+            hints.update(typing.get_type_hints(alone, names, include_extras=True))
+    return hints
+
+
+def _without_range(hint: Any) -> Any:
+    if typing.get_origin(hint) is typing.Annotated:
+        return typing.get_args(hint)[0]
+    if typing.get_origin(hint) in (typing.Union, UnionType):
+        parts = [_without_range(part) for part in typing.get_args(hint)]
+        if any(new is not old for new, old in zip(parts, typing.get_args(hint), strict=True)):
+            return functools.reduce(operator.or_, parts)
+    return hint
 
 
 __all__ = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.declarations import add_property
 from morse.core.robot import Robot
 
@@ -26,6 +27,8 @@ class PhysicsDifferentialRobot(Robot):
     add_property("_influence", 0.1, "Influence", "double", "Kept for scripts of 1.4; the engine does not use it")
     add_property("_wheel_friction", 0.8, "Friction", "double", "Kept for scripts of 1.4; see set_friction")
     add_property("_has_suspension", True, "HasSuspension", "bool", "Kept for scripts of 1.4; wheels are rigid")
+
+    add_property("_ride_height", 0.0, "RideHeight", "double", "How much higher above its wheels than in the model, m")
 
     _fix_turning: float
 
@@ -65,3 +68,6 @@ class PhysicsDifferentialRobot(Robot):
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
         """Drive by the wheels: forward speed and yaw rate count, the rest is not possible."""
         self.apply_vw_wheels(linear_speed[0], angular_speed[2])
+
+
+__all__ = ["PhysicsAckermannRobot", "PhysicsDifferentialRobot"]

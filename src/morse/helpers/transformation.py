@@ -6,13 +6,16 @@ from math import asin, atan2, dist
 from typing import TYPE_CHECKING, Protocol
 
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
-from morse.mathutils.rotations import Rotation9, both_eulers, nine, product, rows_of
+from morse.mathutils.rotations import Rotation9, euler_from_rotation, nine, product, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-_LOCKED = 1.0 - 1e-13  # sine of a pitch at which yaw and roll turn about one axis
+# An own Z axis that rises this steeply is tilted so little that |roll| + |pitch| stays below 90 degrees (as
+# cos(|roll| + |pitch|) >= 2 cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the
+# one with the pitch within 90 degrees, whatever the yaw: its sum is s, that of the other one 3 pi - s.
+_UPRIGHT = 0.51
 
 
 class Posed(Protocol):
@@ -27,16 +30,32 @@ class Posed(Protocol):
         """3x3 rotation from the object's frame to the world."""
 
 
+class PoseSource(Protocol):
+    """Has poses that change from time to time."""
+
+    @property
+    def stamp(self) -> object:
+        """Changes whenever poses do."""
+
+    def pose_of(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
+        """The arguments of `Transformation3d.set_pose`."""
+
+
 class Transformation3d:
     """A pose at one instant: X forward, Y left, Z up; metres and radians; rotation from the object to the world.
+
+    Two sets of yaw, pitch and roll describe one rotation: the angles are those with the smaller
+    |yaw| + |pitch| + |roll|, as Blender chooses them. A robot that only pitches is reported with no yaw and no
+    roll, also upside down.
 
     A pose is taken once a tick by every component, of which most need little: only the numbers are kept,
     and angles and matrices are worked out when they are read. What is returned is the caller's own.
     """
 
-    __slots__ = ("_position", "_rotation")
+    __slots__ = ("_link", "_position", "_rotation")
     _position: Sequence[float]
     _rotation: Sequence[float]
+    _link: tuple[PoseSource, int, object]
 
     def __init__(self, obj: Posed | None = None) -> None:
         """The pose of an object, or no displacement at all."""
@@ -56,10 +75,11 @@ class Transformation3d:
         except AttributeError:
             world_pose = None
         if world_pose is not None:
-            self._position, self._rotation = world_pose()
+            position, rotation = world_pose()
         else:
             x, y, z = obj.worldPosition
-            self._position, self._rotation = (x, y, z), nine(obj.worldOrientation)
+            position, rotation = (x, y, z), nine(obj.worldOrientation)
+        self.set_pose(position, rotation)
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
         """Take a pose as numbers. Both are kept as they are: they must not change afterwards.
@@ -71,14 +91,29 @@ class Transformation3d:
         self._position = position
         self._rotation = rotation
 
+    def follow(self, source: PoseSource, row: int = 0) -> None:
+        """From now on be the pose that a source has at the moment when it is read.
+
+        `update` and `set_pose` hold until the stamp of the source changes.
+        """
+        self._link = (source, row, None)
+        self.__class__ = _Following
+
+    def stay(self) -> None:
+        """Follow nobody any more: keep the present pose."""
+
+    def get_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """What `set_pose` takes; not to be changed."""
+        return self._position, self._rotation
+
     def numbers(self) -> tuple[float, float, float, float, float, float]:
         """x, y, z, yaw, pitch and roll at once, for those who need them all."""
         x, y, z = self._position
         m = self._rotation
-        sine = m[6]
-        if -_LOCKED < sine < _LOCKED:
-            return x, y, z, atan2(m[3], m[0]), -asin(sine), atan2(m[7], m[8])
-        return x, y, z, self.yaw, self.pitch, self.roll
+        if m[8] > _UPRIGHT:
+            return x, y, z, atan2(m[3], m[0]), -asin(m[6]), atan2(m[7], m[8])
+        roll, pitch, yaw = self._angles()
+        return x, y, z, yaw, pitch, roll
 
     @property
     def x(self) -> float:
@@ -99,26 +134,22 @@ class Transformation3d:
     def yaw(self) -> float:
         """Rotation about world Z, -pi to pi."""
         m = self._rotation
-        if -_LOCKED < m[6] < _LOCKED:
-            return atan2(m[3], m[0])
-        return self._angles()[2]
+        return atan2(m[3], m[0]) if m[8] > _UPRIGHT else self._angles()[2]
 
     @property
     def pitch(self) -> float:
-        """Rotation about the horizontal left axis, -pi/2 to pi/2, positive nose down."""
-        sine = self._rotation[6]
-        return -asin(sine) if -1.0 <= sine <= 1.0 else self._angles()[1]
+        """Rotation about the horizontal left axis, -pi to pi, positive nose down."""
+        m = self._rotation
+        return -asin(m[6]) if m[8] > _UPRIGHT else self._angles()[1]
 
     @property
     def roll(self) -> float:
         """Rotation about the own forward axis, -pi to pi."""
         m = self._rotation
-        if -_LOCKED < m[6] < _LOCKED:
-            return atan2(m[7], m[8])
-        return self._angles()[0]
+        return atan2(m[7], m[8]) if m[8] > _UPRIGHT else self._angles()[0]
 
     def _angles(self) -> tuple[float, float, float]:
-        return both_eulers(self._nine(), "XYZ")[0]
+        return euler_from_rotation(self._nine(), "XYZ")
 
     def _nine(self) -> Rotation9:
         a, b, c, d, e, f, g, h, i = self._rotation
@@ -127,7 +158,7 @@ class Transformation3d:
     @property
     def euler(self) -> Euler:
         """Roll, pitch and yaw as x, y and z."""
-        return Euler((self.roll, self.pitch, self.yaw))
+        return Euler(self.numbers()[:2:-1])
 
     @property
     def translation(self) -> Vector:
@@ -174,3 +205,63 @@ class Transformation3d:
             f"Transformation3d(x={self.x:.4f}, y={self.y:.4f}, z={self.z:.4f}, "
             f"yaw={self.yaw:.4f}, pitch={self.pitch:.4f}, roll={self.roll:.4f})"
         )
+
+
+_PLACE, _TURN = Transformation3d.__dict__["_position"], Transformation3d.__dict__["_rotation"]
+
+
+class _Following(Transformation3d):
+    """One that follows a source; a class of its own, so that the others are read as fast as can be."""
+
+    __slots__ = ()
+
+    def _fresh(self) -> None:
+        source, row, stamp = self._link
+        if source.stamp != stamp:
+            position, rotation = source.pose_of(row)
+            self.set_pose(position, rotation)
+
+    def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """See `Transformation3d.set_pose`."""
+        source, row, _ = self._link
+        self._link = (source, row, source.stamp)
+        _PLACE.__set__(self, position)
+        _TURN.__set__(self, rotation)
+
+    def stay(self) -> None:
+        """See `Transformation3d.stay`."""
+        self._fresh()
+        self.__class__ = Transformation3d  # type: ignore[assignment]
+
+    def _get_position(self) -> Sequence[float]:
+        self._fresh()
+        position: Sequence[float] = _PLACE.__get__(self)
+        return position
+
+    def _get_rotation(self) -> Sequence[float]:
+        self._fresh()
+        rotation: Sequence[float] = _TURN.__get__(self)
+        return rotation
+
+    def _set_position(self, position: Sequence[float]) -> None:
+        self.set_pose(position, self._rotation)
+
+    def _set_rotation(self, rotation: Sequence[float]) -> None:
+        self.set_pose(self._position, rotation)
+
+    _position = property(_get_position, _set_position)
+    _rotation = property(_get_rotation, _set_rotation)
+
+    def __reduce_ex__(self, protocol: object) -> tuple[object, ...]:
+        """A copy is the pose at that moment."""
+        return _plain, (self._position, self._rotation)
+
+
+#: the class of those that follow
+FOLLOWING = _Following
+
+
+def _plain(position: Sequence[float], rotation: Sequence[float]) -> Transformation3d:
+    made = Transformation3d()
+    made.set_pose(position, rotation)
+    return made

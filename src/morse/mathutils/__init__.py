@@ -4,9 +4,7 @@ Products are written ``*`` (as scripts for Blender before 2.80 do) or ``@`` (as 
 """
 
 from morse.mathutils.color import Color
-from morse.mathutils.euler import Euler
 from morse.mathutils.matrix import Matrix
-from morse.mathutils.quaternion import Quaternion
-from morse.mathutils.vector import Vector
+from morse.mathutils.orientation import Euler, Quaternion, Vector
 
 __all__ = ["Color", "Euler", "Matrix", "Quaternion", "Vector"]

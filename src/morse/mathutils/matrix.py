@@ -7,19 +7,15 @@ from math import cos, sin
 from operator import mul
 from typing import TYPE_CHECKING, Any, Self, overload
 
-from morse.mathutils import euler as eulers
-from morse.mathutils import quaternion as quaternions
 from morse.mathutils import rotations
 from morse.mathutils import rows as algebra
+from morse.mathutils.orientation import Euler, Quaternion, Vector
 from morse.mathutils.rows import Lines, Rows
 from morse.mathutils.sequence import floats, is_number, rounded
-from morse.mathutils.vector import Vector
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from morse.mathutils.euler import Euler
-    from morse.mathutils.quaternion import Quaternion
 
 _IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
@@ -85,7 +81,7 @@ class Matrix:
             if axis not in ("X", "Y", "Z"):
                 raise ValueError(f"Matrix.Rotation: the axis is 'X', 'Y', 'Z' or a vector, given {axis!r}")
             axis = [1.0 if letter == axis else 0.0 for letter in "XYZ"]
-        three = quaternions.Quaternion(axis, angle).to_matrix()
+        three = Quaternion(axis, angle).to_matrix()
         return cls._wrap(three._rows if size == 3 else three.to_4x4()._rows)
 
     @classmethod
@@ -434,14 +430,7 @@ class Matrix:
 
     def to_quaternion(self) -> Quaternion:
         """The rotation as a unit quaternion with w >= 0; scale and mirroring are left out."""
-        return quaternions.Quaternion._wrap(list(rotations.quaternion_from_rotation(self._unscaled())))
-
-    def _unscaled(self) -> rotations.Rotation9:
-        nine = rotations.normalized_columns(self.as_rotation())
-        if rotations.determinant(nine) < 0.0:
-            a, b, c, d, e, f, g, h, i = nine
-            return -a, -b, -c, -d, -e, -f, -g, -h, -i
-        return nine
+        return Quaternion._wrap(list(rotations.quaternion_from_rotation(rotations.unscaled(self.as_rotation()))))
 
     def to_euler(self, order: str = "XYZ", compatible: Iterable[float] | None = None) -> Euler:
         """The rotation as Euler angles in the given order.
@@ -450,12 +439,12 @@ class Matrix:
             order: one of the six orders.
             compatible: take the solution nearest to these angles, instead of that with the smallest ones.
         """
-        eulers.checked_order(order)
-        nine = self._unscaled()
+        rotations.checked_order(order)
+        nine = rotations.unscaled(self.as_rotation())
         if compatible is None:
-            return eulers.Euler(rotations.euler_from_rotation(nine, order), order)
+            return Euler(rotations.euler_from_rotation(nine, order), order)
         near = floats(compatible, "Matrix.to_euler compatible", 3, 3)
-        return eulers.Euler(rotations.compatible_euler(nine, order, near), order)
+        return Euler(rotations.compatible_euler(nine, order, near), order)
 
     def decompose(self) -> tuple[Vector, Quaternion, Vector]:
         """Translation, rotation and scale of a 4x4 matrix; all scales are negative if it mirrors."""

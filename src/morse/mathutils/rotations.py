@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 Rotation9: TypeAlias = tuple[float, float, float, float, float, float, float, float, float]
 Quaternion4: TypeAlias = tuple[float, float, float, float]
 Angles: TypeAlias = tuple[float, float, float]
+Triple: TypeAlias = tuple[float, float, float]
 
 ORDERS: dict[str, tuple[int, int, int, float]] = {
     "XYZ": (0, 1, 2, 1.0),
@@ -38,6 +39,23 @@ def product(a: Rotation9, b: Rotation9) -> Rotation9:
         a3 * b0 + a4 * b3 + a5 * b6, a3 * b1 + a4 * b4 + a5 * b7, a3 * b2 + a4 * b5 + a5 * b8,
         a6 * b0 + a7 * b3 + a8 * b6, a6 * b1 + a7 * b4 + a8 * b7, a6 * b2 + a7 * b5 + a8 * b8,
     )  # fmt: skip
+
+
+def turn(m: Sequence[float], v: Sequence[float]) -> Triple:
+    """``M v``."""
+    x, y, z = v
+    return (m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
+
+
+def turn_back(m: Sequence[float], v: Sequence[float]) -> Triple:
+    """``M^T v``: for a rotation the inverse of `turn`."""
+    x, y, z = v
+    return (m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z, m[2] * x + m[5] * y + m[8] * z)
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Triple:
+    """``a x b``."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def nine(rows: Sequence[Sequence[float]]) -> Rotation9:
@@ -65,6 +83,15 @@ def determinant(m: Rotation9) -> float:
     """Determinant of a 3x3 matrix."""
     a, b, c, d, e, f, g, h, i = m
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def unscaled(m: Rotation9) -> Rotation9:
+    """The rotation in a matrix that also scales or mirrors."""
+    pure = normalized_columns(m)
+    if determinant(pure) < 0.0:
+        a, b, c, d, e, f, g, h, i = pure
+        return -a, -b, -c, -d, -e, -f, -g, -h, -i
+    return pure
 
 
 def rotation_from_quaternion(w: float, x: float, y: float, z: float) -> Rotation9:
@@ -97,6 +124,16 @@ def quaternion_from_rotation(m: Rotation9) -> Quaternion4:
     w, x, y, z = q
     scale = copysign(1.0 / (sqrt(w * w + x * x + y * y + z * z) or 1.0), w)
     return w * scale, x * scale, y * scale, z * scale
+
+
+def rotation_vector(before: Sequence[float], after: Sequence[float]) -> Triple:
+    """The shortest turn that leads from one rotation to another: axis times angle (rad), in the axes of both."""
+    a, b, c, d, e, f, g, h, i = before
+    w, x, y, z = quaternion_from_rotation(product((a, d, g, b, e, h, c, f, i), tuple(after)))  # type: ignore[arg-type]
+    sine = sqrt(x * x + y * y + z * z)
+    # twice the angle's sine to the angle: for the least of turns it is 2
+    scale = 2.0 * atan2(sine, w) / sine if sine > 0.0 else 2.0
+    return x * scale, y * scale, z * scale
 
 
 def rotation_from_euler(angles: Sequence[float], order: str) -> Rotation9:
@@ -165,3 +202,14 @@ def unwrapped(angles: Sequence[float], near: Sequence[float]) -> Angles:
 
 def _turn(angles: Angles) -> float:
     return abs(angles[0]) + abs(angles[1]) + abs(angles[2])
+
+
+def checked_order(order: str) -> str:
+    """The order, if it is one.
+
+    Raises:
+        ValueError: it is not one of the six.
+    """
+    if order not in ORDERS:
+        raise ValueError(f"an Euler order is one of {', '.join(ORDERS)}, given {order!r}")
+    return order

@@ -1,28 +1,36 @@
-"""Rotations found from directions."""
+"""Rotations found from directions, as quaternions w, x, y, z."""
 
 from __future__ import annotations
 
-from morse.mathutils.matrix import Matrix
-from morse.mathutils.quaternion import Quaternion
-from morse.mathutils.vector import Vector
+from math import sqrt
+from typing import TYPE_CHECKING
+
+from morse.mathutils import rotations
+
+if TYPE_CHECKING:
+    from morse.mathutils.rotations import Quaternion4
+    from morse.mathutils.vector_algebra import VectorAlgebra
 
 _AXES = ("X", "Y", "Z", "-X", "-Y", "-Z")
+_NONE = (1.0, 0.0, 0.0, 0.0)
 
 
-def shortest_arc(start: Vector, end: Vector) -> Quaternion:
+def shortest_arc(start: VectorAlgebra, end: VectorAlgebra) -> Quaternion4:
     """The shortest rotation from one direction to another; about any axis at right angles if they are opposite."""
     a, b = start.to_3d().normalized(), end.to_3d().normalized()
     if not a.length or not b.length:
-        return Quaternion()
+        return _NONE
     axis = a.cross(b)
     w = 1.0 + a.dot(b)
     if w < 1e-14 and axis.length < 1e-7:
         x, y, z = a.orthogonal().normalized()
-        return Quaternion((0.0, x, y, z))
-    return Quaternion((w, *axis)).normalized()
+        return 0.0, x, y, z
+    x, y, z = axis
+    norm = sqrt(w * w + x * x + y * y + z * z)
+    return w / norm, x / norm, y / norm, z / norm
 
 
-def track_rotation(direction: Vector, track: str, up: str) -> Quaternion:
+def track_rotation(direction: VectorAlgebra, track: str, up: str) -> Quaternion4:
     """Rotation with the axis `track` along a direction and the axis `up` as near to world Z as it can be.
 
     Raises:
@@ -34,17 +42,21 @@ def track_rotation(direction: Vector, track: str, up: str) -> Quaternion:
         )
     forward = direction.to_3d().normalized()
     if not forward.length:
-        return Quaternion()
+        return _NONE
     track_index, up_index = "XYZ".index(track[-1]), "XYZ".index(up)
     track_axis = -forward if track.startswith("-") else forward
-    up_axis = Vector((0.0, 0.0, 1.0)) - forward * forward.z
+    zero = forward * 0.0
+    up_axis = zero.copy()
+    up_axis.z = 1.0
+    up_axis -= forward * forward.z
     if up_axis.length < 1e-7:
         # Straight up or down: nothing to choose the roll by, so take the rotation that turns least.
-        unit = Vector((0.0, 0.0, 0.0))
+        unit = zero.copy()
         unit[track_index] = 1.0
         return shortest_arc(unit, track_axis)
-    axes = [Vector(), Vector(), Vector()]
+    axes = [zero, zero, zero]
     axes[track_index], axes[up_index] = track_axis, up_axis.normalized()
     third = 3 - track_index - up_index
     axes[third] = axes[(third + 1) % 3].cross(axes[(third + 2) % 3])
-    return Matrix([[axis[row] for axis in axes] for row in range(3)]).to_quaternion()
+    rows = [[axis[row] for axis in axes] for row in range(3)]
+    return rotations.quaternion_from_rotation(rotations.unscaled(rotations.nine(rows)))

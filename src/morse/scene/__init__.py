@@ -10,7 +10,9 @@ from morse.scene.component import (
     StreamDeclaration,
 )
 from morse.scene.library import Library
+from morse.scene.looks import is_shown, slot_materials
 from morse.scene.mesh import Mesh
+from morse.scene.model import Choice, ModelUse, Role
 from morse.scene.node import Node, NodeKind
 from morse.scene.scene import Scene, Zone
 from morse.scene.settings import Mist, Settings, TimeStrategies, ViewSettings
@@ -20,6 +22,7 @@ __all__ = [
     "BodySettings",
     "Bounds",
     "Camera",
+    "Choice",
     "CollisionShape",
     "ComponentDeclaration",
     "Image",
@@ -28,11 +31,13 @@ __all__ = [
     "Material",
     "Mesh",
     "Mist",
+    "ModelUse",
     "ModifierDeclaration",
     "Node",
     "NodeKind",
     "OverlayDeclaration",
     "PhysicsType",
+    "Role",
     "Scene",
     "Settings",
     "ShapeKind",
@@ -41,4 +46,6 @@ __all__ = [
     "TimeStrategies",
     "ViewSettings",
     "Zone",
+    "is_shown",
+    "slot_materials",
 ]

@@ -26,7 +26,7 @@ class NoiseModel:
         dropout: probability that a value is lost, 0..1.
 
     Raises:
-        TypeError: anything that is no number.
+        TypeError: a value is not a number.
         ValueError: numbers that are negative or not finite, probabilities above 1.
     """
 
@@ -52,7 +52,7 @@ class RealismModel:
         noise: field to its errors; the empty name stands for all fields that are fit for noise.
 
     Raises:
-        TypeError: anything that is no number.
+        TypeError: a value is not a number.
         ValueError: numbers that are negative or not finite.
     """
 
@@ -66,7 +66,7 @@ class RealismModel:
 
 
 def is_numeric(value: Any) -> bool:
-    """Whether noise can be added: to numbers, and to vectors and lists of them, but not to truth values or words."""
+    """Whether noise can be added: to numbers, and to vectors and lists of them, but not to booleans or strings."""
     if isinstance(value, (bool, str, bytes, dict)) or value is None:
         return False
     if isinstance(value, (int, float)):

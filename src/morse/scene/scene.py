@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -9,8 +11,10 @@ from morse.scene.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from contextlib import AbstractContextManager
 
     from morse.scene.component import ComponentDeclaration
+    from morse.scene.model import ModelUse
     from morse.scene.node import Node
 
 
@@ -30,22 +34,37 @@ class Scene:
         environment: the name the script gave, e.g. ``indoors-1/boxes``.
         roots: nodes without a parent, in the order in which they were made.
         components: robots, sensors and actuators, in the order in which they were made.
+        models: the model files that nodes came from.
         properties: of the environment: longitude, latitude, altitude, UTMXOffset, ...
         manager_options: class path of a stream manager to its options.
         simulation_managers: request managers that offer the services of the simulation.
         log_levels: component to level, from ``env.set_log_level``.
+        resource_paths: directories of the project that are searched for models.
+        project: to be entered (``with scene.project:``) where classes of the project are imported.
     """
 
     environment: str = ""
     roots: list[Node] = field(default_factory=list)
     components: list[ComponentDeclaration] = field(default_factory=list)
     zones: list[Zone] = field(default_factory=list)
+    models: list[ModelUse] = field(default_factory=list)
     settings: Settings = field(default_factory=Settings)
     properties: dict[str, object] = field(default_factory=dict)
     manager_options: dict[str, dict[str, object]] = field(default_factory=dict)
     simulation_managers: list[str] = field(default_factory=list)
     log_levels: dict[str, str] = field(default_factory=dict)
     multinode: dict[str, object] | None = None
+    resource_paths: list[str] = field(default_factory=list)
+    project: AbstractContextManager[object] = field(default_factory=nullcontext)
+
+    def copy(self) -> Scene:
+        """A scene that shares nothing that a simulation changes: meshes and pictures are the same ones."""
+        shared: dict[int, object] = {id(self.project): self.project}
+        originals = [node for use in self.models for node in use.originals.values()]
+        for node in [*self.nodes(), *originals]:
+            for part in (node.mesh, *node.materials, *(node.shapes or ())):
+                shared[id(part)] = part
+        return deepcopy(self, shared)
 
     def nodes(self) -> Iterator[Node]:
         """Every node, parents before their children."""

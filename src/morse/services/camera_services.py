@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from morse.core.abstractobject import AbstractObject
-from morse.core.exceptions import MorseRPCTypeError
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.limits import POSITION, Length, Point
 from morse.core.mathutils import Euler, Matrix
 from morse.core.services import service
-from morse.core.values import numbers
+from morse.core.validation.arguments import Range
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.scene import ViewSettings
 
+#: 4x4 numbers, row by row
+Transform = Annotated[list[list[float]], Range(POSITION["low"], POSITION["high"], shape=(4, 4))]
 #: aspect ratio and sensor width (mm) of the viewpoint camera
 _ASPECT, _SENSOR = 16.0 / 9.0, 32.0
 
@@ -35,26 +38,30 @@ class ViewpointServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @service
-    def set_camarafp_far_clip(self, far_clip: float) -> None:
-        """Set the distance up to which the viewpoint camera sees, m."""
+    @service(changes=False)
+    def set_camarafp_far_clip(self, far_clip: Length) -> None:
+        """Set the distance up to which the viewpoint camera sees, m; greater than its near distance."""
         near, _ = self._view.camera_clip
-        self._view.camera_clip = (near, numbers([far_clip], 1)[0])
+        if far_clip <= near:
+            raise MorseRPCInvokationError(
+                f"far_clip has to be greater than the near clip, {near:g} m, not {far_clip:g}"
+            )
+        self._view.camera_clip = (near, float(far_clip))
         self._changed()
 
-    @service
+    @service(changes=False)
     def get_camarafp_position(self) -> list[float]:
         """The position of the viewpoint camera, m."""
         return list(self._view.camera_location)
 
-    @service
-    def set_camarafp_position(self, position: list[float]) -> None:
+    @service(changes=False)
+    def set_camarafp_position(self, position: Point) -> None:
         """Put the viewpoint camera somewhere, m."""
-        x, y, z = numbers(position, 3)
+        x, y, z = map(float, position)
         self._view.camera_location = (x, y, z)
         self._changed()
 
-    @service
+    @service(changes=False)
     def get_camarafp_transform(self) -> list[list[float]]:
         """The pose of the viewpoint camera, 4x4."""
         matrix = Euler(self._view.camera_rotation).to_matrix().to_4x4()
@@ -62,18 +69,16 @@ class ViewpointServices(AbstractObject):
             matrix[i][3] = value
         return [list(row) for row in matrix]
 
-    @service
-    def set_camarafp_transform(self, transform: list[list[float]]) -> None:
+    @service(changes=False)
+    def set_camarafp_transform(self, transform: Transform) -> None:
         """Set the pose of the viewpoint camera, 4x4."""
-        if not isinstance(transform, list) or len(transform) != 4:
-            raise MorseRPCTypeError(f"a transform is 4 rows of 4 numbers, not {transform!r}")
-        rows = [numbers(row, 4) for row in transform]
+        rows = [[float(number) for number in row] for row in transform]
         x, y, z = Matrix([row[:3] for row in rows[:3]]).to_euler()
         self._view.camera_rotation = (x, y, z)
         self._view.camera_location = (rows[0][3], rows[1][3], rows[2][3])
         self._changed()
 
-    @service
+    @service(changes=False)
     def get_camarafp_projection_matrix(self) -> list[list[float]]:
         """The projection of the viewpoint camera, 4x4 as OpenGL uses it, for a 16:9 view."""
         near, far = self._view.camera_clip

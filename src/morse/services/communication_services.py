@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.quoting import short
 from morse.core.services import service
-from morse.core.values import nearest
 
 if TYPE_CHECKING:
     from morse.core.context import Context
@@ -24,7 +25,7 @@ class CommunicationServices(AbstractObject):
         """``communication``."""
         return "communication"
 
-    @service
+    @service(changes=False)
     def distance_and_view(self, robot1: str, robot2: str) -> list[Any]:
         """Distance between two robots (m), and whether nothing stands between their origins."""
         first, second = self._robot(robot1), self._robot(robot2)
@@ -34,5 +35,5 @@ class CommunicationServices(AbstractObject):
     def _robot(self, name: str) -> Any:
         robots = self.context.robots
         if name not in robots:
-            raise MorseRPCInvokationError(f"Robot {name} unknown{nearest(str(name), list(robots))}")
+            raise MorseRPCInvokationError(f"Robot {short(name)} unknown{nearest(str(name), list(robots))}")
         return robots[name].bge_object

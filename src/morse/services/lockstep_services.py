@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 from morse.core.abstractobject import AbstractObject
-from morse.core.exceptions import MorseRPCTypeError
 from morse.core.services import concurrent_service, service
+from morse.core.validation.arguments import Range
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 #: more ticks than that in one call is a mistake: a week at 60 Hz
 _MAX_STEPS = 7 * 24 * 3600 * 60
 _MAX_SEED = 2**63 - 1
+
+Steps = Annotated[int, Range(1, _MAX_STEPS)]
+Seed = Annotated[int, Range(0, _MAX_SEED)]
 
 
 class Steppable(Protocol):
@@ -25,11 +28,8 @@ class Steppable(Protocol):
     def resume(self) -> None:
         """Let time pass."""
 
-    def step(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> None:
-        """Let some ticks pass and no more, then call ``ended``."""
-
-    def cancel_steps(self) -> None:
-        """Stop after the present tick, although somebody asked for more."""
+    def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+        """Let some ticks pass and no more, then call ``ended``; returns what cancels them."""
 
     def restart(self, seed: int | None) -> None:
         """Start anew, with that seed or the present one."""
@@ -39,12 +39,6 @@ class Steppable(Protocol):
 
     def state_hash(self) -> str:
         """A fingerprint of everything."""
-
-
-def _integer(value: Any, what: str, low: int, high: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-        raise MorseRPCTypeError(f"{what} is an integer from {low} to {high}, not {value!r}")
-    return value
 
 
 class LockstepServices(AbstractObject):
@@ -58,18 +52,23 @@ class LockstepServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @service
+    @service(changes=False)
     def pause(self) -> None:
         """Stop time; services are still answered. Steps that go on end as preempted."""
         self._simulation.pause()
 
-    @service
+    @service(changes=False)
     def resume(self) -> None:
         """Let time pass again."""
         self._simulation.resume()
 
-    @concurrent_service
-    def step(self, ended: Callable[[tuple[str, Any]], object], n: int = 1, tell_sent: bool = False) -> None:
+    @concurrent_service(changes=False)
+    def step(
+        self,
+        ended: Callable[[tuple[str, Any]], object],
+        n: Steps = 1,
+        tell_sent: bool = False,
+    ) -> Any:
         """Let ``n`` ticks pass, and answer when they are done and the last message of every stream is sent.
 
         A simulation that was running is paused then. Steps that were asked for before come first.
@@ -80,27 +79,23 @@ class LockstepServices(AbstractObject):
                 client and port of the stream, as in ``"127.0.0.1:40000 60000"``: data on one connection may arrive
                 after an answer on another that was sent later.
         """
-        self._simulation.step(_integer(n, "the number of steps", 1, _MAX_STEPS), ended)
+        return self._simulation.request_steps(n, ended)
 
-    def interrupt(self) -> None:
-        """A step is cancelled: stop where it is."""
-        self._simulation.cancel_steps()
-
-    @service
-    def reset(self, seed: int | None = None) -> None:
+    @service(changes=False)  # the simulation itself notes it
+    def reset(self, seed: Seed | None = None) -> None:
         """Start anew, as if the simulation had just been launched with that seed.
 
         Without one, with the present seed. Streams and connections stay; services that go on end as preempted. A
         simulation that was paused is paused at its beginning.
         """
-        self._simulation.restart(None if seed is None else _integer(seed, "the seed", 0, _MAX_SEED))
+        self._simulation.restart(seed)
 
-    @service
+    @service(changes=False)
     def get_seed(self) -> int:
         """The seed of all random numbers."""
         return self._simulation.seed()
 
-    @service
+    @service(changes=False)
     def state_hash(self) -> str:
         """SHA-256 of the physics and of the data of all components, in hexadecimal digits."""
         return self._simulation.state_hash()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 from typing import TYPE_CHECKING, Any
 
+from morse.core import log
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
+from morse.core.hints import nearest
+from morse.core.limits import EulerAngles, Point, QuaternionNumbers
+from morse.core.mathutils import Quaternion
+from morse.core.quoting import quoted, short
 from morse.core.services import service
-from morse.core.values import nearest, numbers
 from morse.services.details import details
 
 if TYPE_CHECKING:
@@ -16,7 +19,8 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
 
-logger = logging.getLogger("morse." + __name__)
+#: what the help of a wrong name lists
+_PARTS = ("core.", "middleware.", "simulation.", "physics.", "viewer")
 
 
 class Supervision(AbstractObject):
@@ -35,7 +39,7 @@ class Supervision(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @service
+    @service(changes=False)
     def list_robots(self) -> list[str]:
         """The names of the robots."""
         return list(self.context.robots)
@@ -46,12 +50,12 @@ class Supervision(AbstractObject):
         self.context.world.reset()
         return "Objects restored to initial position"
 
-    @service
+    @service(changes=False)
     def quit(self) -> None:
         """End the simulation."""
         self._stop()
 
-    @service
+    @service(changes=False)
     def terminate(self) -> None:
         """End the simulation."""
         self._stop()
@@ -71,7 +75,9 @@ class Supervision(AbstractObject):
         try:
             return everything[name]
         except (KeyError, TypeError):
-            raise MorseRPCInvokationError(f"Component {name} unknown{nearest(str(name), list(everything))}") from None
+            raise MorseRPCInvokationError(
+                f"Component {short(name)} unknown{nearest(str(name), list(everything))}"
+            ) from None
 
     @service
     def suspend_dynamics(self) -> str:
@@ -89,25 +95,29 @@ class Supervision(AbstractObject):
                 obj.restoreDynamics()
         return "Physics is resumed"
 
-    @service
+    @service(changes=False)
     def details(self) -> dict[str, Any]:
         """Robots, components, services and streams; clients build their proxies from it."""
         return details(self.context)
 
-    @service
+    @service(changes=False)
     def set_log_level(self, component: str, level: str) -> None:
         """Set how much a part of the simulator says.
 
         Args:
-            component: logger below ``morse``, e.g. ``core.request_manager``.
+            component: a module or package, e.g. ``core.request_manager``, with or without ``morse.`` before it.
             level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``.
         """
-        names = ["debug", "info", "warning", "error", "critical"]
-        if not isinstance(level, str) or level.lower() not in names:
-            raise MorseRPCTypeError(f"'{level}' is no log level{nearest(str(level), names)}")
-        logging.getLogger(f"morse.{component}").setLevel(level.upper())
+        if not isinstance(level, str) or level.upper() not in log.LEVELS:
+            names = [name.lower() for name in log.LEVELS]
+            raise MorseRPCTypeError(f"{quoted(level)} is no log level{nearest(str(level), names)}")
+        known = log.known_components()
+        if component.removeprefix("morse.") not in known:
+            hint = nearest(component, sorted(name for name in known if name.startswith(_PARTS)))
+            raise MorseRPCTypeError(f"nothing that is called {quoted(component)} writes to the log{hint}")
+        log.set_level(component, level)
 
-    @service
+    @service(changes=False)
     def get_scene_objects(self) -> dict[str, Any]:
         """The tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
         return self._tree(obj for obj in self.context.world.objects() if obj.parent is None)
@@ -136,9 +146,7 @@ class Supervision(AbstractObject):
         return bool(state)
 
     @service
-    def set_object_position(
-        self, object_name: str, position: list[float], orientation: list[float] | None = None
-    ) -> None:
+    def set_object_position(self, object_name: str, position: Point, orientation: EulerAngles | None = None) -> None:
         """Put an object somewhere, at rest.
 
         Args:
@@ -146,10 +154,24 @@ class Supervision(AbstractObject):
             orientation: roll, pitch, yaw, rad; kept if not given.
         """
         obj = self._object(object_name)
-        place = numbers(position, 3)
         if orientation is not None:
-            obj.worldOrientation = numbers(orientation, 3)
-        obj.worldPosition = place
+            obj.worldOrientation = [float(angle) for angle in orientation]
+        obj.worldPosition = [float(coordinate) for coordinate in position]
+        obj.halt()
+
+    @service
+    def set_object_pose(self, object_name: str, position: Point, quaternion: QuaternionNumbers) -> None:
+        """Put an object somewhere, at rest.
+
+        Args:
+            position: x, y, z in the world, m.
+            quaternion: w, x, y, z; of any length but zero.
+        """
+        if not any(quaternion):
+            raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is no orientation; 1, 0, 0, 0 turns nothing")
+        obj = self._object(object_name)
+        obj.worldOrientation = Quaternion([float(number) for number in quaternion])
+        obj.worldPosition = [float(coordinate) for coordinate in position]
         obj.halt()
 
     def _object(self, name: str) -> Any:
@@ -157,4 +179,4 @@ class Supervision(AbstractObject):
         try:
             return objects[name]
         except (KeyError, TypeError):
-            raise MorseRPCInvokationError(f"Object {name} unknown{nearest(str(name), list(objects))}") from None
+            raise MorseRPCInvokationError(f"Object {short(name)} unknown{nearest(str(name), list(objects))}") from None

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+import heapq
+from typing import TYPE_CHECKING, Annotated, Any
 
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
-from morse.core.exceptions import MorseRPCInvokationError, MorseRPCTypeError
+from morse.core.clock import SLOWEST
+from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.services import concurrent_service, service
+from morse.core.validation.arguments import Range
 from morse.scene import TimeStrategies
 
 if TYPE_CHECKING:
@@ -16,18 +18,16 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
 
-_MAX_ALARMS = 10_000
+#: of all clients; one of them has far fewer calls at a time
+_MAX_ALARMS = 100_000
+#: alarms that are cancelled and may wait for their time
+_FEW = 64
+#: 30 years
+_LONGEST_SLEEP = 1e9
+_FASTEST = 1e9
 
-
-def positive(value: Any, what: str) -> float:
-    """A finite number above zero.
-
-    Raises:
-        MorseRPCTypeError: naming ``what`` was given.
-    """
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value) or value <= 0:
-        raise MorseRPCTypeError(f"{what} is a number greater than 0, not {value!r}")
-    return float(value)
+Duration = Annotated[float, Range(None, _LONGEST_SLEEP, "s")]
+TimeScale = Annotated[float, Range(SLOWEST, _FASTEST)]
 
 
 class TimeServices(AbstractObject):
@@ -41,23 +41,26 @@ class TimeServices(AbstractObject):
         super().__init__()
         self._clock = clock
         self._set_speed = set_speed
-        self._alarms: list[tuple[float, Callable[[Any], None]]] = []
+        #: by time and number; an alarm that is cancelled stays here until its time, or until there are too many
+        self._order: list[tuple[float, int]] = []
+        self._alarms: dict[int, Callable[[Any], None]] = {}
+        self._number = 0
 
     def name(self) -> str:
         """``time``."""
         return "time"
 
-    @service
+    @service(changes=False)
     def now(self) -> float:
         """Simulated time, s."""
         return self._clock.time
 
-    @service
+    @service(changes=False)
     def mode(self) -> str:
         """``Best Effort`` or ``Fixed Simulation Step``."""
         return self._clock.strategy.human_repr
 
-    @service
+    @service(changes=False)
     def statistics(self) -> dict[str, float]:
         """Mean and variance of the wall-clock time of a tick, and of the tick rate."""
         result = self._clock.statistics()
@@ -66,34 +69,47 @@ class TimeServices(AbstractObject):
             del result["mean_frame_by_sec"], result["variance_frame_by_sec"]
         return result
 
-    @service
-    def set_time_scale(self, time_scale: float) -> bool:
+    @service(changes=False)
+    def set_time_scale(self, time_scale: TimeScale) -> bool:
         """Run ``time_scale`` times as fast as the wall clock; True if that is possible."""
-        self._set_speed(positive(time_scale, "the time scale"))
+        self._set_speed(float(time_scale))
         return True
 
-    @concurrent_service
-    def sleep(self, ended: Callable[[Any], None], seconds: float) -> None:
+    @concurrent_service(changes=False)
+    def sleep(self, ended: Callable[[Any], None], seconds: Duration) -> Any:
         """Answer after ``seconds`` of simulated time; any number of clients may sleep at the same time."""
-        if isinstance(seconds, bool) or not isinstance(seconds, (int, float)) or not math.isfinite(seconds):
-            raise MorseRPCTypeError(f"sleep takes a number of seconds, not {seconds!r}")
         if len(self._alarms) >= _MAX_ALARMS:
             raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients sleep already: wake-up calls are used up")
-        self._alarms.append((self._clock.time + seconds, ended))
+        self._number += 1
+        number = self._number
+        self._alarms[number] = ended
+        heapq.heappush(self._order, (self._clock.time + seconds, number))
+        return lambda: self._cancel(number)
+
+    def _cancel(self, number: int) -> None:
+        callback = self._alarms.pop(number, None)
+        if callback is None:
+            return
+        if len(self._order) > 2 * len(self._alarms) + _FEW:
+            self._order = [alarm for alarm in self._order if alarm[1] in self._alarms]
+            heapq.heapify(self._order)
+        callback((status.PREEMPTED, None))
 
     def restart(self) -> None:
         """Time starts anew: nobody would wake the sleepers at the right moment."""
-        alarms, self._alarms = self._alarms, []
-        for _, callback in alarms:
+        alarms, self._alarms = self._alarms, {}
+        self._order.clear()
+        for callback in alarms.values():
             callback((status.PREEMPTED, None))
 
     def action(self) -> None:
         """Ring the alarms that are due, the earliest first."""
-        if not self._alarms:
+        if not self._order:
             return
         # half a tick of tolerance: sums of periods are not exact
         now = self._clock.time + 0.5 * self._clock.period
-        due = sorted((alarm for alarm in self._alarms if alarm[0] <= now), key=lambda alarm: alarm[0])
-        self._alarms = [alarm for alarm in self._alarms if alarm[0] > now]
-        for _, callback in due:
-            callback((status.SUCCESS, None))
+        while self._order and self._order[0][0] <= now:
+            _, number = heapq.heappop(self._order)
+            callback = self._alarms.pop(number, None)
+            if callback is not None:
+                callback((status.SUCCESS, None))

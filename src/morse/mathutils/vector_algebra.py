@@ -1,32 +1,29 @@
-"""Vectors of two to four components."""
+"""What vectors are without rotations: components, arithmetic, length and direction."""
 
 from __future__ import annotations
 
 from math import atan2, hypot, sin
 from operator import add, mul, sub
-from typing import TYPE_CHECKING, Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Self, overload
 
 from morse.mathutils.sequence import FloatSequence, floats, is_number, rounded
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.mathutils.euler import Euler
-    from morse.mathutils.matrix import Matrix
-    from morse.mathutils.quaternion import Quaternion
-
 _AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
 
 
-class Vector(FloatSequence):
-    """A vector of two to four floats; ``Vector()`` is (0, 0, 0).
+class VectorAlgebra(FloatSequence):
+    """The part of `morse.mathutils.Vector` that knows no rotation.
 
-    ``v * 2`` and ``2 * v`` scale; ``v * other`` and ``v @ other`` are the dot product; ``matrix * v`` and
-    ``quaternion * v`` transform; ``v * matrix`` takes `v` as a row.
+    Attributes:
+        _plain: the class of results, `morse.mathutils.Vector`, also where a subclass is calculated with.
     """
 
     __slots__ = ()
     _sizes: ClassVar[tuple[int, int]] = (2, 4)
+    _plain: type[Self]
 
     def __init__(self, values: Iterable[Any] = (0.0, 0.0, 0.0)) -> None:
         self._items = floats(values, "Vector", 2, 4)
@@ -78,18 +75,18 @@ class Vector(FloatSequence):
         return index
 
     @property
-    def xy(self) -> Vector:
+    def xy(self) -> Self:
         """The first two components."""
-        return Vector._wrap(list(self._items[:2]))
+        return self._plain._wrap(list(self._items[:2]))
 
     @xy.setter
     def xy(self, values: Iterable[float]) -> None:
         self[:2] = values
 
     @property
-    def xyz(self) -> Vector:
+    def xyz(self) -> Self:
         """The first three components."""
-        return Vector._wrap(list(self._items[: self._axis(2) + 1]))
+        return self._plain._wrap(list(self._items[: self._axis(2) + 1]))
 
     @xyz.setter
     def xyz(self, values: Iterable[float]) -> None:
@@ -97,88 +94,88 @@ class Vector(FloatSequence):
 
     if not TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Vector:
+        def __getattr__(self, name: str) -> Self:
             """Any other swizzle, such as ``v.zx``."""
             if 2 <= len(name) <= 4 and all(letter in _AXES for letter in name):
-                return Vector._wrap([self._items[self._axis(_AXES[letter])] for letter in name])
+                return self._plain._wrap([self._items[self._axis(_AXES[letter])] for letter in name])
             if name in _AXES:
                 self._axis(_AXES[name])
             raise AttributeError(f"'Vector' object has no attribute '{name}'")
 
     # arithmetic ----------------------------------------------------------------------------------
 
-    def __add__(self, other: Vector) -> Vector:
-        if not isinstance(other, Vector):
+    def __add__(self, other: VectorAlgebra) -> Self:
+        if not isinstance(other, VectorAlgebra):
             return NotImplemented
         self._same_size(other, "+")
-        return Vector._wrap(list(map(add, self._items, other._items)))
+        return self._plain._wrap(list(map(add, self._items, other._items)))
 
-    def __sub__(self, other: Vector) -> Vector:
-        if not isinstance(other, Vector):
+    def __sub__(self, other: VectorAlgebra) -> Self:
+        if not isinstance(other, VectorAlgebra):
             return NotImplemented
         self._same_size(other, "-")
-        return Vector._wrap(list(map(sub, self._items, other._items)))
+        return self._plain._wrap(list(map(sub, self._items, other._items)))
 
-    def __iadd__(self, other: Vector) -> Vector:
-        if not isinstance(other, Vector):
+    def __iadd__(self, other: VectorAlgebra) -> Self:
+        if not isinstance(other, VectorAlgebra):
             return NotImplemented
         self._same_size(other, "+=")
         self._assign(list(map(add, self._items, other._items)))
         return self
 
-    def __isub__(self, other: Vector) -> Vector:
-        if not isinstance(other, Vector):
+    def __isub__(self, other: VectorAlgebra) -> Self:
+        if not isinstance(other, VectorAlgebra):
             return NotImplemented
         self._same_size(other, "-=")
         self._assign(list(map(sub, self._items, other._items)))
         return self
 
-    def __neg__(self) -> Vector:
-        return Vector._wrap([-a for a in self._items])
+    def __neg__(self) -> Self:
+        return self._plain._wrap([-a for a in self._items])
 
-    def __pos__(self) -> Vector:
+    def __pos__(self) -> Self:
         return self.copy()
 
     @overload
-    def __mul__(self, other: Vector) -> float: ...
+    def __mul__(self, other: VectorAlgebra) -> float: ...
     @overload
-    def __mul__(self, other: float) -> Vector: ...
+    def __mul__(self, other: float) -> Self: ...
     def __mul__(self, other: Any) -> Any:
-        if isinstance(other, Vector):
+        if isinstance(other, VectorAlgebra):
             return self.dot(other)
         if is_number(other):
-            return Vector._wrap([a * float(other) for a in self._items])
+            return self._plain._wrap([a * float(other) for a in self._items])
         return NotImplemented
 
-    def __rmul__(self, other: float) -> Vector:
+    def __rmul__(self, other: float) -> Self:
         if not is_number(other):
             return NotImplemented
-        return Vector._wrap([a * float(other) for a in self._items])
+        return self._plain._wrap([a * float(other) for a in self._items])
 
-    def __imul__(self, other: Any) -> Vector:  # type: ignore[misc]
+    def __imul__(self, other: Any) -> Self:  # type: ignore[misc]
         changed = self * other
-        if not isinstance(changed, Vector):
+        if not isinstance(changed, VectorAlgebra):
             raise TypeError(f"v *= {type(other).__name__} is no vector: use v.dot(other)")
         self._assign(changed._items)
         return self
 
-    def __matmul__(self, other: Vector) -> float:
-        if not isinstance(other, Vector):
+    def __matmul__(self, other: VectorAlgebra) -> float:
+        if not isinstance(other, VectorAlgebra):
             return NotImplemented
         return self.dot(other)
 
-    def __truediv__(self, other: float) -> Vector:
+    def __truediv__(self, other: float) -> Self:
         if not is_number(other):
             return NotImplemented
-        return Vector._wrap([a / float(other) for a in self._items])
+        return self._plain._wrap([a / float(other) for a in self._items])
 
-    def __itruediv__(self, other: float) -> Vector:
+    def __itruediv__(self, other: float) -> Self:
         if not is_number(other):
             return NotImplemented
         self._assign([a / float(other) for a in self._items])
         return self
 
-    def _same_size(self, other: Vector, what: str) -> None:
+    def _same_size(self, other: VectorAlgebra, what: str) -> None:
         if len(self._items) != len(other._items):
             raise ValueError(
                 f"Vector {what}: both need the same number of components, given {len(self._items)} "
@@ -191,17 +188,17 @@ class Vector(FloatSequence):
         total: float = sum(map(mul, self._items, b._items))
         return total
 
-    def cross(self, other: Iterable[float]) -> Vector:
+    def cross(self, other: Iterable[float]) -> Self:
         """Cross product of two 3-vectors."""
         b = self._operand(other, "cross")
         if len(self._items) != 3:
             raise ValueError(f"Vector.cross: needs 3 components, given {len(self._items)}")
         ax, ay, az = self._items
         bx, by, bz = b._items
-        return Vector._wrap([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+        return self._plain._wrap([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
-    def _operand(self, other: Iterable[float], what: str) -> Vector:
-        vector = other if isinstance(other, Vector) else Vector(other)
+    def _operand(self, other: Iterable[float], what: str) -> VectorAlgebra:
+        vector = other if isinstance(other, VectorAlgebra) else self._plain(other)
         self._same_size(vector, what)
         return vector
 
@@ -228,10 +225,10 @@ class Vector(FloatSequence):
         total: float = sum(map(mul, self._items, self._items))
         return total
 
-    def normalized(self) -> Vector:
+    def normalized(self) -> Self:
         """The vector of length 1 in this direction; a null vector stays one."""
         length = self.length
-        return Vector._wrap([a / length for a in self._items]) if length > 0.0 else self.copy()
+        return self._plain._wrap([a / length for a in self._items]) if length > 0.0 else self.copy()
 
     def normalize(self) -> None:
         """Make the length 1."""
@@ -264,10 +261,10 @@ class Vector(FloatSequence):
         # W. Kahan, "How futile are mindless assessments of roundoff" (2006): exact for small angles, unlike acos.
         return 2.0 * atan2((p - q).length, (p + q).length)
 
-    def lerp(self, other: Iterable[float], factor: float) -> Vector:
+    def lerp(self, other: Iterable[float], factor: float) -> Self:
         """The point at `factor` of the way to another."""
         b = self._operand(other, "lerp")
-        return Vector._wrap([p + (q - p) * factor for p, q in zip(self._items, b._items, strict=True)])
+        return self._plain._wrap([p + (q - p) * factor for p, q in zip(self._items, b._items, strict=True)])
 
     def slerp(self, other: Iterable[float], factor: float, fallback: Any = ...) -> Any:
         """Interpolated direction, of length 1.
@@ -286,38 +283,17 @@ class Vector(FloatSequence):
             return p.lerp(q, factor).normalized()
         return p * (sin((1.0 - factor) * angle) / sin(angle)) + q * (sin(factor * angle) / sin(angle))
 
-    def project(self, other: Iterable[float]) -> Vector:
+    def project(self, other: Iterable[float]) -> Self:
         """The part of this vector along another; null if the other is."""
         b = self._operand(other, "project")
         squared = b.length_squared
-        return b * (self.dot(b) / squared if squared > 0.0 else 0.0)
+        share = self.dot(b) / squared if squared > 0.0 else 0.0
+        return self._plain._wrap([a * share for a in b])
 
-    def reflect(self, mirror: Iterable[float]) -> Vector:
+    def reflect(self, mirror: Iterable[float]) -> Self:
         """This vector after bouncing off a mirror with the given normal."""
         normal = self._operand(mirror, "reflect").normalized()
         return self - normal * (2.0 * self.dot(normal))
-
-    # rotation ------------------------------------------------------------------------------------
-
-    def rotate(self, other: Euler | Quaternion | Matrix) -> None:
-        """Turn this 3-vector in place."""
-        if len(self._items) != 3:
-            raise ValueError(f"Vector.rotate: needs 3 components, given {len(self._items)}")
-        a, b, c, d, e, f, g, h, i = other.as_rotation()
-        x, y, z = self._items
-        self._assign([a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z])
-
-    def rotation_difference(self, other: Iterable[float]) -> Quaternion:
-        """The shortest rotation that turns this direction into another."""
-        from morse.mathutils.tracking import shortest_arc
-
-        return shortest_arc(self, self._operand(other, "rotation_difference"))
-
-    def to_track_quat(self, track: str = "Z", up: str = "Y") -> Quaternion:
-        """Rotation that points an axis (``X``, ``-Y`` …) along this vector, and another as far upward as it can."""
-        from morse.mathutils.tracking import track_rotation
-
-        return track_rotation(self, track, up)
 
     # conversion ----------------------------------------------------------------------------------
 
@@ -325,21 +301,21 @@ class Vector(FloatSequence):
         """The components, rounded to `precision` digits if that is not negative."""
         return tuple(self._items) if precision < 0 else tuple(round(a, precision) for a in self._items)
 
-    def resized(self, size: int) -> Vector:
+    def resized(self, size: int) -> Self:
         """A copy with `size` components: cut, or filled up with 0."""
         if not 2 <= size <= 4:
             raise ValueError(f"a Vector has 2 to 4 components, asked for {size}")
-        return Vector._wrap([*self._items, 0.0, 0.0][:size])
+        return self._plain._wrap([*self._items, 0.0, 0.0][:size])
 
-    def to_2d(self) -> Vector:
+    def to_2d(self) -> Self:
         """The first two components."""
         return self.resized(2)
 
-    def to_3d(self) -> Vector:
+    def to_3d(self) -> Self:
         """The first three components, z = 0 if there was none."""
         return self.resized(3)
 
-    def to_4d(self) -> Vector:
+    def to_4d(self) -> Self:
         """Four components, w = 1 if there was none."""
         made = self.resized(4)
         if len(self._items) < 4:
@@ -364,17 +340,17 @@ class Vector(FloatSequence):
         self._check_writable()
         self._items = self.to_4d()._items
 
-    def orthogonal(self) -> Vector:
+    def orthogonal(self) -> Self:
         """Some vector at right angles to this one."""
         if len(self._items) == 2:
             x, y = self._items
-            return Vector._wrap([-y, x])
+            return self._plain._wrap([-y, x])
         x, y, z = self.to_3d()
         if abs(x) <= abs(y) and abs(x) <= abs(z):
-            return Vector._wrap([0.0, -z, y])
-        return Vector._wrap([z, 0.0, -x]) if abs(y) <= abs(z) else Vector._wrap([-y, x, 0.0])
+            return self._plain._wrap([0.0, -z, y])
+        return self._plain._wrap([z, 0.0, -x]) if abs(y) <= abs(z) else self._plain._wrap([-y, x, 0.0])
 
     @classmethod
-    def Fill(cls, size: int, fill: float = 0.0) -> Vector:  # noqa: N802 (Blender's name)
+    def Fill(cls, size: int, fill: float = 0.0) -> Self:  # noqa: N802 (Blender's name)
         """A vector of equal components."""
         return cls([fill] * size)

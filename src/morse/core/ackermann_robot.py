@@ -1,0 +1,78 @@
+"""Robots that are steered as cars are."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.ackermann_steering import AckermannSteering
+from morse.core.declarations import add_property
+from morse.core.robot import Robot
+from morse.helpers.controller import PIDController
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class PhysicsAckermannRobot(Robot):
+    """A robot with steered front wheels and driven rear wheels, controlled in speed and yaw rate.
+
+    A PID controller (see `morse.helpers.controller`) turns the error of the speed into an acceleration, a second one
+    that of the yaw rate into an angular acceleration. The front wheels are turned so that all wheels go around
+    one point; where they cannot be turned so far, or the robot stands, it turns less than it is told.
+    """
+
+    add_property(
+        "_max_steering_angle", 45.0, "max_steering_angle", "double", "Of the front wheels", unit="deg", low=0.0
+    )
+    add_property("_vel_p_gain", 1.0, "velocity_p_gain", "double", "Of the speed")
+    add_property("_vel_d_gain", 1.0, "velocity_d_gain", "double", "Of the speed")
+    add_property("_vel_i_gain", 1.0, "velocity_i_gain", "double", "Of the speed")
+    add_property(
+        "_vel_limits", 1.0, "velocity_integral_limits", "double", "Largest sum of errors of the speed", low=0.0
+    )
+    add_property("_ang_p_gain", 1.0, "angular_velocity_p_gain", "double", "Of the yaw rate")
+    add_property("_ang_d_gain", 1.0, "angular_velocity_d_gain", "double", "Of the yaw rate")
+    add_property("_ang_i_gain", 1.0, "angular_velocity_i_gain", "double", "Of the yaw rate")
+    add_property(
+        "_ang_limits", 1.0, "angular_velocity_integral_limits", "double", "Largest sum of errors of the rate", low=0.0
+    )
+
+    not_state = ("steering",)
+
+    _max_steering_angle: float
+    _vel_p_gain: float
+    _vel_d_gain: float
+    _vel_i_gain: float
+    _vel_limits: float
+    _ang_p_gain: float
+    _ang_d_gain: float
+    _ang_i_gain: float
+    _ang_limits: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        #: its axles (`morse.core.ackermann_steering.AckermannSteering`)
+        self.steering = AckermannSteering(self)
+        self._speed_control = PIDController(self._vel_p_gain, self._vel_d_gain, self._vel_i_gain, self._vel_limits)
+        self._rate_control = PIDController(self._ang_p_gain, self._ang_d_gain, self._ang_i_gain, self._ang_limits)
+
+    @property
+    def max_steering_angle(self) -> float:
+        """How far the front wheels can be turned, rad."""
+        return math.radians(self._max_steering_angle)
+
+    def apply_vw_wheels(self, vx: float, vw: float) -> None:
+        """Drive towards a speed of ``vx`` m/s and a yaw rate of ``vw`` rad/s during the next tick."""
+        steering = self.steering
+        speed, rate = steering.speed(), steering.yaw_rate()
+        self._speed_control.setpoint, self._rate_control.setpoint = vx, vw
+        dt = 1.0 / self.clock.frequency
+        speed += self._speed_control.update(speed) * dt
+        rate += self._rate_control.update(rate) * dt
+        most = self.max_steering_angle
+        steering.drive(speed, min(max(steering.angle_for(speed, rate), -most), most))
+
+    def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
+        """Drive by the wheels: forward speed and yaw rate count, the rest is not possible."""
+        self.apply_vw_wheels(linear_speed[0], angular_speed[2])

@@ -1,0 +1,84 @@
+"""What a component class declares for the classes of scene scripts that are derived from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+
+@dataclass(frozen=True, slots=True)
+class Visual:
+    """The small body that marks a component in the view.
+
+    Attributes:
+        shape: ``cube``, ``sphere`` or ``cylinder``, 2 m in size (or 1 m in radius) before the scale.
+        scale: per axis.
+        color: RGB, 0..1.
+    """
+
+    shape: str
+    scale: tuple[float, float, float]
+    color: tuple[float, float, float] = (0.8, 0.8, 0.8)
+
+
+@dataclass(frozen=True, slots=True)
+class BuilderDefaults:
+    """What the builder class of a sensor or actuator starts with.
+
+    A class declares them as ``_builder``. Products that the same class simulates are declared in the tuple
+    ``_products``: each becomes a builder class of its own.
+
+    Attributes:
+        name: name in scene scripts, if it is not that of the class.
+        frequency: Hz.
+        properties: values that differ from the declared defaults.
+        visual: a marker, or None.
+        model: a model file, or None.
+        part: the object of the model file that is taken; None for the whole file.
+        doc: what it is, if the short description of the class does not say it.
+    """
+
+    name: str | None = None
+    frequency: float = 60.0
+    properties: dict[str, Any] = field(default_factory=dict)
+    visual: Visual | None = None
+    model: str | None = None
+    part: str | None = None
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDefaults:
+    """What the builder class of a robot starts with; a robot class declares it as ``_builder``.
+
+    Attributes:
+        model: a model file in ``robots``; None for a frame without a body.
+        drive: ``ground`` for a robot that moves as one body on the ground, ``wheels`` for one whose wheels turn,
+            ``free`` for one that may move along and about every axis.
+        name: name in scene scripts, if it is not that of the class.
+        properties: values that differ from the declared defaults, and tags.
+        rigid_body: forces move the body, whatever the model file says.
+        collides: things touch it; False whatever the model file says.
+    """
+
+    model: str | None = None
+    drive: Literal["ground", "wheels", "free"] = "ground"
+    name: str | None = None
+    properties: dict[str, Any] = field(default_factory=dict)
+    rigid_body: bool = False
+    collides: bool = True
+
+
+def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:
+    """What a component class declares for its builder class, or for that of one of its products.
+
+    Raises:
+        LookupError: there is no such product.
+    """
+    if product is None:
+        declared = getattr(cls, "_builder", None)
+        return declared if isinstance(declared, BuilderDefaults) else BuilderDefaults()
+    for defaults in getattr(cls, "_products", ()):
+        if defaults.name == product:
+            return defaults  # type: ignore[no-any-return]
+    raise LookupError(f"{cls.__name__} declares no product '{product}'")

@@ -1,0 +1,48 @@
+"""Names that were most likely meant, for error messages."""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING
+
+from morse.core.quoting import quoted, short
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+#: longer words are no misspelt names, and to compare them takes time quadratic in their length
+_LONGEST_WORD = 120
+#: names that a word is compared with at most
+_MOST_COMPARED = 200
+#: names that a message lists
+_MOST_LISTED = 50
+#: difflib's cutoff of 0.6 cannot be reached if the shorter word has fewer than 3/7 of the letters of the longer
+_SHORTER, _LONGER = 3, 7
+
+
+def closest(word: object, known: Iterable[object]) -> str | None:
+    """The known name that ``word`` was most likely meant to be, or None; letter case does not count."""
+    if not isinstance(word, str) or len(word) > _LONGEST_WORD:
+        return None
+    size = len(word)
+    names = [
+        name
+        for name in known
+        if isinstance(name, str) and min(size, len(name)) * _LONGER >= max(size, len(name)) * _SHORTER
+    ]
+    folded = word.casefold()
+    if len(names) > _MOST_COMPARED:
+        names = [name for name in names if name[:1].casefold() == folded[:1]][:_MOST_COMPARED]
+    by_folded = {name.casefold(): name for name in names}
+    found = difflib.get_close_matches(folded, by_folded, n=1)
+    return by_folded[found[0]] if found else None
+
+
+def nearest(word: object, known: Iterable[str], *, say: str = "known", limit: int = _MOST_LISTED) -> str:
+    """``; did you mean 'x'?`` for a near miss, else ``; known: a, b, c`` with at most ``limit`` names."""
+    names = list(dict.fromkeys(known))
+    near = closest(word, names)
+    if near is not None:
+        return f"; did you mean {quoted(near)}?"
+    rest = f", and {len(names) - limit} more" if len(names) > limit else ""
+    return f"; {say}: {', '.join(map(short, names[:limit]))}{rest}" if names else ""

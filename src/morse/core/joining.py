@@ -1,0 +1,46 @@
+"""Which components act together."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.sensor import Sensor
+
+if TYPE_CHECKING:
+    from morse.core.object import Object
+
+VARIABLE = "MORSE_FLEETS"
+#: what a class may change about how one component acts; ``act_together`` knows nothing of it
+_ALONE = ("action", "default_action", "measure", "report", "sensor_setup", "update_pose", "local_data", "active")
+
+
+def are_allowed() -> bool:
+    """Whether components act together at all: not if the environment variable ``MORSE_FLEETS`` is ``off``."""
+    return os.environ.get(VARIABLE, "").strip().lower() != "off"
+
+
+def has_group_action(cls: Any) -> bool:
+    """Whether a class says how its components act together, and none of its subclasses how they act alone."""
+    for base in cls.__mro__:
+        if "act_together" in vars(base):
+            return issubclass(cls, (Sensor, Actuator))
+        if any(name in vars(base) for name in _ALONE):
+            return False
+    return False
+
+
+def may_join(component: Object) -> bool:
+    """Whether a component whose class has a group action can take part in it now."""
+    own = vars(component)
+    return (
+        component.active
+        and getattr(component, "realism", None) is None
+        and not component.requests
+        and not component.input_modifiers
+        and not component.output_modifiers
+        and type(component.local_data) is dict
+        and not any(name in own for name in (*_ALONE, "act_together", "settle") if name != "local_data")
+        and component.may_act_together()
+    )

@@ -1,0 +1,81 @@
+"""The stream of middlewares that carry message kinds, whatever the component."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.datastream import AbstractDatastream
+from morse.core.kinds import bind
+from morse.core.quoting import shown
+from morse.core.validation.commands import Commands
+from morse.core.validation.errors import CommandError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.kinds import BoundKind
+    from morse.core.object import Object
+
+logger = logging.getLogger(__name__)
+
+#: messages that wait for the next action of an actuator
+_MOST_WAITING = 64
+
+
+class KindStream(AbstractDatastream):
+    """Sends the messages of a component by the methods of its manager; or gives the component what has arrived.
+
+    Attributes:
+        kinds: the messages that the component speaks or understands.
+    """
+
+    def initialize(self) -> None:
+        """Find out what the component speaks, and which method carries it."""
+        self.kinds: tuple[BoundKind, ...] = bind(self.component_instance)
+        self._outgoing = [(bound, self.manager.mapping(bound.kind.name)) for bound in self.kinds]
+        self._arrived: deque[tuple[BoundKind, Mapping[str, Any], str]] = deque(maxlen=_MOST_WAITING)
+        self.complaints = Complaints(logger)
+        self._commands = Commands(self.component_instance) if self.direction == "IN" else None
+
+    def default(self, ci: Object | None = None) -> bool:
+        """Publish; or take what has arrived, True if something did."""
+        if self._commands is None:
+            for bound, send in self._outgoing:
+                if send is not None and self.manager.wanted(self, bound.topic):
+                    send(self, bound.gather())
+            return False
+        taken = False
+        while self._arrived:
+            taken = self._take(*self._arrived.popleft(), self._commands) or taken
+        return taken
+
+    def receive(self, bound: BoundKind, slots: Mapping[str, Any], frame: str = "") -> None:
+        """Something has arrived for the component; may be called from any thread.
+
+        Args:
+            bound: one of `kinds`.
+            slots: by name.
+            frame: of the first slot; empty for that of the fields.
+        """
+        self._arrived.append((bound, slots, frame))
+
+    def _take(self, bound: BoundKind, slots: Mapping[str, Any], frame: str, commands: Commands) -> bool:
+        try:
+            fields, remark = bound.scatter(slots, frame)
+            unknown = commands.take(fields)
+        except CommandError as error:
+            self.complain(f"field {error.field}", f"a message is refused: {error}")
+            return False
+        except Exception as error:  # a slot may hold anything: a client must not stop the component
+            self.complain("message", f"a message cannot be read ({type(error).__name__}: {error}): {shown(slots)}")
+            return False
+        for text in filter(None, (remark, unknown)):
+            self.complain(text, text)
+        return True
+
+    def complain(self, kind: str, text: str) -> None:
+        """Say what is wrong with what has arrived."""
+        self.complaints.warn(kind, f"{self.component_name}: {text}")

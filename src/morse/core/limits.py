@@ -1,0 +1,32 @@
+"""Units and ranges of the physical quantities that commands and services take.
+
+For fields, properties: ``add_data("v", 0.0, "float", "Forward speed", **SPEED)``; for arguments of services:
+``def set_speed(self, v: Speed)``.
+
+The ranges are wide enough for ships and satellites, and narrow enough for the physics engine, which loses track of
+bodies at 1e10 m. A value outside is a mistake of the one who sends it.
+"""
+
+from typing import Annotated, Any
+
+from morse.core.validation.arguments import Range
+
+#: the centre of the earth is 6.4e6 m away
+POSITION: dict[str, Any] = {"unit": "m", "low": -1e7, "high": 1e7}
+LENGTH: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e7}
+SPEED: dict[str, Any] = {"unit": "m/s", "low": -1e4, "high": 1e4}
+TURN_RATE: dict[str, Any] = {"unit": "rad/s", "low": -1e4, "high": 1e4}
+FORCE: dict[str, Any] = {"unit": "N", "low": -1e6, "high": 1e6}
+TORQUE: dict[str, Any] = {"unit": "N·m", "low": -1e6, "high": 1e6}
+#: commands may turn several times
+ANGLE: dict[str, Any] = {"unit": "rad", "low": -1e6, "high": 1e6}
+
+Position = Annotated[float, Range(**POSITION)]
+Length = Annotated[float, Range(**LENGTH)]
+Point = Annotated[list[float], Range(**POSITION, shape=(3,))]
+Speed = Annotated[float, Range(**SPEED)]
+TurnRate = Annotated[float, Range(**TURN_RATE)]
+AbsoluteSpeed = Annotated[float, Range(0.0, SPEED["high"], SPEED["unit"])]
+Angle = Annotated[float, Range(**ANGLE)]
+EulerAngles = Annotated[list[float], Range(**ANGLE, shape=(3,))]
+QuaternionNumbers = Annotated[list[float], Range(low=-1e6, high=1e6, shape=(4,))]

@@ -1,0 +1,281 @@
+"""Imports of a project's own modules, kept apart from those of the process.
+
+Each simulation has its own copies of the modules of its project, so that several simulations, also of one project, do
+not share them, and nothing of them stays behind in the process.
+"""
+
+from __future__ import annotations
+
+import builtins
+import functools
+import importlib
+import linecache
+import os
+import sys
+import sysconfig
+import threading
+from contextlib import contextmanager
+from importlib.machinery import PathFinder
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType, TracebackType
+
+_switching = threading.RLock()
+
+
+class ProjectImports:
+    """The modules of a project; inside ``with project:`` they are imported as any others.
+
+    Within the block, the directories of the project come first on ``sys.path``, its modules are in ``sys.modules``,
+    and ``sys.argv`` is that of its script. Only one thread at a time can be in such a block. Import statements in the
+    project's own code enter the block by themselves, whenever they run.
+
+    Args:
+        directories: of the project's packages, and of its scene script.
+        argv: ``sys.argv`` for the script.
+        finders: asked before others while the block is entered.
+    """
+
+    def __init__(self, directories: Iterable[str] = (), argv: Sequence[str] = (), finders: Sequence[Any] = ()) -> None:
+        self._directories = list(directories)
+        self._argv = list(argv)
+        self._modules: dict[str, ModuleType] = {}
+        self._names: set[str] = set()
+        self._entered = 0
+        self._renewing = False
+        self._finders: list[Any] = [*finders, self]
+        self._builtins = {**vars(builtins), "__import__": self._import}
+        self._kept: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
+
+    def offer(self, name: str, module: ModuleType) -> None:
+        """Let the project import a module under a name of its own."""
+        self._names.add(name)
+        self._modules[name] = module
+
+    def module(self, name: str) -> ModuleType | None:
+        """The project's own module of that name, if it has been imported."""
+        if name.partition(".")[0] not in self._names:
+            return None
+        return sys.modules.get(name) if self._entered else self._modules.get(name)
+
+    def sources(self) -> dict[str, str]:
+        """The modules of the project that have been imported, and the files they came from."""
+        table = sys.modules if self._entered else self._modules
+        found = {}
+        for name, module in list(table.items()):
+            file = getattr(module, "__file__", None)
+            if name.partition(".")[0] in self._names and isinstance(file, str) and file.endswith(".py"):
+                found[name] = file
+        return found
+
+    @contextmanager
+    def renewed(self, names: Iterable[str]) -> Iterator[None]:
+        """Import modules anew from their files, all of them or none; after an error in the block the old ones are back.
+
+        Raises:
+            Exception: whatever goes wrong in a module.
+        """
+        with self:
+            before = {name: sys.modules.pop(name) for name in names if name in sys.modules}
+            importlib.invalidate_caches()
+            linecache.checkcache()
+            self._renewing = True
+            try:
+                for name in before:
+                    _with_submodules(importlib.import_module(name))
+                self._renewing = False
+                yield
+            except BaseException:
+                for name in before:
+                    sys.modules.pop(name, None)
+                sys.modules.update(before)
+                for module in before.values():
+                    _bind(module)
+                raise
+            finally:
+                self._renewing = False
+
+    def own_modules(self) -> dict[str, ModuleType]:
+        """The project's own modules that have been imported, by name."""
+        modules = sys.modules if self._entered else self._modules
+        return {name: module for name, module in list(modules.items()) if name.partition(".")[0] in self._names}
+
+    def __enter__(self) -> ProjectImports:
+        _switching.acquire()
+        self._entered += 1
+        if self._entered == 1:
+            self._switch_in()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._entered == 1:
+            self._switch_out()
+        self._entered -= 1
+        _switching.release()
+
+    def stay(self) -> None:
+        """Enter for good: for a process that runs this one simulation."""
+        with _switching:
+            self._entered += 1
+            if self._entered == 1:
+                self._switch_in()
+
+    def _switch_in(self) -> None:
+        hides = self._names | {name for name in self._offered() if not _is_library(name)}
+        hidden = {name: module for name, module in sys.modules.items() if name.partition(".")[0] in hides}
+        self._kept = (list(sys.path), list(sys.argv), hidden)
+        for name in hidden:
+            del sys.modules[name]
+        sys.modules.update(self._modules)
+        sys.path[:0] = self._directories
+        if self._argv:
+            sys.argv[:] = self._argv
+        place = sys.meta_path.index(PathFinder) if PathFinder in sys.meta_path else len(sys.meta_path)
+        sys.meta_path[place:place] = self._finders
+
+    def _switch_out(self) -> None:
+        path, argv, hidden = self._kept
+        for name in [name for name in sys.modules if name.partition(".")[0] in self._names]:
+            self._modules[name] = sys.modules.pop(name)
+        sys.modules.update(hidden)
+        # what the script itself put on the path is for its own modules
+        added = [entry for entry in sys.path if entry not in path and entry not in self._directories]
+        self._directories += added
+        sys.path[:], sys.argv[:] = path, argv
+        sys.meta_path[:] = [finder for finder in sys.meta_path if all(finder is not own for own in self._finders)]
+        self._kept = ([], [], {})
+
+    def _offered(self) -> set[str]:
+        """Modules that are imported in the process and whose names files of the project have, too."""
+        found: set[str] = set()
+        for directory in self._directories:
+            try:
+                entries = os.listdir(directory or ".")
+            except OSError:
+                continue
+            found.update(name for entry in entries if (name := entry.partition(".")[0]) in sys.modules)
+        return found
+
+    # -- finding ---------------------------------------------------------------------------
+
+    def find_spec(self, name: str, path: Sequence[str] | None, target: object = None) -> ModuleSpec | None:
+        """See `importlib.abc.MetaPathFinder`."""
+        if path is None:
+            spec = PathFinder.find_spec(name, self._directories)
+            if spec is None or (spec.origin is None and _is_module(PathFinder.find_spec(name))):
+                # a folder of that name does not hide a library
+                return None
+            self._names.add(name)
+        elif name.partition(".")[0] in self._names:
+            spec = PathFinder.find_spec(name, path)
+        else:
+            return None
+        if spec is not None and spec.loader is not None and hasattr(spec.loader, "exec_module"):
+            spec.loader = _Loader(spec.loader, self._builtins, self._renewing)  # type: ignore[assignment]
+        return spec
+
+    def _import(
+        self,
+        name: str,
+        globals: Any = None,
+        locals: Any = None,
+        fromlist: Any = (),
+        level: int = 0,
+    ) -> Any:
+        """What an import statement in the project's code does."""
+        if level == 0 and name.partition(".")[0] not in self._names and name in sys.modules:
+            return builtins.__import__(name, globals, locals, fromlist, level)
+        if not self._entered:
+            there = self._imported(name, globals, fromlist, level)
+            if there is not None:
+                return there
+        # also while another thread has entered: it may leave in the middle of this import
+        with self:
+            return builtins.__import__(name, globals, locals, fromlist, level)
+
+    def _imported(self, name: str, globals: Any, fromlist: Any, level: int) -> ModuleType | None:
+        """What an import statement gives if it names what has been imported before: it may run in every tick."""
+        if level:
+            package = str((globals or {}).get("__package__") or "")
+            if package.count(".") < level - 1:
+                return None
+            above = package.rsplit(".", level - 1)[0] if level > 1 else package
+            name = f"{above}.{name}" if name else above
+        module = self._modules.get(name)
+        if module is None or getattr(getattr(module, "__spec__", None), "_initializing", False):
+            return None
+        if not fromlist:
+            return self._modules.get(name.partition(".")[0])
+        return module if "*" not in fromlist and all(hasattr(module, part) for part in fromlist) else None
+
+    def prepare(self, module: ModuleType) -> None:
+        """Let the import statements of a module that is about to be run find the project."""
+        module.__dict__["__builtins__"] = self._builtins
+
+
+def _bind(module: ModuleType) -> None:
+    """Make a module the one that its package knows by its name."""
+    package, _, name = module.__name__.rpartition(".")
+    if package in sys.modules:
+        setattr(sys.modules[package], name, module)
+
+
+def _with_submodules(package: ModuleType) -> None:
+    """Let a package that was imported anew know those of its modules that were not."""
+    for name, module in list(sys.modules.items()):
+        if name.rpartition(".")[0] == package.__name__:
+            _bind(module)
+
+
+def _is_library(name: str) -> bool:
+    """Whether an imported module belongs to Python, to MORSE or to an installed package: a project uses that one."""
+    if name in sys.stdlib_module_names or name in ("__main__", "morse", "pymorse"):
+        return True
+    spec = getattr(sys.modules[name], "__spec__", None)
+    origin = getattr(spec, "origin", None)
+    return isinstance(origin, str) and (origin in ("built-in", "frozen") or origin.startswith(_libraries()))
+
+
+@functools.cache
+def _libraries() -> tuple[str, ...]:
+    paths = sysconfig.get_paths()
+    return tuple({paths[name] + os.sep for name in ("stdlib", "platstdlib", "purelib", "platlib")})
+
+
+def _is_module(spec: ModuleSpec | None) -> bool:
+    return spec is not None and spec.origin is not None
+
+
+class _Loader:
+    """Runs a module of a project as its own loader does, with the imports of the project."""
+
+    def __init__(self, loader: Any, names: dict[str, Any], from_source: bool) -> None:
+        self._loader = loader
+        self._names = names
+        self._from_source = from_source
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """See `importlib.abc.Loader`."""
+        made: ModuleType | None = self._loader.create_module(spec)
+        return made
+
+    def exec_module(self, module: ModuleType) -> None:
+        """See `importlib.abc.Loader`."""
+        module.__dict__["__builtins__"] = self._names
+        path = getattr(self._loader, "path", "")
+        if self._from_source and str(path).endswith(".py"):
+            # compiled files are told from old ones by the second in which the source was saved
+            source = self._loader.get_data(path)
+            exec(compile(source, path, "exec", dont_inherit=True), module.__dict__)
+        else:
+            self._loader.exec_module(module)
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_loader":
+            raise AttributeError(name)
+        return getattr(self._loader, name)

@@ -1,0 +1,127 @@
+"""Units of measurement: what they measure, and how to convert between them.
+
+A unit is written as names, ``·`` or ``*``, ``/`` and powers: ``m/s``, ``rad/s^2``, ``N·m``, ``kg·m²``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import lru_cache
+from typing import NamedTuple
+
+from morse.core.exceptions import MorseDeclarationError
+from morse.core.hints import nearest
+
+
+class Unit(NamedTuple):
+    """A unit in terms of base units: ``base = factor * value + offset``.
+
+    Attributes:
+        factor: size in base units.
+        offset: of the zero point, in base units; 0 except for °C and °F.
+        dimension: base unit and power, sorted. ``rad`` and ``px`` count as base units.
+    """
+
+    factor: float
+    offset: float
+    dimension: tuple[tuple[str, int], ...]
+
+
+_BASE = ("m", "kg", "s", "A", "K", "rad", "px", "cd", "mol", "dB")
+#: name: factor, and the unit that it is that many of
+_DERIVED: dict[str, tuple[float, str]] = {
+    "km": (1e3, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "µm": (1e-6, "m"),
+    "nm": (1e-9, "m"), "ft": (0.3048, "m"), "in": (0.0254, "m"), "mi": (1609.344, "m"), "nmi": (1852.0, "m"),
+    "g": (1e-3, "kg"), "mg": (1e-6, "kg"), "t": (1e3, "kg"),
+    "ms": (1e-3, "s"), "us": (1e-6, "s"), "µs": (1e-6, "s"), "ns": (1e-9, "s"), "min": (60.0, "s"), "h": (3600.0, "s"),
+    "deg": (math.pi / 180.0, "rad"), "°": (math.pi / 180.0, "rad"), "mrad": (1e-3, "rad"),
+    "rev": (2.0 * math.pi, "rad"), "rpm": (math.pi / 30.0, "rad/s"),
+    "sr": (1.0, "rad^2"), "kn": (1852.0 / 3600.0, "m/s"), "mA": (1e-3, "A"), "gee": (9.80665, "m/s^2"),
+    "Hz": (1.0, "s^-1"), "kHz": (1e3, "s^-1"), "MHz": (1e6, "s^-1"), "GHz": (1e9, "s^-1"), "Bq": (1.0, "s^-1"),
+    "N": (1.0, "kg·m/s^2"), "kN": (1e3, "kg·m/s^2"), "mN": (1e-3, "kg·m/s^2"),
+    "J": (1.0, "N·m"), "kJ": (1e3, "N·m"), "Wh": (3600.0, "N·m"), "kWh": (3.6e6, "N·m"),
+    "W": (1.0, "J/s"), "kW": (1e3, "J/s"), "mW": (1e-3, "J/s"),
+    "Pa": (1.0, "N/m^2"), "hPa": (1e2, "N/m^2"), "kPa": (1e3, "N/m^2"), "bar": (1e5, "N/m^2"),
+    "mbar": (1e2, "N/m^2"), "psi": (6894.757293168, "N/m^2"),
+    "C": (1.0, "A·s"), "Ah": (3600.0, "A·s"), "mAh": (3.6, "A·s"),
+    "V": (1.0, "W/A"), "mV": (1e-3, "W/A"), "kV": (1e3, "W/A"), "ohm": (1.0, "V/A"), "Ω": (1.0, "V/A"),
+    "F": (1.0, "C/V"), "S": (1.0, "A/V"), "Wb": (1.0, "V·s"), "H": (1.0, "Wb/A"),
+    "T": (1.0, "V·s/m^2"), "mT": (1e-3, "T"), "uT": (1e-6, "T"), "µT": (1e-6, "T"), "nT": (1e-9, "T"),
+    "gauss": (1e-4, "T"), "lm": (1.0, "cd"), "lx": (1.0, "cd/m^2"), "l": (1e-3, "m^3"), "L": (1e-3, "m^3"),
+    "Sv": (1.0, "J/kg"), "Gy": (1.0, "J/kg"),
+    "1": (1.0, ""), "%": (1e-2, ""), "ppm": (1e-6, ""), "ppb": (1e-9, ""), "pH": (1.0, ""), "bit": (1.0, ""),
+    "byte": (8.0, ""),
+}  # fmt: skip
+#: temperatures with a zero point of their own: size of a degree and zero point, K
+_ZERO_POINTS = {"°C": (1.0, 273.15), "degC": (1.0, 273.15), "°F": (5.0 / 9.0, 459.67 * 5.0 / 9.0)}
+_POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+_TERM = re.compile(r"([^\d^*·/\s⁻⁰¹²³⁴⁵⁶⁷⁸⁹-]+|1)(?:(?:\^|\*\*)?(-?\d+)|([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?")
+_SEPARATOR = re.compile(r"\s*(/|·|(?<!\*)\*(?!\*))\s*")
+
+
+class UnitError(MorseDeclarationError):
+    """A unit is unknown, or cannot be converted into another."""
+
+
+@lru_cache(maxsize=1024)
+def unit(text: str) -> Unit:
+    """The unit of that name.
+
+    Raises:
+        UnitError: it is unknown.
+    """
+    if text in _ZERO_POINTS:
+        factor, offset = _ZERO_POINTS[text]
+        return Unit(factor, offset, (("K", 1),))
+    if text in _BASE:
+        return Unit(1.0, 0.0, ((text, 1),))
+    factor, powers = 1.0, dict[str, int]()
+    sign = 1
+    for index, part in enumerate(_SEPARATOR.split(text.strip())):
+        if index % 2:
+            sign = -1 if part == "/" else 1
+            continue
+        scale, dimension = _term(part, text)
+        factor *= scale**sign
+        for name, power in dimension:
+            powers[name] = powers.get(name, 0) + sign * power
+    return Unit(factor, 0.0, tuple(sorted((name, power) for name, power in powers.items() if power)))
+
+
+def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int], ...]]:
+    match = _TERM.fullmatch(part)
+    if match is None:
+        raise UnitError(f"the unit {text!r} is unknown{nearest(text, known_units())}")
+    name = match[1]
+    power = int(match[2] or (match[3] or "1").translate(_POWERS))
+    if name in _BASE:
+        return 1.0, ((name, power),)
+    if name not in _DERIVED:
+        where = "" if name == text else f" in {text!r}"
+        raise UnitError(f"the unit {name!r}{where} is unknown{nearest(name, known_units())}")
+    size, of = _DERIVED[name]
+    base = unit(of) if of else Unit(1.0, 0.0, ())
+    return (size * base.factor) ** power, tuple((one, p * power) for one, p in base.dimension)
+
+
+def known_units() -> list[str]:
+    """The names that units are made of."""
+    return [*_BASE, *_DERIVED, *_ZERO_POINTS]
+
+
+@lru_cache(maxsize=1024)
+def conversion(given: str, wanted: str) -> tuple[float, float]:
+    """Factor and offset: ``value in wanted = factor * value in given + offset``.
+
+    Raises:
+        UnitError: they measure different things, or one is unknown.
+    """
+    if given == wanted:
+        return 1.0, 0.0
+    a, b = unit(given), unit(wanted)
+    if a.dimension != b.dimension:
+        alike = [name for name in known_units() if unit(name).dimension == b.dimension and name != wanted]
+        known = f"; known: {', '.join(alike)}" if alike else ""
+        raise UnitError(f"{given!r} cannot be converted into {wanted!r}{known}")
+    return a.factor / b.factor, (a.offset - b.offset) / b.factor

@@ -1,0 +1,99 @@
+"""The magnetic field of the earth, by the World Magnetic Model of NOAA and the British Geological Survey."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from morse.mathutils.rotations import turn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.helpers.geodesy import LocalPlane
+    from morse.mathutils.rotations import Triple
+
+#: the models: first and last decimal year
+MODELS: dict[str, tuple[float, float]] = {
+    "WMM2010": (2010.0, 2015.0),
+    "WMM2015": (2015.0, 2020.0),
+    "WMM2015v2": (2015.0, 2020.0),
+    "WMM2020": (2020.0, 2025.0),
+    "WMM2025": (2025.0, 2030.0),
+}
+#: decimal year of simulations that run in no year: the first of the latest model
+DEFAULT_YEAR = 2025.0
+#: The field is worked out in the corner points of cells of that size, m, and is linear in between. The second
+#: derivative of a dipole at the surface is 12 B / r^2 < 2e-8 nT/m^2: at 350 m from the centre it is off by 1e-3 nT.
+_CELL = 400.0
+_Cell = tuple["Triple", "tuple[float, ...]"]
+
+
+def model_of(year: float) -> str:
+    """The model for a decimal year; the nearest one outside all of them.
+
+    Of the two models of 2015 it is the first one, which MORSE 1.4 had.
+    """
+    for name, (_, last) in MODELS.items():
+        if year < last:
+            return name
+    return "WMM2025"
+
+
+class MagneticField:
+    """The field around a world, on one day.
+
+    Its vector is given along east, north and up where the sensor is, turned as the world is: the world is flat, and
+    gravity acts along its Z axis everywhere.
+
+    Args:
+        plane: where the world is.
+        year: decimal year.
+        model: one of `MODELS`; None for that of the year.
+    """
+
+    def __init__(self, plane: LocalPlane, year: float, model: str | None = None) -> None:
+        # scenes without magnetometers should not wait for it
+        from pygeomag import GeoMag
+
+        self._plane = plane
+        self._year = year
+        name = (model or model_of(year)).replace("WMM", "WMM_")
+        self._model = GeoMag(coefficients_file=f"wmm/{name}.COF")
+        self._cell = lru_cache(maxsize=64)(self._worked_out)
+
+    def at(self, position: Sequence[float]) -> Triple:
+        """The field along the axes of the world, nT.
+
+        Args:
+            position: m in the world.
+        """
+        x, y, z = position
+        i, j, k = round(x / _CELL), round(y / _CELL), round(z / _CELL)
+        (fx, fy, fz), slope = self._cell(i, j, k)
+        dx, dy, dz = turn(slope, (x - i * _CELL, y - j * _CELL, z - k * _CELL))
+        return fx + dx, fy + dy, fz + dz
+
+    def _worked_out(self, i: int, j: int, k: int) -> _Cell:
+        """Field in the centre of a cell, and its gradient, row by row."""
+        x, y, z = i * _CELL, j * _CELL, k * _CELL
+        half = 0.5 * _CELL
+        differences = [
+            [(b - a) / _CELL for a, b in zip(self._exact(before), self._exact(after), strict=True)]
+            for before, after in (
+                ((x - half, y, z), (x + half, y, z)),
+                ((x, y - half, z), (x, y + half, z)),
+                ((x, y, z - half), (x, y, z + half)),
+            )
+        ]
+        slope = tuple(differences[axis][component] for component in range(3) for axis in range(3))
+        return self._exact((x, y, z)), slope
+
+    def _exact(self, position: Sequence[float]) -> Triple:
+        longitude, latitude, altitude = self._plane.geodetic_of(position)
+        longitude = math.remainder(longitude, 360.0)
+        result = self._model.calculate(
+            glat=latitude, glon=longitude, alt=altitude / 1000.0, time=self._year, allow_date_outside_lifespan=True
+        )
+        return self._plane.world_of_enu((result.y, result.x, -result.z))

@@ -1,0 +1,33 @@
+"""What a node shows of itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.scene.appearance import Material
+
+if TYPE_CHECKING:
+    from morse.scene.mesh import Mesh
+    from morse.scene.node import Node
+
+_PLAIN = Material("")
+
+
+def slot_materials(node: Node, mesh: Mesh) -> list[Material]:
+    """The material of every slot that a mesh uses: the node's own, else the mesh's."""
+    used = int(mesh.material_index.max(initial=0)) + 1
+    slots = []
+    for slot in range(used):
+        own = node.materials[slot] if slot < len(node.materials) else None
+        default = mesh.materials[slot] if slot < len(mesh.materials) else None
+        slots.append(own or default or _PLAIN)
+    return slots
+
+
+def is_shown(node: Node, visible: bool) -> bool:
+    """Whether a node is seen.
+
+    Args:
+        visible: whether its object is visible; the property ``visible`` hides it all the same.
+    """
+    return visible and node.properties.get("visible", True) not in (0, "0", "false", "False")

@@ -1,0 +1,46 @@
+"""Which nodes of a scene came from which model file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from morse.scene.node import Node
+
+#: what objects will be, which decides their physics where the file does not; a casing is the body
+#: of a sensor or actuator, which nothing touches
+Role = Literal["environment", "component", "casing", "prop"]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Which objects of a model file a scene takes.
+
+    Attributes:
+        role: the use of the objects in the scene.
+        whole: all of them, below one root.
+        names: only these, each with all below it; None for no such choice.
+        prefix: only those whose names begin so, or the collection of that name; None for no such choice.
+    """
+
+    role: Role
+    whole: bool = False
+    names: tuple[str, ...] | None = None
+    prefix: str | None = None
+
+
+@dataclass(eq=False, slots=True)
+class ModelUse:
+    """Nodes that came from a model file, so that they can follow the file when it changes.
+
+    Attributes:
+        path: the file.
+        nodes: the nodes in the scene, by their names in the file; a script may have changed, moved or deleted them.
+        originals: copies of the same nodes as the file has them.
+    """
+
+    path: str
+    choice: Choice
+    nodes: dict[str, Node] = field(default_factory=dict)
+    originals: dict[str, Node] = field(default_factory=dict)

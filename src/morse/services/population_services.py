@@ -1,0 +1,66 @@
+"""Services that let robots and things come and go; part of the pseudo component ``simulation``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.limits import EulerAngles, Point
+from morse.core.services import service
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_LONGEST_NAME = 100
+
+
+class Populated(Protocol):
+    """What the services need of a simulation."""
+
+    def spawn(self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float]) -> Any:
+        """Let a robot or a thing come."""
+
+    def delete(self, name: str) -> None:
+        """Let a robot or a thing go."""
+
+
+class PopulationServices(AbstractObject):
+    """Robots and things come and go."""
+
+    def __init__(self, simulation: Populated) -> None:
+        super().__init__()
+        self._simulation = simulation
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @service(changes=False)  # the simulation itself notes it
+    def spawn(self, name: str, kind: str, position: Point | None = None, orientation: EulerAngles | None = None) -> str:
+        """Let a robot or a thing come into the scene.
+
+        Args:
+            name: no object of the scene has it.
+            kind: name of a robot as scene scripts write it, e.g. ``ATRV``, or of a model, e.g. ``props/crates``.
+            position: x, y, z in the world, m; the origin if it is not given.
+            orientation: roll, pitch, yaw, rad.
+        """
+        if not 0 < len(name) <= _LONGEST_NAME or not name.isprintable() or name.split() != [name] or "." in name:
+            raise MorseRPCInvokationError(
+                f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {name[:120]!r}"
+            )
+        self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
+        return name
+
+    @service(changes=False)  # the simulation itself notes it
+    def delete(self, name: str) -> None:
+        """Let a robot or a thing go, with all that is part of it."""
+        self._attempt(lambda: self._simulation.delete(name))
+
+    @staticmethod
+    def _attempt(change: Any) -> None:
+        try:
+            change()
+        except (ValueError, TypeError, SyntaxError, OSError) as error:
+            raise MorseRPCInvokationError(str(error)) from None

@@ -1,0 +1,84 @@
+"""Services that save and restore the state of the simulation; part of the pseudo component ``simulation``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Protocol
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.services import service
+
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+_MOST = 32
+_SUFFIX = ".morse-state"
+
+
+class Saveable(Protocol):
+    """What the services need of a simulation."""
+
+    def save(self, path: Path | None = None) -> Any:
+        """The state as it is now."""
+
+    def restore(self, state: Any) -> None:
+        """Go on from a state."""
+
+
+class StateServices(AbstractObject):
+    """Keeps states by name, in the memory or in files of the folder in which the simulation was started."""
+
+    def __init__(self, simulation: Saveable) -> None:
+        super().__init__()
+        self._simulation = simulation
+        self._states: dict[str, Any] = {}
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @service(changes=False)
+    def save(self, name: str = "state", to_file: bool = False) -> str:
+        """Keep the present state under a name; a state that had the name is forgotten.
+
+        Args:
+            name: letters, digits, ``_``, ``-`` and dots.
+            to_file: write the file ``<name>.morse-state`` into the folder in which the simulation was started.
+
+        Returns:
+            The name, or the path of the file.
+        """
+        self._check_name(name)
+        if to_file:
+            path = Path(name + _SUFFIX).absolute()
+            try:
+                self._simulation.save(path)
+            except OSError as error:
+                raise MorseRPCInvokationError(f"the state cannot be written: {error}") from None
+            return str(path)
+        if name not in self._states and len(self._states) >= _MOST:
+            raise MorseRPCInvokationError(f"{_MOST} states are kept already: give one of their names")
+        self._states[name] = self._simulation.save()
+        return name
+
+    @service(changes=False)  # the simulation itself notes it
+    def restore(self, name: str = "state", from_file: bool = False) -> None:
+        """Go on from a state that was saved; services that are under way end as preempted."""
+        self._check_name(name)
+        if from_file:
+            path = Path(name + _SUFFIX).absolute()
+            if not path.is_file():
+                raise MorseRPCInvokationError(f"there is no file {path}")
+            self._simulation.restore(path)
+        elif name in self._states:
+            self._simulation.restore(self._states[name])
+        else:
+            raise MorseRPCInvokationError(f"no state is called '{name}'{nearest(name, list(self._states))}")
+
+    @staticmethod
+    def _check_name(name: str) -> None:
+        if not _NAME.fullmatch(name):
+            raise MorseRPCInvokationError(
+                f"the name of a state is made of up to 64 letters, digits, '_', '-' and dots, not {name[:80]!r}"
+            )

@@ -1,0 +1,59 @@
+"""Text from outside can stand in any message."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from morse.core.hints import nearest
+from morse.core.quoting import escaped, quoted, short, shown
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(anything)
+def test_what_is_said_of_a_value_fits_on_a_line_of_a_terminal(value: Any) -> None:
+    for text in (quoted(value), short(value), shown(value)):
+        assert text.isprintable()
+        assert len(text) < 1000
+        text.encode()
+
+
+@given(st.text(st.characters(categories=("Cc", "Cf", "Cs", "Zl", "Zp")), min_size=1))
+def test_control_characters_are_written_as_escapes(text: str) -> None:
+    assert escaped(f"a{text}b").startswith("a\\")
+    assert escaped(f"a{text}b").isprintable()
+
+
+def test_what_can_be_read_stays_as_it_is() -> None:
+    assert escaped("Krähe 漢字 'x' \\n") == "Krähe 漢字 'x' \\n"
+    assert quoted("v") == "'v'"
+    assert short("x" * 100, 10) == "xxxxxxxxxx… (100 characters)"
+
+
+def test_long_values_are_not_looked_at_to_their_end() -> None:
+    class Item:
+        def __repr__(self) -> str:
+            looked.append(1)
+            return "item"
+
+    looked: list[int] = []
+    shown([Item()] * 1_000_000)
+    shown({n: Item() for n in range(1000)})
+    assert len(looked) < 50
+    assert len(shown(10**5000)) < 100
+
+
+def test_a_name_of_megabytes_is_compared_with_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("difflib.get_close_matches", lambda *_a, **_k: pytest.fail("that takes seconds"))
+    assert nearest("x" * 15_000_000, ["motion", "pose"]) == "; known: motion, pose"
+
+
+def test_the_list_of_names_does_not_grow_without_end() -> None:
+    assert len(nearest("xyz", [f"component{n}" for n in range(10_000)])) < 1000
