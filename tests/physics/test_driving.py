@@ -73,8 +73,25 @@ def test_a_robot_with_friction_is_slower_than_one_without():
 
     run(w, 2.0, drive)
     assert w.game_object("smooth").worldPosition.x == pytest.approx(2.0, abs=0.01)
-    # the floor takes mu g dt off the speed within each tick, half of it on average
-    assert w.game_object("rough").worldPosition.x == pytest.approx(2.0 * (1 - 0.5 * 0.5 * 9.81 / 60), abs=0.03)
+    # the floor, of friction 0.5, takes mu 0.5 g dt off the speed in each half of a tick: 3/4 of it on average
+    assert w.game_object("rough").worldPosition.x == pytest.approx(2.0 * (1 - 0.75 * 0.5 * 0.5 * 9.81 / 60), abs=0.01)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0, 5.0, 50.0])
+def test_no_friction_tips_a_driven_robot_over(friction):
+    body = robot(friction=friction, shape=box(0.4, 0.4, 1.2), at=(0, 0, 0.6))
+    w = world(ground(), body, robots=[body])
+    obj = w.game_object("robot")
+    run(w, 3.0, lambda: obj.drive((1, 0, 0), (0, 0, 0.5), ground=True))
+    assert obj.worldOrientation[2][2] > 0.999
+    assert obj.worldPosition.z == pytest.approx(0.6, abs=2e-3)
+
+
+def test_friction_slows_no_robot_in_the_air():
+    body = robot(friction=5.0, at=(0, 0, 30.0))
+    w = world(ground(), body, robots=[body])
+    run(w, 1.0, lambda: w.game_object("robot").drive((1, 0, 0), (0, 0, 0), ground=True))
+    assert w.game_object("robot").worldPosition.x == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_robot_left_alone_comes_to_a_stop():

@@ -2,9 +2,10 @@
 
 import math
 
+import mujoco
 import numpy as np
 import pytest
-from worlds import box, ground, node, rigid, robot, run, sphere, world
+from worlds import bits, box, ground, node, rigid, robot, run, sphere, world
 
 from morse.scene import CollisionShape, ShapeKind
 
@@ -26,7 +27,7 @@ class Twins:
             for twin in (self.gliding, self.standing):
                 act(twin, k * TICK)
                 twin.step()
-            self.glided += len(list(self.gliding.gliding.slots)) > 0
+            self.glided += len(self.gliding.gliding.glides) > 0
             worst = max(worst, self.difference())
         return worst
 
@@ -176,8 +177,8 @@ def test_it_climbs_a_ramp_alike():
 def test_a_body_that_keeps_touching_costs_few_repetitions(monkeypatch):
     w = with_ground(lambda: node("Wall", box(0.2, 4, 1), at=(0.8, 0, 0.5)))()
     taken_back = []
-    original = w.gliding._take_back
-    monkeypatch.setattr(w.gliding, "_take_back", lambda: original() and not taken_back.append(1))
+    original = w._steps._take_back
+    monkeypatch.setattr(w._steps, "_take_back", lambda: original() and not taken_back.append(1))
     run(w, 5.0, lambda: drive(w, 0.5))
     assert len(taken_back) <= 3
 
@@ -226,7 +227,7 @@ def test_it_falls_when_the_floor_goes(take_away):
     if take_away == "lower":
         floor.worldPosition = (0, 0, -5.0)
     else:
-        w.set_collision([floor.node], False)
+        w.bodies.set_collision([floor.node], False)
     run(w, 0.5, lambda: drive(w))
     assert w.game_object("robot").worldPosition.z < 0.0
 
@@ -274,7 +275,7 @@ def test_without_collision_it_falls_through():
     w = with_ground()()
     run(w, 0.5, lambda: drive(w))
     body = w.game_object("robot")
-    w.set_collision([body.node], False)
+    w.bodies.set_collision([body.node], False)
     run(w, 0.5, lambda: drive(w))
     assert body.worldPosition.z < 0.0
 
@@ -299,7 +300,7 @@ def test_after_a_reset_everything_happens_again_bit_by_bit():
         for each in (w, fresh):
             drive(each, 0.8, 0.2)
             each.step()
-        assert (w.state() == fresh.state()).all()
+        assert bits(w.get_state()) == bits(fresh.get_state())
 
 
 def test_a_robot_without_weight_is_left_alone():
@@ -320,8 +321,9 @@ def test_a_robot_without_weight_is_left_alone():
 def long_steps(w, monkeypatch):
     """Counts the ticks that are done in one step."""
     done = []
-    original = w.gliding._stride
-    monkeypatch.setattr(w.gliding, "_stride", lambda: original() and not done.append(1))
+    for name in ("_drift", "_stride"):
+        original = getattr(w._steps, name)
+        monkeypatch.setattr(w._steps, name, lambda original=original: original() and not done.append(1))
     return done
 
 
@@ -369,3 +371,163 @@ def test_a_sleeping_box_is_woken_alike():
     assert twins.run(5.0, lambda w, t: drive(w, 0.4)) < 1e-5
     twins.run(1.5, lambda w, t: drive(w, 0.4))
     assert twins.gliding.game_object("Box").worldPosition.x > 2.65
+
+
+def test_lightening_another_body_leaves_the_floor_under_a_robot_that_glides():
+    body = robot()
+    w = world(ground(), body, rigid("Balloon", box(0.2, 0.2, 0.2), at=(3, 3, 0.1)), robots=[body])
+    run(w, 0.5, lambda: drive(w))
+    assert "robot" in [w.slots[index].frame.node.name for index in w.gliding.glides]
+    w.game_object("Balloon").disable_gravity()
+    run(w, 0.5, lambda: drive(w))
+    run(w, 1.0)
+    assert w.game_object("robot").worldPosition.z == pytest.approx(0.25, abs=1e-3)
+
+
+# drifting: no step of the engine at all ---------------------------------------------------------
+
+
+def drifters(*others, count=1):
+    bodies = [robot(f"robot{i}" if i else "robot", at=(0, 3 * i, 0.25)) for i in range(count)]
+    return world(ground(), *bodies, *others, robots=bodies)
+
+
+class EngineSteps:
+    """Counts the steps of the engine."""
+
+    def __init__(self, monkeypatch):
+        self.count = 0
+        original = mujoco.mj_step
+
+        def step(*arguments):
+            self.count += 1
+            original(*arguments)
+
+        monkeypatch.setattr(mujoco, "mj_step", step)
+
+    def during(self, act):
+        before = self.count
+        act()
+        return self.count - before
+
+
+@pytest.fixture
+def engine_steps(monkeypatch):
+    return EngineSteps(monkeypatch)
+
+
+def asleep(name="Box", at=(-5, 0, 0.15)):
+    return rigid(name, box(0.3, 0.3, 0.3), at=at)
+
+
+def settle(w, seconds=1.0):
+    run(w, seconds, lambda: drive(w, 0.5, 0.2))
+
+
+def test_robots_that_glide_alone_need_no_step_of_the_engine(engine_steps):
+    w = drifters(asleep())
+    settle(w)
+    assert engine_steps.during(lambda: run(w, 1.0, lambda: drive(w, 0.5, 0.2))) == 0
+    assert w.data.time == pytest.approx(2.0)
+    assert w.game_object("Box").worldPosition.z == pytest.approx(0.15, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "stir",
+    [
+        lambda o: setattr(o, "worldLinearVelocity", (0, 1.0, 0)),
+        lambda o: o.applyForce((0, 500.0, 0)),
+        lambda o: setattr(o, "worldPosition", (-5, 0.1, 1.0)),
+        lambda o: o.applyMovement((0, 0.1, 0)),
+        lambda o: o.drive((0, 1.0, 0), (0, 0, 0)),
+    ],
+)
+def test_a_sleeper_that_is_stirred_wakes_while_others_drift(stir, engine_steps):
+    w = drifters(asleep())
+    settle(w)
+    assert engine_steps.during(lambda: settle(w, 0.1)) == 0
+    sleeper = w.game_object("Box")
+    before = sleeper.worldPosition.copy()
+    stir(sleeper)
+    settle(w, 0.3)
+    assert (sleeper.worldPosition - before).length > 0.02
+    settle(w, 2.0)
+    assert sleeper.worldPosition.z == pytest.approx(0.15, abs=1e-3)
+    assert engine_steps.during(lambda: settle(w, 0.1)) == 0
+
+
+def test_a_sleeping_robot_that_is_driven_starts_while_another_drifts():
+    w = drifters(count=2)
+    settle(w, 2.0)
+    run(w, 1.0, lambda: (drive(w, 0.5), drive(w, 0.5, name="robot1")))
+    assert w.game_object("robot1").worldPosition.x == pytest.approx(0.5, abs=0.01)
+    assert w.game_object("robot").worldPosition.x > 0.4
+
+
+def test_a_robot_without_forces_wakes_what_it_meets_while_others_drift():
+    pusher = node("pusher", box(0.2, 0.2, 0.2), at=(-6, 0, 0.15))
+    body = robot()
+    w = world(ground(), body, pusher, asleep(), robots=[body, pusher])
+
+    def both():
+        drive(w, 0.3, 0.4)
+        w.game_object("pusher").drive((0.5, 0, 0), (0, 0, 0), position=True)
+
+    run(w, 1.0, lambda: drive(w, 0.3, 0.4))
+    run(w, 3.0, both)
+    pushed = w.game_object("Box").worldPosition.x - w.game_object("pusher").worldPosition.x
+    assert pushed == pytest.approx(0.25, abs=0.02)
+
+
+def test_what_loses_its_floor_falls_while_others_drift():
+    table = node("Table", box(1, 1, 0.5), at=(-5, 0, 0.25))
+    w = drifters(table, asleep(at=(-5, 0, 0.65)))
+    settle(w)
+    w.game_object("Table").worldPosition = (-9, 0, 0.25)
+    w.game_object("Box").worldLinearVelocity = (0, 0, 0.01)
+    settle(w)
+    assert w.game_object("Box").worldPosition.z == pytest.approx(0.15, abs=2e-3)
+
+
+def test_a_drifting_robot_is_stopped_by_a_wall_and_pushes_a_sleeper():
+    w = drifters(asleep(at=(1.5, 0, 0.15)), node("Wall", box(0.2, 4, 1), at=(3.0, 0, 0.5)))
+    run(w, 6.0, lambda: drive(w, 0.8))
+    assert w.game_object("Box").worldPosition.x > 1.6
+    assert w.game_object("robot").worldPosition.x < 3.0 - 0.1 - 0.25 + 0.01
+
+
+def test_drifting_robots_that_meet_collide():
+    first, second = robot(at=(-3, 0, 0.25)), robot("other", at=(3, 0.1, 0.25))
+    w = world(ground(), first, second, robots=[first, second])
+
+    def act():
+        drive(w, 0.9)
+        drive(w, -0.9, name="other")
+
+    run(w, 5.0, act)
+    gap = w.game_object("other").worldPosition.x - w.game_object("robot").worldPosition.x
+    assert gap > 0.45
+
+
+@pytest.mark.parametrize("at", [70, 71, 200])
+def test_a_state_saved_while_robots_drift_goes_on_with_the_same_bits(at):
+    def make():
+        return drifters(asleep(at=(1.5, 0.4, 0.15)), count=2)
+
+    def act(w, tick):
+        drive(w, 0.6, 0.1)
+        if tick > 40:
+            drive(w, 0.4, -0.1, name="robot1")
+        if tick == 100:
+            w.game_object("Box").applyForce((30, 0, 0))
+
+    w, fresh = make(), make()
+    for tick in range(at):
+        act(w, tick)
+        w.step()
+    fresh.set_state(w.get_state())
+    for tick in range(at, at + 200):
+        for one in (w, fresh):
+            act(one, tick)
+            one.step()
+        assert bits(w.get_state()) == bits(fresh.get_state())

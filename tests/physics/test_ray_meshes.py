@@ -6,22 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from test_rays import directions, eye, look, make_triangles, names
+from test_rays import directions, engine, eye, look, names
 from worlds import box, node, robot, scene
 
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
-from morse.physics.rays import embree
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
-pytestmark = pytest.mark.skipif(not embree.AVAILABLE, reason="Embree has no wheel for this platform")
-
-
-@pytest.fixture(params=["pairs", "triangles"], autouse=True)
-def way(request, monkeypatch):
-    """Each ray compared with each body that moves, or these as triangles."""
-    if request.param == "triangles":
-        make_triangles(monkeypatch)
+__all__ = ["engine"]  # each test with the kernel and with its reference
 
 
 def mesh_node(name, vertices, triangles, *, kind=PhysicsType.STATIC, bounds=None, materials=(), index=None, **settings):

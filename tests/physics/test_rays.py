@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from ray_formulas import first_hit, grazes
 from worlds import box, node, rigid, robot, run, sphere, world
 
+from morse.kernel import loading
 from morse.mathutils import Euler
-from morse.physics.rays import embree, moving
 from morse.scene import CollisionShape, Node, PhysicsType, ShapeKind
 
 FREE_OR_FIXED = st.sampled_from([PhysicsType.STATIC, PhysicsType.RIGID_BODY])
@@ -19,22 +19,15 @@ places = st.tuples(*[st.floats(-8.0, 8.0)] * 3)
 angles = st.tuples(*[st.floats(-math.pi, math.pi)] * 3)
 
 
-@pytest.fixture(params=["pairs", "triangles", "mujoco"], autouse=True)
+@pytest.fixture(params=["native", "numpy"], autouse=True)
 def engine(request, monkeypatch):
-    """Each ray compared with each body that moves; these as triangles for Embree; and all without Embree."""
-    if request.param == "mujoco":
-        monkeypatch.setattr(embree, "AVAILABLE", False)
-    elif not embree.AVAILABLE:
-        pytest.skip("Embree has no wheel for this platform")
-    elif request.param == "triangles":
-        make_triangles(monkeypatch)
-    return request.param
-
-
-def make_triangles(monkeypatch):
-    """As if there were many rays and many bodies."""
-    monkeypatch.setattr(moving, "_FEW_PAIRS", 0)
-    monkeypatch.setattr(moving, "_FEW_RAYS", 0)
+    """The kernel, and its reference."""
+    monkeypatch.setenv("MORSE_KERNEL", "off" if request.param == "numpy" else "on")
+    loading.library.cache_clear()
+    if request.param == "native" and loading.library() is None:
+        pytest.skip("the kernel was not built: python -m morse.kernel.build")
+    yield request.param
+    loading.library.cache_clear()
 
 
 @st.composite
@@ -159,27 +152,6 @@ def test_rays_may_start_anywhere():
     assert seen.distances.tolist() == pytest.approx([3.5, math.inf])
     assert seen.points.tolist()[0] == pytest.approx([0, -3, 0])
     assert seen.points.tolist()[1] == [0, 0, 0]
-
-
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(solids=solids, ats=st.lists(places, min_size=1, max_size=3), seed=st.integers(0, 1000))
-def test_the_way_of_casting_changes_nothing(solids, ats, seed):
-    nodes = [
-        node(f"solid{i}", shape, at=place, turned=turn, kind=PhysicsType.RIGID_BODY)
-        for i, (shape, place, turn, _) in enumerate(solids)
-    ]
-    bodies = [robot(f"eye{i}", box(0.3, 0.2, 0.4), at=at) for i, at in enumerate(ats)]
-    w = world(*nodes, *bodies, robots=bodies, gravity=0.0)
-    bundles = [w.rays.bundle(w.game_object(f"eye{i}"), directions(40, seed + i), 9.0) for i in range(len(ats))]
-    answers = []
-    for few in (0, 10**9):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(moving, "_FEW_PAIRS", few)
-            patch.setattr(moving, "_FEW_RAYS", few)
-            w.stamp += 1
-            w.rays.cast(bundles)
-        answers.append([bundle.distances.tolist() for bundle in bundles])
-    assert answers[0] == answers[1]
 
 
 def test_a_bundle_may_be_turned_to_other_directions():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from morse.physics import World
 from morse.scene import (
     BodySettings,
@@ -65,3 +67,14 @@ def run(world: World, seconds: float, each_tick=None) -> None:
         if each_tick is not None:
             each_tick()
         world.step()
+
+
+def bits(state):
+    """The whole state as text, to the bit."""
+    if isinstance(state, dict):
+        return "{" + ",".join(f"{key}:{bits(state[key])}" for key in sorted(state)) + "}"
+    if isinstance(state, (list, tuple)):
+        return "[" + ",".join(map(bits, state)) + "]"
+    if isinstance(state, np.ndarray):
+        return f"{state.dtype}{state.shape}{state.tobytes().hex()}"
+    return state.hex() if isinstance(state, float) else repr(state)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from morse.physics import rigid
+from morse.physics.kinematics import sync
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
-    from morse.physics.gameobject import GameObject
-    from morse.physics.world import World
+    from morse.physics.bodies import Bodies
+    from morse.physics.engine_state import EngineState
+    from morse.physics.posed import Posed
+    from morse.physics.saved import SavedAttachments
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 
@@ -22,9 +25,10 @@ class Attachments:
     several millimetres; the grip of the original had no lag at all.
     """
 
-    def __init__(self, world: World) -> None:
-        self._world = world
-        self._held: dict[int, tuple[GameObject, _Pose]] = {}
+    def __init__(self, state: EngineState, bodies: Bodies) -> None:
+        self._state = state
+        self._bodies = bodies
+        self._held: dict[int, tuple[Posed, _Pose]] = {}
         self._suspended: dict[int, _Pose] = {}
 
     def reset(self) -> None:
@@ -32,14 +36,46 @@ class Attachments:
         self._held.clear()
         self._suspended.clear()
 
-    def hold(self, index: int, holder: GameObject) -> None:
-        """Let a slot hang on an object, where it is now; it collides with nothing meanwhile."""
-        world = self._world
-        offset = rigid.relative(*holder.world_pose(), world.positions[index], world.rotations[index])
-        self._held[index] = (holder, offset)
-        world.set_collision(world.slots[index].frame.solid, False)
+    def get_state(self) -> dict[str, Any]:
+        """See `morse.physics.saved.SavedAttachments`."""
+        names = self._state.names
+        return {
+            "held": [
+                {
+                    "slot": names[index],
+                    "holder": holder.node.name,
+                    "position": tuple(offset),
+                    "rotation": tuple(turned),
+                }
+                for index, (holder, (offset, turned)) in self._held.items()
+            ],
+            "suspended": [
+                {"slot": names[index], "position": tuple(position), "rotation": tuple(rotation)}
+                for index, (position, rotation) in self._suspended.items()
+            ],
+        }
 
-    def holder(self, index: int) -> GameObject | None:
+    def set_state(self, state: SavedAttachments, objects: Mapping[str, Posed]) -> None:
+        """Take over a state that was checked; the arrays of the model are set elsewhere.
+
+        Args:
+            objects: every object by name.
+        """
+        self.reset()
+        named = self._state.named
+        for entry in state.held:
+            self._held[named[entry.slot]] = (objects[entry.holder], (entry.position, entry.rotation))
+        for kept in state.suspended:
+            self._suspended[named[kept.slot]] = (kept.position, kept.rotation)
+
+    def hold(self, index: int, holder: Posed) -> None:
+        """Let a slot hang on an object, where it is now; it collides with nothing meanwhile."""
+        state = self._state
+        offset = rigid.relative(*holder.world_pose(), state.positions[index], state.rotations[index])
+        self._held[index] = (holder, offset)
+        self._bodies.set_collision(state.slots[index].frame.solid, False)
+
+    def holder(self, index: int) -> Posed | None:
         """What a slot hangs on."""
         entry = self._held.get(index)
         return entry[0] if entry else None
@@ -47,15 +83,14 @@ class Attachments:
     def release(self, index: int) -> None:
         """Let a slot go."""
         if self._held.pop(index, None) is not None:
-            world = self._world
-            solid = [node for node in world.slots[index].frame.solid if node.body.collides]
-            world.set_collision(solid, True)
+            solid = [node for node in self._state.slots[index].frame.solid if node.body.collides]
+            self._bodies.set_collision(solid, True)
 
     def suspend(self, index: int) -> None:
-        """Keep a slot where it is, whatever acts on it."""
+        """Keep a slot at its pose, independent of the forces on it."""
         if index not in self._suspended:
-            world = self._world
-            self._suspended[index] = (world.positions[index], world.rotations[index])
+            state = self._state
+            self._suspended[index] = (state.positions[index], state.rotations[index])
 
     def resume(self, index: int) -> None:
         """Let a slot obey the physics again."""
@@ -68,8 +103,8 @@ class Attachments:
     def moved(self, index: int) -> None:
         """A suspended slot was put somewhere else: keep it there."""
         if index in self._suspended:
-            world = self._world
-            self._suspended[index] = (world.positions[index], world.rotations[index])
+            state = self._state
+            self._suspended[index] = (state.positions[index], state.rotations[index])
 
     def before_step(self) -> None:
         """The tick begins."""
@@ -80,14 +115,14 @@ class Attachments:
         """The tick ends; the poses of the holders are those of its beginning plus their motion."""
         if not self._held and not self._suspended:
             return
-        self._world.sync()
+        sync(self._state)
         self._place()
 
     def _place(self) -> None:
-        world = self._world
+        bodies = self._bodies
         for index, (position, rotation) in self._suspended.items():
-            world.place(index, position, rotation)
-            world.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            bodies.place(index, position, rotation)
+            bodies.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         for index, (holder, (offset, turned)) in self._held.items():
-            world.place(index, *rigid.compose(*holder.world_pose(), offset, turned))
-            world.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            bodies.place(index, *rigid.compose(*holder.world_pose(), offset, turned))
+            bodies.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from morse.physics.casters import caster_floor, is_caster, rise
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
-from morse.physics.layout import Frame, Motion, driven_wheels, frames_of
+from morse.physics.layout import Frame, Motion, frames_of
 from morse.physics.poses import as_array, relative_pose
-from morse.physics.wheels import wheel_axis, wheel_size
+from morse.physics.unusable_hulls import replace_unusable_hulls
+from morse.physics.wheel_casters import caster_floor, is_caster, rise
+from morse.physics.wheel_shapes import wheel_axis, wheel_size
 from morse.scene import PhysicsType, ShapeKind
 from morse.scene.frames import RigidFrame, rigid_frame
 
@@ -28,19 +29,16 @@ MAX_STEP = 1.0 / 240.0
 #: Coulomb coefficient of everything that names none
 DEFAULT_FRICTION = 0.7
 _TORSIONAL, _ROLLING = 0.005, 0.0001
-#: a dynamic robot, unlike a rigid one, is turned by commands only: so many times harder than its mass says
+#: a dynamic robot, unlike a rigid one, is turned by commands only: factor on its moment of inertia
 _UNTURNABLE = 1e6
-#: what a wheel motor can give, N m; and how hard it holds its speed, N m s
-WHEEL_TORQUE, WHEEL_GAIN = 300.0, 20.0
-#: the same for robots with more than two driven wheels, which turn by making them slide: against all their weight
-_SKID_GAIN = 1000.0
-_WHEEL_INERTIA = 0.01
+#: inertia of a wheel with its motor and gear, kg m^2: so large that friction does not turn a wheel that stands
+_GEAR_INERTIA = 10.0
 
 #: bytes for each pair of bodies, and for the rest: the engine's own estimate forgets bodies that stand still,
 #: and ends the process when it runs out
 _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
-#: of more moving bodies than so many the engine believes that all could touch all, and asks for more memory than
-#: machines have; so many bytes for each are enough for heaps, and cost nothing before they are used
+#: above the first number of moving bodies, the engine's own estimate of memory assumes contacts between all pairs of
+#: bodies; the second number, bytes for each body, is used instead. Memory that is not used costs nothing
 _MANY, _BODY_MEMORY = 1000, 1 << 20
 
 _TYPES = {
@@ -95,7 +93,19 @@ class Compiled:
 
 
 def compile_scene(scene: Scene) -> Compiled:
-    """Build the MuJoCo model of a scene whose collision shapes are worked out."""
+    """Build the MuJoCo model of a scene whose collision shapes are worked out.
+
+    Convex shapes that the engine refuses are left out of the scene, with a warning.
+    """
+    try:
+        return _compile(scene)
+    except ValueError:
+        if not replace_unusable_hulls(scene):
+            raise
+        return _compile(scene)
+
+
+def _compile(scene: Scene) -> Compiled:
     settings = scene.settings
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
@@ -175,12 +185,16 @@ class _Builder:
         return body
 
     def _add_geoms(self, frame: Frame, slot: Slot, body: Any) -> None:
-        total = sum(volume(shape) for node in frame.solid for shape in node.shapes or ()) or 1.0
+        heavy = [node for node in frame.solid if node.body.type is not PhysicsType.SENSOR]
+        total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
         mass = frame.node.body.mass if frame.motion is Motion.FREE else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
         stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
         for node in frame.solid:
             position, rotation = relative_pose(node, slot.pose)
+            if heavy and node.body.type is PhysicsType.SENSOR:
+                self._add_feelers(node, slot, body)
+                continue
             for shape in node.shapes or ():
                 if is_caster(node):
                     position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
@@ -198,6 +212,14 @@ class _Builder:
             if frame.node.body.type is PhysicsType.DYNAMIC:
                 body.inertia = _UNTURNABLE * np.asarray(body.inertia)
             self._add_feet(frame, slot, body, stand)
+
+    def _add_feelers(self, node: Node, slot: Slot, body: Any) -> None:
+        """Shapes that only feel what is there: they have no mass and stop nothing."""
+        position, rotation = relative_pose(node, slot.pose)
+        for shape in node.shapes or ():
+            geom = self._add_geom(body, shape, position, rotation)
+            geom.mass, geom.contype, geom.conaffinity = 0.0, 0, 0
+            self._geoms.append((geom, node, slot))
 
     def _stance(self, frame: Frame, slot: Slot) -> Stance | None:
         """Feet are for robots that are driven as one body over a floor, not for wheels, rotors or props."""
@@ -266,28 +288,29 @@ class _Builder:
         assert frame.parent is not None
         axis = wheel_axis(node, frame.parent.node)
         radius, half_width, rotation = wheel_size(node, axis)
-        skids = len(driven_wheels(frame.parent.robot)) > 2
-        gain = _SKID_GAIN if skids else WHEEL_GAIN
-        # The engine finds frictions before it limits what a stiff motor does in a step. That is of no account for
-        # wheels that roll; sliding ones would stick and slip in turns without inertia, as that of a real gear, to match
-        inertia = _SKID_GAIN * self._step if skids else _WHEEL_INERTIA
-        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=inertia)
-        # an ellipsoid touches the floor in one point: wider wheels turn up to 25 % too slowly
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=_GEAR_INERTIA)
+        # an ellipsoid touches the floor in one point
         geom = body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
             size=[radius, radius, half_width],
             quat=_quaternion(rotation),
-            mass=node.body.mass,
+            mass=0.0,
         )
+        # No inertia about its axle: a wheel that is sped up would lift the front of a light robot. The other axes have
+        # that of a disc, m r^2 / 4.
+        body.explicitinertial = True
+        body.mass = node.body.mass
+        body.ipos, body.iquat = [0.0, 0.0, 0.0], _quaternion(rotation)
+        across = 0.25 * node.body.mass * radius**2
+        body.inertia = [across, across, 1e-3 * across]
         named = frame.parent.node.properties.get("Friction") if node.body.friction is None else node.body.friction
         mu = float(named) if isinstance(named, (int, float)) and 0.0 <= named < math.inf else 1.0
         geom.friction = [mu, _TORSIONAL, _ROLLING]
         geom.priority = 1
         self._geoms.append((geom, node, slot))
         motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        motor.set_to_velocity(kv=gain)
-        motor.forcerange = [-WHEEL_TORQUE, WHEEL_TORQUE]
-        motor.forcelimited = True
+        # closes nine tenths of the gap to the speed asked for in each step
+        motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Take the ids that the compiler gave."""

@@ -2,43 +2,64 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.mathutils import Euler, Matrix, Quaternion
+from morse.physics.limits import MATRIX_ENTRY
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.physics.limits import Quantity
+
+#: messages quote no more of what was given, in characters
+_LONGEST = 200
 
 
-def floats3(value: Any, what: str) -> tuple[float, float, float]:
-    """Three finite floats.
+def floats3(value: Any, what: Quantity) -> tuple[float, float, float]:
+    """Three floats within the limits of a quantity.
 
     Raises:
-        ValueError: if they are not three, not numbers or not finite.
+        ValueError: if they are not three, not numbers, not finite or too large.
     """
     try:
         x, y, z = value
         x, y, z = float(x), float(y), float(z)
-    except (TypeError, ValueError):
-        raise ValueError(f"a {what} is three numbers [x, y, z], not {value!r}") from None
-    # 0 times an infinite number is no number
-    if 0.0 * x + 0.0 * y + 0.0 * z != 0.0:
-        raise ValueError(f"a {what} is three finite numbers, not {value!r}")
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"a {what.name} is three numbers [x, y, z], not {_short(value)}") from None
+    limit = what.limit
+    # every comparison with NaN is false
+    if not (-limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit):
+        raise ValueError(
+            f"a {what.name} is three finite numbers from {-limit:g} to {limit:g} {what.unit}, not {_short(value)}"
+        )
     return x, y, z
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST else text[:_LONGEST] + "..."
 
 
 def rotation_of(value: Any) -> tuple[float, ...]:
     """9 row-major numbers of a rotation given as 3x3 matrix, Euler angles or quaternion (w, x, y, z).
 
     Raises:
-        ValueError: if it is none of them, or not finite.
+        ValueError: if it is none of them, not finite, or far from a rotation.
     """
     if isinstance(value, (Euler, Quaternion)):
         value = value.to_matrix()
     elif not isinstance(value, Matrix):
         value = _matrix(value)
     flat = tuple(float(value[i][j]) for i in range(3) for j in range(3))
-    if not all(map(math.isfinite, flat)):
-        raise ValueError(f"an orientation has finite numbers, not {value!r}")
+    demand_rotation(flat)
     return flat
+
+
+def demand_rotation(flat: Sequence[float]) -> None:
+    """Raise ValueError for 9 numbers that are far from those of a rotation matrix."""
+    if not (min(flat) >= -MATRIX_ENTRY and max(flat) <= MATRIX_ENTRY and sum(flat) == sum(flat)):
+        raise ValueError(f"the numbers of a rotation matrix are finite and from -1 to 1, not {_short(flat)}")
 
 
 def _matrix(value: Any) -> Any:
@@ -52,4 +73,4 @@ def _matrix(value: Any) -> Any:
             return items
     except TypeError:
         pass
-    raise ValueError(f"an orientation is a 3x3 matrix, Euler angles or a quaternion, not {value!r}")
+    raise ValueError(f"an orientation is a 3x3 matrix, Euler angles or a quaternion, not {_short(value)}")

@@ -2,119 +2,198 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.kernel.driving.reference import arc, turn_by
 from morse.physics import rigid
-from morse.physics.casters import is_caster
+from morse.physics.command import Command, midway
 from morse.physics.compile import set_damping
-from morse.physics.drive import Command, midway
+from morse.physics.drag import Drag
 from morse.physics.layout import Motion
+from morse.physics.wheel_casters import is_caster
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
+    from morse.physics.bodies import Bodies
     from morse.physics.compile import Slot
-    from morse.physics.world import World
+    from morse.physics.engine_state import EngineState
+    from morse.physics.fleet import Fleet
+    from morse.physics.gliding import Gliding
+    from morse.physics.saved import SavedDrives
 
 _SIX = np.arange(6)
-_AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Drives:
     """The commands that hold during the tick to come.
 
     Velocities are written once a tick. So that the floor does not eat a part of them within
-    the tick, a body that is driven slides without friction or damping, unless its script named
-    a friction; told to stand still, it stands as any other body does.
+    the tick, a body that is driven slides without friction or damping; if its script named a
+    friction, the command is reduced. With a command of zero, the robot stands like any other body.
     """
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, state: EngineState, gliding: Gliding, bodies: Bodies) -> None:
+        self._state = state
+        self._gliding = gliding
+        self._bodies = bodies
+        self._drag = Drag(state)
         self._commands: dict[int, Command] = {}
+        self._fleets: list[Fleet] = []
         self._sliding: set[int] = set()
-        self._turn_after: list[tuple[int, float, bool]] = []
-        self._kinematic: dict[int, tuple[Sequence[float], Sequence[float]]] = {}
+        count = len(state.slots)
+        # the same by slot, for fleets; and whose commands nothing changes on their way
+        self._slides = np.zeros(count, dtype=np.uint8)
+        self._plain = np.ones(count, dtype=np.uint8)
+        self._plain[list(self._drag.slots)] = 0
+        self._asleep = state.data.tree_asleep
+        self._turn_after: list[tuple[int, float, float, bool]] = []
 
     def reset(self) -> None:
         """Forget everything; the model is as it was compiled."""
         self._sliding.clear()
+        self._slides[:] = 0
         self._commands.clear()
-        self._kinematic.clear()
+        self._fleets.clear()
+        self._state.kinematic.clear()
         self._turn_after.clear()
+
+    def get_state(self) -> dict[str, Any]:
+        """See `morse.physics.saved.SavedDrives`."""
+        names = self._state.names
+        return {
+            "commands": [
+                {
+                    "slot": names[index],
+                    "linear": tuple(map(float, command.linear)),
+                    "angular": tuple(map(float, command.angular)),
+                    "shift": command.shift,
+                    "ground": command.ground,
+                }
+                for index, command in self._all_commands().items()
+            ],
+            "sliding": [names[index] for index in sorted(self._sliding)],
+        }
+
+    def set_state(self, state: SavedDrives) -> None:
+        """Take over a state that was checked; the arrays of the model are set elsewhere."""
+        self.reset()
+        named = self._state.named
+        self._sliding.update(named[name] for name in state.sliding)
+        self._slides[list(self._sliding)] = 1
+        for entry in state.commands:
+            self._commands[named[entry.slot]] = Command(entry.linear, entry.angular, entry.shift, entry.ground)
 
     def command(self, index: int, command: Command) -> None:
         """Have a slot move so during the next tick; the last command wins."""
+        self._withdraw(index)
         self._commands[index] = command
+
+    def command_fleet(self, fleet: Fleet) -> None:
+        """Have a fleet move as `Fleet.command` said."""
+        for index in [index for index in self._commands if index in fleet.rows]:
+            del self._commands[index]
+        for other in self._fleets:
+            if other is fleet:
+                return
+            for index in other.rows.keys() & fleet.rows.keys():
+                other.withdraw(index)
+        self._fleets.append(fleet)
+
+    def _withdraw(self, index: int) -> None:
+        for fleet in self._fleets:
+            if index in fleet.rows:
+                fleet.withdraw(index)
+
+    def _all_commands(self) -> dict[int, Command]:
+        commands = {index: command for fleet in self._fleets for index, command in fleet.commands().items()}
+        return {**commands, **self._commands}
+
+    def is_commanded(self, index: int) -> bool:
+        """Whether a slot has a command for the next tick."""
+        return index in self._commands or any(index in fleet.rows for fleet in self._fleets)
 
     def cancel(self, index: int) -> None:
         """Take the command of a slot back."""
+        self._withdraw(index)
         self._commands.pop(index, None)
-
-    def kinematic_velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
-        """Linear and angular velocity, in world axes, of a slot that the engine does not move."""
-        return self._kinematic.get(index, _AT_REST)
 
     def apply(self) -> None:
         """The tick begins: write the velocities."""
-        commands = self._commands
-        slots, gliding = self._world.slots, self._world.gliding
-        self._kinematic.clear()
+        commands, gliding = self._commands, self._gliding
+        self._state.kinematic.clear()
         gliding.look()
-        for index in [index for index in self._sliding if index not in commands]:
+        if self._fleets:
+            for fleet in self._fleets:
+                commands.update(fleet.begin(self._state, gliding, self._plain, self._slides))
+            stopped = list(self._sliding.difference(commands, *(fleet.rows for fleet in self._fleets)))
+        else:
+            stopped = [index for index in self._sliding if index not in commands]
+        for index in stopped:
             self._set_sliding(index, False)
+        if commands:
+            self._apply_each(commands)
+
+    def _apply_each(self, commands: dict[int, Command]) -> None:
+        slots, gliding = self._state.slots, self._gliding
         gliders = []
+        rough = self._drag.slots
         for index, command in commands.items():
             slot = slots[index]
+            if rough and index in rough:
+                command = self._drag.slowed(index, command, index in gliding)
             if index in gliding:
                 if gliding.may_go_on(index, command):
                     gliders.append((index, slot, command))
                     continue
                 gliding.leave(index)
             if slot.frame.motion is Motion.FREE and slot.dof >= 0:
+                if command.is_rest and not self._slides[index] and self._sleeps(slot):
+                    continue
                 self._drive_body(index, slot, command)
             else:
                 self._move(index, command)
         if gliders:
             self._glide(gliders)
 
+    def _sleeps(self, slot: Slot) -> bool:
+        """Whether a body is at rest, and will be until something is done to it."""
+        return bool(self._asleep[self._state.model.body_treeid[slot.body]] >= 0)
+
     def _glide(self, gliders: list[tuple[int, Slot, Command]]) -> None:
         """Write the velocities of robots that glide: the vertical is an axis of the world, all else follows."""
-        world = self._world
-        rotations, half_period = world.rotations, 0.5 * world.period
+        state = self._state
+        rotations, period = state.rotations, state.period
         speeds, dofs = [], []
         for index, slot, command in gliders:
             r = rotations[index]
             x, y, _ = command.linear
             rate = command.angular[2]
-            half = rate * half_period
-            if half > 1e-9 or half < -1e-9:
-                c, s = math.cos(half), math.sin(half)
-                chord = s / half
-                x, y = chord * (c * x - s * y), chord * (s * x + c * y)
+            half = 0.5 * rate * period
+            x, y, c, s = arc(x, y, half)
+            turned = rate != 0.0
             rate *= r[8]
             speeds.append((r[0] * x + r[1] * y, r[3] * x + r[4] * y, 0.0, r[6] * rate, r[7] * rate, r[8] * rate))
             dofs.append(slot.dof)
-            if rate or command.shift:
-                self._turn_after.append((slot.dof, half, command.shift))
+            if turned or command.shift:
+                self._turn_after.append((slot.dof, c, s, command.shift))
         if len(dofs) == 1:
-            world.data.qvel[dofs[0] : dofs[0] + 6] = speeds[0]
+            state.data.qvel[dofs[0] : dofs[0] + 6] = speeds[0]
         else:
-            world.data.qvel[np.array(dofs)[:, None] + _SIX] = speeds
+            state.data.qvel[np.array(dofs)[:, None] + _SIX] = speeds
 
     def _drive_body(self, index: int, slot: Slot, command: Command) -> None:
-        sliding = not command.is_rest and (command.shift or slot.frame.node.body.friction is None)
+        self._state.is_stirred = True
+        sliding = not command.is_rest
         if sliding != (index in self._sliding):
             self._set_sliding(index, sliding)
-        world = self._world
-        r = world.rotations[index]
+        state = self._state
+        r = state.rotations[index]
         a = slot.dof
-        qvel = world.data.qvel
-        vx, vy, vz = rigid.turn(r, midway(command.linear, command.angular, world.period))
+        qvel = state.data.qvel
+        vx, vy, vz = rigid.turn(r, midway(command.linear, command.angular, state.period))
         wx, wy, wz = command.angular
         if command.ground:
             old = qvel[a + 3 : a + 6].tolist()
@@ -128,9 +207,9 @@ class Drives:
         else:
             qvel[a : a + 6] = (vx, vy, vz, wx, wy, wz)
         if command.shift or wz:
-            self._turn_after.append((a, wz * world.period * 0.5, command.shift))
+            self._turn_after.append((a, *turn_by(0.5 * wz * state.period), command.shift))
         if sliding and command.ground:
-            world.gliding.consider(index, command)
+            self._gliding.consider(index, command)
 
     def _shift(self, qvel: Sequence[float], a: int, velocity: Sequence[float], command: Command) -> None:
         # axes that the command leaves alone stay with gravity and contacts
@@ -142,51 +221,42 @@ class Drives:
                 qvel[a + 3 + axis] = command.angular[axis]  # type: ignore[index]
 
     def _move(self, index: int, command: Command) -> None:
-        world = self._world
-        position, rotation = world.positions[index], world.rotations[index]
-        period = world.period
+        state = self._state
+        position, rotation = state.positions[index], state.rotations[index]
+        period = state.period
         step = rigid.turn(rotation, midway(command.linear, command.angular, period))
         wx, wy, wz = command.angular
         turned = rigid.product(rotation, rigid.rotation_of_vector((wx * period, wy * period, wz * period)))
         moved = (position[0] + step[0] * period, position[1] + step[1] * period, position[2] + step[2] * period)
-        world.place(index, moved, turned)
-        self._kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
+        self._bodies.place(index, moved, turned)
+        state.kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
 
     def release(self) -> None:
         """The tick ends: a shift leaves no momentum, a velocity points along the new heading."""
-        qvel = self._world.data.qvel
-        if len(self._turn_after) > 3:
-            self._turn_many(qvel)
-        else:
-            for a, angle, shift in self._turn_after:
-                if shift:
-                    qvel[a], qvel[a + 1], qvel[a + 5] = 0.0, 0.0, 0.0
-                else:
-                    vx, vy = qvel[a], qvel[a + 1]
-                    c, s = math.cos(angle), math.sin(angle)
-                    qvel[a], qvel[a + 1] = c * vx - s * vy, s * vx + c * vy
+        qvel = self._state.data.qvel
+        for a, c, s, shift in self._turn_after:
+            if shift:
+                qvel[a], qvel[a + 1], qvel[a + 5] = 0.0, 0.0, 0.0
+            else:
+                vx, vy = qvel[a], qvel[a + 1]
+                qvel[a], qvel[a + 1] = c * vx - s * vy, s * vx + c * vy
         self._turn_after.clear()
         self._commands.clear()
-
-    def _turn_many(self, qvel: NDArray[np.float64]) -> None:
-        dofs, angles, shifts = (np.array(column) for column in zip(*self._turn_after, strict=True))
-        vx, vy = qvel[dofs], qvel[dofs + 1]
-        c, s = np.cos(angles), np.sin(angles)
-        qvel[dofs], qvel[dofs + 1] = c * vx - s * vy, s * vx + c * vy
-        if shifts.any():
-            halted = dofs[shifts]
-            qvel[halted] = qvel[halted + 1] = qvel[halted + 5] = 0.0
+        for fleet in self._fleets:
+            fleet.end()
+        self._fleets.clear()
 
     def _set_sliding(self, index: int, sliding: bool) -> None:
-        world = self._world
-        slot = world.slots[index]
-        model = world.model
+        state = self._state
+        slot = state.slots[index]
+        model = state.model
+        self._slides[index] = sliding
         if sliding:
             self._sliding.add(index)
             model.dof_damping[slot.dof : slot.dof + 6] = 0.0
         else:
             self._sliding.discard(index)
-            world.gliding.leave(index)
+            self._gliding.leave(index)
             set_damping(model, slot)
         fixed = slot.frame.node.body.friction is not None
         for node, geoms in slot.geoms.items():
@@ -195,7 +265,7 @@ class Drives:
         self._set_contact(slot.feet, sliding, fixed)
 
     def _set_contact(self, geoms: Sequence[int], sliding: bool, fixed: bool) -> None:
-        model = self._world.model
+        model = self._state.model
         for geom in geoms:
             model.geom_condim[geom] = 1 if sliding else 3
             model.geom_priority[geom] = 2 if sliding else int(fixed)

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.physics.world import World
+    from morse.physics.engine_state import EngineState
 
 #: an unsloped floor, to rounding: over a kilometre it rises by less than a micrometre
 _LEVEL = 1e-10
-#: shapes tell whom they touch by 31 bits; one is for what is no floor
+#: collision masks have 31 bits; one bit is for all shapes that are not floors
 _MOST = 30
 #: bits of what touches everything
 ALL_BITS = 0x7FFFFFFF
@@ -54,11 +54,11 @@ class Floor:
         return min(self.half[0] - abs(ax * dx + ay * dy), self.half[1] - abs(bx * dx + by * dy))
 
 
-def find_floors(world: World) -> list[Floor]:
+def find_floors(state: EngineState) -> list[Floor]:
     """The largest level tops of the boxes of a world that stand still."""
-    model, data = world.model, world.data
+    model, data = state.model, state.data
     found: list[tuple[float, int, int, NDArray[np.float64], int]] = []
-    for slot_index, slot in enumerate(world.slots):
+    for slot_index, slot in enumerate(state.slots):
         if slot.frame.motion is not Motion.FIXED or slot.body < 0:
             continue
         for geoms in slot.geoms.values():
@@ -73,13 +73,13 @@ def find_floors(world: World) -> list[Floor]:
                     found.append((-area, geom, slot_index, turned, up))
     chosen = sorted(found, key=lambda entry: entry[:2])[:_MOST]
     return [
-        _floor(world, geom, slot, turned, up, number) for number, (_, geom, slot, turned, up) in enumerate(chosen, 1)
+        _floor(state, geom, slot, turned, up, number) for number, (_, geom, slot, turned, up) in enumerate(chosen, 1)
     ]
 
 
-def _floor(world: World, geom: int, slot: int, turned: NDArray[np.float64], up: int, number: int) -> Floor:
-    x, y, z = world.data.geom_xpos[geom].tolist()
-    size: Sequence[float] = world.model.geom_size[geom].tolist()
+def _floor(state: EngineState, geom: int, slot: int, turned: NDArray[np.float64], up: int, number: int) -> Floor:
+    x, y, z = state.data.geom_xpos[geom].tolist()
+    size: Sequence[float] = state.model.geom_size[geom].tolist()
     first, second = (i for i in range(3) if i != up)
     axes = tuple((float(turned[0, i]), float(turned[1, i])) for i in (first, second))
     return Floor(geom, slot, 1 << number, z + size[up], (x, y), (axes[0], axes[1]), (size[first], size[second]))

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.mathutils import Matrix, Vector
 from morse.physics import rigid
-from morse.physics.children import ObjectList
-from morse.physics.convert import floats3
-from morse.physics.drive import Command
+from morse.physics.command import Command
+from morse.physics.convert import demand_rotation, floats3
+from morse.physics.gone import Gone
 from morse.physics.layout import Motion
-from morse.physics.names import LegacyNames
-from morse.physics.wheelhandle import Wheel, wheels_of
+from morse.physics.legacy_names import LegacyNames
+from morse.physics.limits import ANGULAR_VELOCITY, FORCE, POINT, POSITION, TORQUE, VELOCITY
+from morse.physics.mounting import Mounting
+from morse.physics.object_list import ObjectList
+from morse.physics.properties import are_changed, plain_properties, scene_properties
+from morse.physics.wheel import Wheel
 from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from morse.physics.world import World
+    from morse.physics.object_world import ObjectWorld
+    from morse.physics.saved import SavedObject
     from morse.scene import Node
 
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -36,22 +41,36 @@ class GameObject(LegacyNames):
     Attributes:
         node: the node of the scene that this object came from.
         slot: index of the rigid group that it moves with.
+        mounting: where it is in that group.
     """
 
-    def __init__(self, world: World, node: Node, slot: int) -> None:
+    def __init__(self, world: ObjectWorld, node: Node, slot: int) -> None:
         self._world = world
-        self.node = node
-        self.slot = slot
-        self.properties: dict[str, Any] = dict(node.properties)
+        self.properties: dict[str, Any] = scene_properties(node)
         # poses in the parent's frame are what counts: those in the rigid group follow from them, so
         # that turning a part again and again adds no rounding errors
         self._local: _Pose = (_ORIGIN, rigid.IDENTITY)
-        self._offset: _Pose | None = None
+        self.mounting = Mounting.of(None)
         self._stamp = -1
         self._pose: _Pose = (_ORIGIN, rigid.IDENTITY)
-        self._is_turned = False
-        self._start_local, self._start_offset = self._poses_of_scene()
+        self._is_displaced = False
         self.visible = node.visible
+        self.belong(node, slot)
+
+    def belong(self, node: Node, slot: int) -> None:
+        """Bind the object to a node and a slot, also after a change of the scene."""
+        self.node = node
+        self.slot = slot
+        self._start_local, self._start_offset = self._poses_of_scene()
+
+    def remove(self) -> None:
+        """Mark the object as removed from the world: further use of it raises an error."""
+        self._world = cast("ObjectWorld", Gone(self.name))
+
+    @property
+    def invalid(self) -> bool:
+        """Whether it has been removed from the world."""
+        return isinstance(self._world, Gone)
 
     def _poses_of_scene(self) -> tuple[_Pose, _Pose | None]:
         """The pose in the parent's frame, and that in the rigid group (None for its first node)."""
@@ -71,8 +90,32 @@ class GameObject(LegacyNames):
         self._local = self._start_local
         self._take_offset(self._start_offset)
         self._stamp = -1
-        self.properties = dict(self.node.properties)
+        self._is_displaced = False
+        self._world.displacements += 1
+        self.properties = scene_properties(self.node)
         self.visible = self.node.visible
+
+    # -- saving ----------------------------------------------------------------------------
+
+    def get_state(self) -> dict[str, Any]:
+        """What differs from the scene; see `morse.physics.saved.SavedObject`."""
+        state: dict[str, Any] = {}
+        if are_changed(self.properties, self.node):
+            state["properties"] = plain_properties(self.name, self.properties)
+        if self.visible != self.node.visible:
+            state["visible"] = self.visible
+        if self._is_displaced:
+            state["position"], state["rotation"] = tuple(self._local[0]), tuple(self._local[1])
+        return state
+
+    def set_state(self, state: SavedObject) -> None:
+        """Take over a state that was checked; parents before their children, after all were restored."""
+        if state.properties is not None:
+            self.properties = plain_properties(self.name, state.properties)
+        if state.visible is not None:
+            self.visible = state.visible
+        if state.position is not None and state.rotation is not None:
+            self._set_local((state.position, state.rotation))
 
     # -- identity --------------------------------------------------------------------------
 
@@ -109,16 +152,16 @@ class GameObject(LegacyNames):
         if self._leads:
             holder = self._world.attachments.holder(self.slot)
             if holder is not None:
-                return holder
+                return self._world.object_of(holder.node)
         return self._world.object_of(self.node.parent) if self.node.parent is not None else None
 
     @property
-    def children(self) -> ObjectList:
+    def children(self) -> ObjectList[GameObject]:
         """The objects attached to it."""
         return ObjectList([self._world.object_of(child) for child in self.node.children])
 
     @property
-    def childrenRecursive(self) -> ObjectList:  # noqa: N802
+    def childrenRecursive(self) -> ObjectList[GameObject]:  # noqa: N802
         """The objects attached to it, to those, and so on."""
         return ObjectList([self._world.object_of(node) for node in self.node.walk() if node is not self.node])
 
@@ -163,15 +206,19 @@ class GameObject(LegacyNames):
         world = self._world
         if self._stamp != world.stamp:
             position, rotation = world.positions[self.slot], world.rotations[self.slot]
-            if self._offset is None:
-                self._pose = (position, rotation)
-            elif self._is_turned:
-                self._pose = rigid.compose(position, rotation, *self._offset)
-            else:
-                x, y, z = rigid.turn(rotation, self._offset[0])
-                self._pose = ((position[0] + x, position[1] + y, position[2] + z), rotation)
+            mounting = self.mounting
+            self._pose = mounting.carried(position, rotation) if mounting.is_apart else (position, rotation)
             self._stamp = world.stamp
         return self._pose
+
+    @property
+    def stamp(self) -> int:
+        """Changes whenever anything has moved."""
+        return self._world.stamp
+
+    def pose_of(self, _row: int) -> _Pose:
+        """`world_pose`, for a pose that follows it."""
+        return self.world_pose()
 
     @property
     def _leads(self) -> bool:
@@ -186,10 +233,16 @@ class GameObject(LegacyNames):
         return self.world_pose() if parent is None else rigid.relative(*parent.world_pose(), *self.world_pose())
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put the object, and what is attached to it, somewhere in the world; its velocity stays."""
+        """Put the object, and what is attached to it, somewhere in the world; its velocity stays.
+
+        Raises:
+            ValueError: a value is not finite or exceeds `morse.physics.limits.POSITION`.
+        """
         world = self._world
+        position = floats3(position, POSITION)
+        demand_rotation(rotation)
         if self._leads:
-            world.place(self.slot, position, rotation)
+            world.bodies.place(self.slot, position, rotation)
             world.attachments.moved(self.slot)
             return
         assert self.node.parent is not None
@@ -197,7 +250,9 @@ class GameObject(LegacyNames):
         self._set_local(rigid.relative(*outer, position, rotation))
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put the object somewhere in the frame of its parent."""
+        """Put the object somewhere in the frame of its parent; see `set_pose`."""
+        position = floats3(position, POSITION)
+        demand_rotation(rotation)
         if not self._leads:
             self._set_local((position, rotation))
             return
@@ -207,17 +262,19 @@ class GameObject(LegacyNames):
 
     def _set_local(self, pose: _Pose) -> None:
         self._local = pose
+        self._is_displaced = True
+        self._world.displacements += 1
         self._follow()
         self._world.note_displaced(self)
 
     def _follow(self) -> None:
-        """Work out the pose in the rigid group anew, from here downward."""
+        """Compute again the poses in the rigid group, of this object and its children."""
         world = self._world
         assert self.node.parent is not None
         outer = world.object_of(self.node.parent)
         self._take_offset(rigid.compose(*outer.offset, *self._local))
         self._stamp = -1
-        world.move_shapes(self)
+        world.bodies.move_shapes(self.node, self.offset)
         for child in self.node.children:
             below = world.object_of(child)
             if below.slot == self.slot:
@@ -225,25 +282,32 @@ class GameObject(LegacyNames):
 
     def _take_offset(self, offset: _Pose | None) -> None:
         # most components sit on their robots unturned, many at its origin: their poses cost less
-        self._is_turned = offset is not None and _differ(offset[1], rigid.IDENTITY)
-        self._offset = offset if offset is not None and (self._is_turned or _differ(offset[0], _ORIGIN)) else None
+        self.mounting = Mounting.of(offset)
 
     @property
     def offset(self) -> _Pose:
         """Position and rotation in the rigid group it belongs to."""
-        return self._offset or (_ORIGIN, rigid.IDENTITY)
+        return self.mounting.offset, self.mounting.turned
 
     # -- velocity and forces ---------------------------------------------------------------
 
     def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
         """Linear and angular velocity of its origin, in world axes."""
-        linear, angular = self._world.velocity(self.slot)
-        if self._offset is not None:
+        linear, angular = self._world.bodies.velocity(self.slot)
+        if self.mounting.is_apart:
             origin, here = self._world.positions[self.slot], self.world_pose()[0]
             arm = (here[0] - origin[0], here[1] - origin[1], here[2] - origin[2])
             x, y, z = rigid.cross(angular, arm)
             linear = (linear[0] + x, linear[1] + y, linear[2] + z)
         return linear, angular
+
+    def set_velocity(self, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
+        """Set the velocity of its body in world axes; None keeps the present velocity."""
+        self._world.bodies.set_velocity(
+            self.slot,
+            None if linear is None else floats3(linear, VELOCITY),
+            None if angular is None else floats3(angular, ANGULAR_VELOCITY),
+        )
 
     def drive(
         self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
@@ -255,21 +319,21 @@ class GameObject(LegacyNames):
             ground: leave the vertical speed and the roll and pitch rates to gravity and contacts.
         """
         self._world.drives.command(
-            self.slot, Command(floats3(linear, "linear speed"), floats3(angular, "angular speed"), position, ground)
+            self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)
         )
 
     def halt(self) -> None:
         """Come to rest."""
         self._world.drives.cancel(self.slot)
-        self._world.set_velocity(self.slot, _ORIGIN, _ORIGIN)
+        self.set_velocity(_ORIGIN, _ORIGIN)
 
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
         """Push the body at its centre of mass during the next tick, N and N m."""
-        force, torque = floats3(force, "force"), floats3(torque, "torque")
+        force, torque = floats3(force, FORCE), floats3(torque, TORQUE)
         if local:
             rotation = self.world_pose()[1]
             force, torque = rigid.turn(rotation, force), rigid.turn(rotation, torque)
-        self._world.apply_wrench(self.slot, force, torque)
+        self._world.bodies.apply_wrench(self.slot, force, torque)
 
     def pull(
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
@@ -283,10 +347,11 @@ class GameObject(LegacyNames):
             damping: damping constant divided by the mass, 1/s.
             strongest: largest acceleration, m/s^2.
         """
-        self._world.pull(self, floats3(anchor, "anchor"), floats3(target, "target"), stiffness, damping, strongest)
+        held, _ = rigid.compose(*self.world_pose(), floats3(anchor, POSITION), rigid.IDENTITY)
+        self._world.bodies.pull(self.slot, held, floats3(target, POSITION), stiffness, damping, strongest)
 
     def suspendDynamics(self, ghost: bool = False) -> None:  # noqa: N802
-        """Stay where it is, whatever acts on it."""
+        """Keep the object at its pose, independent of the forces on it."""
         self._world.attachments.suspend(self.slot)
 
     def restoreDynamics(self) -> None:  # noqa: N802
@@ -300,11 +365,13 @@ class GameObject(LegacyNames):
 
     def disable_gravity(self) -> None:
         """Do not fall any more."""
-        self._world.set_weightless(self.slot)
+        self._world.bodies.set_weightless(self.slot)
 
     def wheels(self) -> list[Wheel]:
         """The driven wheels of a wheeled robot."""
-        return wheels_of(self._world, self)
+        world = self._world
+        wheels = (world.slots[index].frame.node for index in world.wheels.get(self.slot, ()))
+        return [Wheel(world, world.object_of(node), self) for node in wheels]
 
     # -- looking around --------------------------------------------------------------------
 
@@ -356,10 +423,6 @@ class GameObject(LegacyNames):
                 child.setVisible(visible)
 
 
-def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
-    return max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-14
-
-
 def _flat(matrix: Matrix) -> tuple[float, ...]:
     return tuple(value for row in matrix for value in row)
 
@@ -368,4 +431,4 @@ def _point(place: Any) -> tuple[float, float, float]:
     if isinstance(place, GameObject):
         x, y, z = place.world_pose()[0]
         return x, y, z
-    return floats3(place, "point")
+    return floats3(place, POINT)

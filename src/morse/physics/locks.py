@@ -9,7 +9,7 @@ import numpy as np
 from morse.physics.layout import Motion
 
 if TYPE_CHECKING:
-    from morse.physics.world import World
+    from morse.physics.engine_state import EngineState
 
 
 class Locks:
@@ -20,11 +20,11 @@ class Locks:
     locked as a whole: the axes of a body turn with it.
     """
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
         positions: list[int] = []
         velocities: list[int] = []
-        for slot in world.slots:
+        for slot in state.slots:
             if slot.frame.motion is not Motion.FREE or slot.qpos < 0:
                 continue
             body = slot.frame.node.body
@@ -42,11 +42,11 @@ class Locks:
     def before_step(self) -> None:
         """The tick begins, and the velocities asked for are set."""
         if len(self._positions):
-            self._world.data.qvel[self._velocities] = 0.0
-            self._held = self._world.data.qpos[self._positions]
+            self._state.data.qvel[self._velocities] = 0.0
+            self._held = self._state.data.qpos[self._positions]
 
     def after_step(self) -> None:
         """The tick ends."""
         if len(self._positions):
-            self._world.data.qpos[self._positions] = self._held
-            self._world.data.qvel[self._velocities] = 0.0
+            self._state.data.qpos[self._positions] = self._held
+            self._state.data.qvel[self._velocities] = 0.0

@@ -9,22 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from morse.mathutils.rotations import cross as cross
+from morse.mathutils.rotations import turn as turn
+from morse.mathutils.rotations import turn_back as turn_back
+
 Position = Sequence[float]
 Rotation = Sequence[float]
 
 IDENTITY: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-
-
-def turn(r: Rotation, v: Position) -> tuple[float, float, float]:
-    """``R v``."""
-    x, y, z = v
-    return (r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z)
-
-
-def turn_back(r: Rotation, v: Position) -> tuple[float, float, float]:
-    """``R^T v``."""
-    x, y, z = v
-    return (r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z)
 
 
 def product(a: Rotation, b: Rotation) -> tuple[float, ...]:
@@ -63,11 +55,6 @@ def relative(
     """The world pose ``(position, rotation)`` as seen from the frame ``(p, r)``."""
     delta = (position[0] - p[0], position[1] - p[1], position[2] - p[2])
     return turn_back(r, delta), product(transpose(r), rotation)
-
-
-def cross(a: Position, b: Position) -> tuple[float, float, float]:
-    """``a x b``."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def rotation_of_vector(v: Position) -> tuple[float, ...]:

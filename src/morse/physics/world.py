@@ -2,112 +2,196 @@
 
 from __future__ import annotations
 
+import copy
 from functools import cached_property
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import mujoco
-import numpy as np
 
-from morse.physics import rigid
+from morse.physics import kinematics, saved
 from morse.physics.attachments import Attachments
-from morse.physics.children import ObjectList
+from morse.physics.bodies import Bodies
 from morse.physics.compile import compile_scene
 from morse.physics.contact_points import ContactPoints
 from morse.physics.drives import Drives
+from morse.physics.engine_values import CHANGED_WHILE_RUNNING
+from morse.physics.fleet import Fleet
 from morse.physics.gameobject import GameObject
+from morse.physics.glide_steps import GlideSteps
 from morse.physics.gliding import Gliding
 from morse.physics.layout import Motion
 from morse.physics.locks import Locks
-from morse.physics.raycast import cast_ray
+from morse.physics.moving_poses import MovingPoses
+from morse.physics.object_list import ObjectList
+from morse.physics.object_world import ObjectWorld
 from morse.physics.rays import Rays
-from morse.physics.stability import check_stable
-from morse.scene import ShapeKind
+from morse.physics.rescue import Recovery, Rescue
+from morse.physics.saving import Saving
+from morse.physics.scene_change import SceneChange
+from morse.physics.single_ray import cast_ray
+from morse.physics.snapshot import Snapshots
+from morse.physics.touching import Touching
+from morse.physics.traction import Traction
+from morse.physics.transfer import Transfer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
-    from morse.physics.compile import Slot
-    from morse.scene import CollisionShape, Node, Scene
+    from morse.scene import ComponentDeclaration, Node, Scene, Zone
 
 
-#: the arrays of the model that are written while a simulation runs
-_CHANGED_WHILE_RUNNING = (
-    "body_pos",
-    "body_quat",
-    "body_gravcomp",
-    "dof_damping",
-    "geom_pos",
-    "geom_quat",
-    "geom_condim",
-    "geom_priority",
-    "geom_contype",
-    "geom_conaffinity",
-    "geom_margin",
-    "geom_gap",
-    "body_margin",
-)
-
-
-class World:
-    """A compiled scene and its state.
-
-    Every node of the scene has a `GameObject`; rigid groups of nodes share a *slot*. Slots that
-    the engine moves come first, so that slot ``k`` is MuJoCo body ``k + 1``.
+class World(ObjectWorld):
+    """A compiled scene and its state; every node of the scene has a `GameObject`.
 
     Attributes:
-        model, data: the MuJoCo model and state; only this package touches them.
-        stamp: changes whenever anything has moved.
-        positions: of each slot, [x, y, z] in metres, world frame.
-        rotations: of each slot, 9 row-major numbers.
-        loose: slots that stand still in the scene, but were put elsewhere since.
-        rearranged: nodes whose shapes moved within their slots since the rays looked at them.
+        repainted: objects whose looks changed since the view looked at them.
+        repaints: how often looks have changed.
+        arrangement: changes whenever objects come or go, or are replaced.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.period = 1.0 / scene.settings.frequency
-        compiled = compile_scene(scene)
-        self.model, self.data, self.slots = compiled.model, compiled.data, compiled.slots
-        self.steps, self.geom_node = compiled.steps, compiled.geom_node
-        self.moving = sum(1 for slot in self.slots if slot.body > 0 and slot.frame.motion is not Motion.FIXED)
-        self.stamp = 0
-        self._bodiless = [
-            i for i in range(self.moving, len(self.slots)) if self.slots[i].frame.motion is not Motion.FIXED
-        ]
-        self.positions: list[Sequence[float]] = []
-        self.rotations: list[Sequence[float]] = []
-        self._quaternions: list[Sequence[float]] = []
-        self.drives = Drives(self)
-        self.attachments = Attachments(self)
-        self.locks = Locks(self)
-        self._slot_of: dict[Node, int] = {
-            node: index for index, slot in enumerate(self.slots) for node in slot.frame.members
-        }
-        self._wheels: dict[int, list[int]] = {}
-        for index, slot in enumerate(self.slots):
-            if slot.frame.parent is not None:
-                self._wheels.setdefault(self._slot_of[slot.frame.parent.node], []).append(index)
+        self.arrangement = 0
+        self._rescue = Rescue()
+        self.repainted: set[GameObject] = set()
+        self.repaints = 0
         self._objects: dict[Node, GameObject] = {}
         self._names: dict[str, GameObject] = {}
-        for node in scene.nodes():
-            obj = GameObject(self, node, self._slot_of[node])
-            self._objects[node] = self._names[node.name] = obj
-        self.displaced: list[GameObject] = []
-        self.repainted: set[GameObject] = set()
-        self.layout = 0
-        self._forces = False
-        self.loose: set[int] = set()
-        self.rearranged: set[Node] = set()
-        self._touched: set[int] = set()
-        self._arrays: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        super().__init__(compile_scene(scene), 1.0 / scene.settings.frequency)
+        self._build()
+        self.reset()
+
+    def _build(self) -> None:
+        """Make what belongs to the model that was compiled last."""
         mujoco.mj_forward(self.model, self.data)
         self.gliding = Gliding(self)
-        self._pristine = {name: getattr(self.model, name).copy() for name in _CHANGED_WHILE_RUNNING}
-        self.reset()
+        self._steps = GlideSteps(self, self.gliding, self._rescue)
+        self.bodies = Bodies(self, self.gliding)
+        self.drives = Drives(self, self.gliding, self.bodies)
+        self.traction = Traction(self)
+        self.attachments = Attachments(self, self.bodies)
+        self.locks = Locks(self)
+        self._moving_poses = MovingPoses(self)
+        self._contact_points = ContactPoints(self, self.gliding)
+        self._touching: Touching | None = None
+        self._take_objects()
+        self._saving = Saving(self, self.gliding, self._steps, self._names)
+        self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
+
+    def _take_objects(self) -> None:
+        """One object for each node; those whose names stay, stay."""
+        before, self._names = self._names, {}
+        self._objects = {}
+        for node in self.scene.nodes():
+            obj = before.pop(node.name, None)
+            if obj is None:
+                obj = GameObject(self, node, self.slot_of[node])
+            else:
+                obj.belong(node, self.slot_of[node])
+            self._objects[node] = self._names[node.name] = obj
+        for obj in before.values():
+            self.repainted.discard(obj)
+            obj.remove()
+
+    # -- coming and going ------------------------------------------------------------------
+
+    def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> list[GameObject]:
+        """Add nodes, with all below them, while the simulation runs.
+
+        The engine's model is compiled again. Existing bodies keep their state and their objects.
+
+        Args:
+            roots: nodes without a parent whose collision shapes are worked out; they come last in the scene.
+            components: the declarations that belong to them; those of robots tell how they move.
+
+        Returns:
+            The objects of all nodes that came.
+
+        Raises:
+            ValueError: a name is there already, or the engine refuses a shape; nothing has changed then.
+        """
+        self._change(lambda change: change.add(roots, components))
+        return [self._objects[node] for root in roots for node in root.walk()]
+
+    def remove(self, objects: Sequence[GameObject]) -> None:
+        """Remove objects, with all below them; what hangs on one of them is let go.
+
+        A removed object raises `RemovedError` when it is used.
+        """
+        self._change(lambda change: change.remove([obj.node for obj in objects]))
+
+    def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
+        """Let the world consist of just these nodes, in this order; objects that stay keep their state.
+
+        Raises:
+            ValueError: the engine refuses a shape; nothing has changed then.
+        """
+        self._change(lambda change: change.arrange(roots, components, zones))
+
+    def replace(self, node: Node, new: Node) -> GameObject:
+        """Put a node, with all below it, into the place of another one, while the simulation runs.
+
+        Nodes of the same names stay the same objects. Bodies that move stay where they are; what stands still comes
+        to where the new node has it.
+
+        Raises:
+            ValueError: as `add`, or nodes that carry components are missing below the new node.
+        """
+        self._change(lambda change: change.replace(node, new))
+        return self._objects[new]
+
+    def rebuild(self, edit: Callable[[SceneChange], None]) -> None:
+        """Change the nodes of the scene in several ways at once, while the simulation runs; see `add`, `replace`.
+
+        Args:
+            edit: is given what to make the changes with.
+
+        Raises:
+            ValueError: the engine refuses a shape, or a change cannot be made; nothing has changed then.
+        """
+        self._change(edit)
+
+    def _release_from_what_goes(self) -> None:
+        staying = {node.name for node in self.scene.nodes()}
+        for obj in self._objects.values():
+            holder = self.attachments.holder(obj.slot)
+            if holder is not None and holder.node.name not in staying:
+                self.attachments.release(obj.slot)
+
+    def _change(self, edit: Callable[[SceneChange], None]) -> None:
+        change = SceneChange(self.scene)
+        try:
+            edit(change)
+            compiled = compile_scene(self.scene)
+        except Exception:
+            change.undo()
+            raise
+        self._release_from_what_goes()
+        before = saved.checked(self.get_state())
+        old, floors = copy.copy(self), self.gliding.floor_bits()
+        stamp, layout = self.stamp, self._moving_poses.layout
+        self.take(compiled, self.period)
+        self._build()
+        bits = {
+            bit: later[number]
+            for node, numbers in self.gliding.floor_bits().items()
+            for later in [numbers]
+            for number, bit in floors.get(node, {}).items()
+            if number in later
+        }
+        transfer = Transfer(old, self, bits)
+        self._saving.set_state(transfer.state(before, self._names))
+        self.gliding.lift_all()
+        self.stamp = stamp + 1
+        self._moving_poses.layout = layout + 1
+        self.arrangement += 1
+        rays = self.__dict__.get("rays")
+        if rays is not None:
+            rays.rebuild()
 
     # -- objects ---------------------------------------------------------------------------
 
@@ -120,13 +204,17 @@ class World:
         """Every object, parents before their children."""
         return iter(self._objects.values())
 
-    def object_list(self) -> ObjectList:
+    def object_list(self) -> ObjectList[GameObject]:
         """Every object, found by number or by name."""
         return ObjectList(list(self._objects.values()))
 
     def object_of(self, node: Node) -> GameObject:
         """The object of a node."""
         return self._objects[node]
+
+    def find_object(self, node: Node) -> GameObject | None:
+        """The object of a node, or None if the node is not in the world any more."""
+        return self._objects.get(node)
 
     def game_object(self, name: str) -> GameObject:
         """The object of that name.
@@ -148,199 +236,64 @@ class World:
             getattr(self.model, name)[:] = values
         mujoco.mj_resetData(self.model, self.data)
         self.gliding.reset()
+        self._steps.reset()
+        self._rescue.reset()
         self.drives.reset()
         self.attachments.reset()
-        self.positions = [tuple(slot.pose.position) for slot in self.slots]
-        self.rotations = [tuple(v for row in slot.pose.rotation for v in row) for slot in self.slots]
-        self._quaternions = [rigid.quaternion(rotation) for rotation in self.rotations]
+        kinematics.place_as_compiled(self)
         for obj in self._objects.values():
             obj.restore()
-        for obj in self.displaced:
-            self.rearranged.update(obj.node.walk())
+        for part in self._moving_poses.displaced:
+            self.rearranged.update(part.node.walk())
         self.loose.clear()
-        self._arrays = None
-        self._forces = False
+        self.has_forces = False
+        self.is_stirred = True
+        self.known_contacts = None
         mujoco.mj_forward(self.model, self.data)
-        self.refresh()
+        kinematics.refresh(self)
 
     def step(self) -> None:
         """One tick: apply the commands, let the engine take its steps, read the poses."""
         self.attachments.before_step()
+        self.traction.apply(self.drives)
         self.drives.apply()
         self.locks.before_step()
-        self.gliding.step()
+        self._steps.step()
+        self.known_contacts = None
+        self.is_stirred = False
         self.drives.release()
         self.locks.after_step()
-        if self._forces:
+        if self.has_forces:
             self.data.xfrc_applied[:] = 0.0
-            self._forces = False
+            self.has_forces = False
         self.attachments.after_step()
-        check_stable(self)
-        self.sync()
+        kinematics.sync(self)
+
+    @property
+    def recoveries(self) -> Sequence[Recovery]:
+        """The last bodies that diverged and were reset, one entry per event; see `morse.physics.rescue`."""
+        return self._rescue.recoveries
+
+    @property
+    def recovered(self) -> int:
+        """How often a body was put back since the world was made."""
+        return self._rescue.count
+
+    def fleet(self, objects: Sequence[GameObject]) -> Fleet:
+        """Objects that shall be driven together, by `drive_fleet`."""
+        return Fleet([obj.slot for obj in objects])
+
+    def snapshots(self, objects: Sequence[GameObject]) -> Snapshots:
+        """Tells where objects are, all at once."""
+        return Snapshots(self, objects)
+
+    def drive_fleet(self, fleet: Fleet) -> None:
+        """Have a fleet move during the next tick as `Fleet.command` said."""
+        self.drives.command_fleet(fleet)
 
     def sync(self) -> None:
         """Work out where everything is, from the state as it is now."""
-        mujoco.mj_kinematics(self.model, self.data)
-        self.refresh()
-
-    def refresh(self) -> None:
-        """Take the poses of the moving bodies from the engine."""
-        count = self.moving
-        self.positions[:count] = self.data.xpos[1 : count + 1].tolist()
-        self.rotations[:count] = self.data.xmat[1 : count + 1].tolist()
-        self._touched.clear()
-        self.stamp += 1
-
-    # -- state of one slot -----------------------------------------------------------------
-
-    def place(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put a slot somewhere in the world; its velocity stays."""
-        slot = self.slots[index]
-        if slot.frame.motion is Motion.HINGE:
-            return
-        self.gliding.leave(index)
-        p, q = position, rigid.quaternion(rotation)
-        if slot.frame.motion is Motion.FREE and slot.qpos >= 0:
-            self.data.qpos[slot.qpos : slot.qpos + 7] = (p[0], p[1], p[2], *q)
-        elif slot.mocap >= 0:
-            self.data.mocap_pos[slot.mocap] = p
-            self.data.mocap_quat[slot.mocap] = q
-        elif slot.body > 0:
-            self._move_fixed(slot, p, q)
-            self.loose.add(index)
-        self.positions[index], self.rotations[index], self._quaternions[index] = tuple(position), tuple(rotation), q
-        self._touched.add(index)
-        self.stamp += 1
-        for other in self._wheels.get(index, ()):
-            child = self.slots[other]
-            self._touched.add(other)
-            mujoco.mj_kinematics(self.model, self.data)
-            self.positions[other] = self.data.xpos[child.body].tolist()
-            self.rotations[other] = self.data.xmat[child.body].tolist()
-
-    def _move_fixed(self, slot: Slot, position: Sequence[float], quaternion: Sequence[float]) -> None:
-        self.model.body_pos[slot.body] = position
-        self.model.body_quat[slot.body] = quaternion
-        self._place_fixed()
-
-    def _place_fixed(self) -> None:
-        self.gliding.leave_all()
-        # what never moves is computed once while sleeping is allowed
-        flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
-        self.model.opt.enableflags &= ~flag
-        mujoco.mj_kinematics(self.model, self.data)
-        self.model.opt.enableflags |= flag
-
-    def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
-        """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""
-        slot = self.slots[index]
-        if slot.frame.motion is Motion.FREE and slot.dof >= 0:
-            v = self.data.qvel[slot.dof : slot.dof + 6].tolist()
-            return v[:3], rigid.turn(self.rotations[index], v[3:])
-        if slot.frame.motion is Motion.HINGE:
-            return self._hinge_velocity(slot)
-        return self.drives.kinematic_velocity(index)
-
-    def _hinge_velocity(self, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
-        result = np.zeros(6)
-        mujoco.mj_objectVelocity(self.model, self.data, mujoco.mjtObj.mjOBJ_XBODY, slot.body, result, 0)
-        return result[3:].tolist(), result[:3].tolist()
-
-    def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
-        """Set the velocity of a free slot, in world axes; others keep theirs."""
-        slot = self.slots[index]
-        if slot.frame.motion is not Motion.FREE or slot.dof < 0:
-            return
-        self.gliding.leave(index)
-        if linear is not None:
-            self.data.qvel[slot.dof : slot.dof + 3] = linear
-        if angular is not None:
-            self.data.qvel[slot.dof + 3 : slot.dof + 6] = rigid.turn_back(self.rotations[index], angular)
-
-    def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
-        """Push a body at its centre of mass during the next tick: N and N m, world axes."""
-        slot = self.slots[index]
-        if slot.body > 0:
-            self.gliding.leave(index)
-            self.data.xfrc_applied[slot.body] += (*force, *torque)
-            self._forces = True
-
-    def pull(
-        self,
-        obj: GameObject,
-        anchor: Sequence[float],
-        target: Sequence[float],
-        stiffness: float,
-        damping: float,
-        strongest: float,
-    ) -> None:
-        """See `GameObject.pull`; what does not obey forces is not pulled."""
-        slot = self.slots[obj.slot]
-        if slot.frame.motion is not Motion.FREE or slot.body < 0:
-            return
-        position, rotation = obj.world_pose()
-        held, _ = rigid.compose(position, rotation, anchor, rigid.IDENTITY)
-        linear, angular = self.velocity(obj.slot)
-        origin = self.positions[obj.slot]
-        speed = np.add(linear, np.cross(angular, np.subtract(held, origin)))
-        wanted = stiffness * np.subtract(target, held) - damping * speed
-        size = float(np.linalg.norm(wanted))
-        if size > strongest:
-            wanted *= strongest / size
-        mass = float(self.model.body_subtreemass[slot.body])
-        force = mass * wanted
-        # pulling at the rim of a large body must not make it spin wildly: the lever counts in part
-        torque = 0.3 * np.cross(np.subtract(held, self.data.xipos[slot.body]), force)
-        self.apply_wrench(obj.slot, force.tolist(), torque.tolist())
-
-    def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
-        """Let the shapes of nodes collide, or pass through everything."""
-        for node in nodes:
-            slot = self.slots[self._slot_of[node]]
-            if slot.frame.motion is Motion.FIXED:
-                self.gliding.leave_all()
-            self.gliding.leave(self._slot_of[node])
-            self.gliding.set_collision([*slot.geoms.get(node, ()), *slot.feet], active)
-
-    def move_shapes(self, obj: GameObject) -> None:
-        """Take the collision shapes of an object along after it moved within its body."""
-        slot = self.slots[obj.slot]
-        if obj.node not in slot.geoms or slot.frame.motion is Motion.HINGE:
-            return
-        self.gliding.leave(obj.slot)
-        offset, turned = obj.offset
-        for geom, shape in zip(slot.geoms[obj.node], obj.node.shapes or (), strict=True):
-            position, rotation = rigid.compose(offset, turned, *self._shape_pose(geom, shape))
-            self.model.geom_pos[geom] = position
-            self.model.geom_quat[geom] = rigid.quaternion(rotation)
-        if slot.frame.motion is Motion.FIXED:
-            self._place_fixed()
-            self.loose.add(obj.slot)
-        self.rearranged.add(obj.node)
-        self.stamp += 1
-
-    def _shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
-        if shape.kind is not ShapeKind.CONVEX:
-            return shape.position, shape.rotation
-        # the compiler moves hulls to their centre of mass and principal axes
-        mesh = self.model.geom_dataid[geom]
-        return (
-            self.model.mesh_pos[mesh].tolist(),
-            rigid.rotation_of_quaternion(self.model.mesh_quat[mesh].tolist()),
-        )
-
-    def set_weightless(self, index: int) -> None:
-        """Cancel gravity for a slot."""
-        slot = self.slots[index]
-        self.gliding.leave(index)
-        if slot.body < 0 or self.model.body_gravcomp[slot.body] == 1.0:
-            return
-        self.model.body_gravcomp[slot.body] = 1.0
-        # the engine counts weightless bodies at compile time only; counting anew spoils qpos
-        qpos = self.data.qpos.copy()
-        mujoco.mj_setConst(self.model, self.data)
-        self.data.qpos[:] = qpos
-        mujoco.mj_forward(self.model, self.data)
+        kinematics.sync(self)
 
     # -- looking around ----------------------------------------------------------------------
 
@@ -352,19 +305,15 @@ class World:
     @property
     def is_stale(self) -> bool:
         """Whether something was put elsewhere since the engine last worked out where everything is."""
-        return bool(self._touched or self.rearranged)
+        return bool(self.touched or self.rearranged)
 
     def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, to be read at once."""
-        if self._arrays is None:
-            self._arrays = np.array(self.positions, dtype=np.float64), np.array(self.rotations, dtype=np.float64)
-        positions, rotations = self._arrays
-        count = self.moving
-        positions[:count] = self.data.xpos[1 : count + 1]
-        rotations[:count] = self.data.xmat[1 : count + 1]
-        for index in sorted(self._touched | self.loose):
-            positions[index], rotations[index] = self.positions[index], self.rotations[index]
-        return positions, rotations.reshape(-1, 3, 3)
+        return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
+
+    def is_fixed(self, slot: int) -> bool:
+        """Whether a slot stands still unless somebody puts it elsewhere."""
+        return self.slots[slot].frame.motion is Motion.FIXED
 
     def cast(
         self,
@@ -376,20 +325,22 @@ class World:
         exclude: GameObject,
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
         """See `GameObject.rayCast`; the body of ``exclude`` is looked through."""
-        return cast_ray(self, start, target, distance, prop, xray, exclude)
+        return cast_ray(self, self.rays, start, target, distance, prop, xray, exclude)
 
     def contacts(self) -> list[tuple[GameObject, GameObject]]:
         """The pairs of objects that touch now."""
         pairs = self.data.contact.geom[: self.data.ncon].tolist() + self.gliding.supports()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
+    def touched_by(self, obj: GameObject, margin: float = 0.0) -> list[GameObject]:
+        """The objects whose shapes are nearer than ``margin`` (m) to those of an object, which may only feel."""
+        if self._touching is None:
+            self._touching = Touching(self)
+        return self._touching.objects(obj, margin)
+
     def contact_forces(self) -> bytes:
         """Where bodies touch, at rest or not: see `ContactPoints.look`; (N, 6) float32."""
         return self._contact_points.look().tobytes()
-
-    @cached_property
-    def _contact_points(self) -> ContactPoints:
-        return ContactPoints(self)
 
     def mass_centres(self) -> list[tuple[str, float, tuple[float, float, float]]]:
         """Name, mass (kg) and centre of mass (m, in its own frame) of every body that obeys forces."""
@@ -400,46 +351,48 @@ class World:
                 found.append((slot.frame.node.name, float(self.model.body_mass[slot.body]), (x, y, z)))
         return found
 
-    def appearance_changed(self, obj: GameObject) -> None:
-        """Something about the looks of an object changed: the view has to know."""
-        self.repainted.add(obj)
-
     # -- the view --------------------------------------------------------------------------
+
+    @property
+    def layout(self) -> int:
+        """Changes whenever `moving_nodes` does."""
+        return self._moving_poses.layout
 
     def moving_nodes(self) -> list[tuple[Node, str]]:
         """The nodes whose poses `poses` gives, each with ``world`` or ``parent``, its frame."""
-        nodes = [(slot.frame.node, "world") for slot in self.slots if slot.frame.motion is not Motion.FIXED]
-        return nodes + [(obj.node, "parent") for obj in self.displaced]
+        return self._moving_poses.nodes()
 
     def poses(self) -> NDArray[np.float32]:
         """(M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `moving_nodes`."""
-        count, rest = self.moving, self._bodiless
-        end = count + len(rest)
-        result = np.empty((end + len(self.displaced), 7), dtype=np.float32)
-        result[:count, :3] = self.data.xpos[1 : count + 1]
-        result[:count, 3:] = self.data.xquat[1 : count + 1]
-        # numbers one after the other are read in half the time that rows of them take
-        positions = chain.from_iterable([self.positions[i] for i in rest])
-        quaternions = chain.from_iterable([self._quaternions[i] for i in rest])
-        result[count:end, :3] = np.fromiter(positions, np.float32, 3 * len(rest)).reshape(-1, 3)
-        result[count:end, 3:] = np.fromiter(quaternions, np.float32, 4 * len(rest)).reshape(-1, 4)
-        for row, obj in enumerate(self.displaced, end):
-            position, rotation = obj.local_pose()
-            result[row, :3] = position
-            result[row, 3:] = rigid.quaternion(rotation)
-        return result
+        return self._moving_poses.read()
 
     def note_displaced(self, obj: GameObject) -> None:
         """A node has moved relative to its parent: from now on the view gets its pose."""
-        if obj not in self.displaced and self.slots[obj.slot].frame.node is not obj.node:
-            self.displaced.append(obj)
-            self.layout += 1
+        self._moving_poses.note_displaced(obj)
 
-    def state(self) -> NDArray[np.float64]:
-        """Everything that determines the future of the physics, as one flat array."""
-        size = mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION)
-        state = np.empty(size)
-        mujoco.mj_getState(self.model, self.data, state, mujoco.mjtState.mjSTATE_INTEGRATION)
-        others: list[Any] = [v for i in range(self.moving, len(self.slots)) for v in self.positions[i]]
-        others += [v for i in range(self.moving, len(self.slots)) for v in self.rotations[i]]
-        return np.concatenate([state, np.asarray(others, dtype=np.float64)])
+    def appearance_changed(self, obj: GameObject) -> None:
+        """Something about the looks of an object changed: the view has to know."""
+        self.repainted.add(obj)
+        self.repaints += 1
+
+    # -- the whole state -------------------------------------------------------------------
+
+    def get_state(self) -> dict[str, Any]:
+        """Everything that determines the future of the physics, as plain data that shares nothing with the world.
+
+        Two worlds of one scene whose states are equal go on equally, to the bit, if the same happens to them.
+        """
+        return self._saving.get_state()
+
+    def check_state(self, state: object) -> None:
+        """Raise `ValueError` for what `set_state` would refuse."""
+        self._saving.checked(state)
+
+    def set_state(self, state: object) -> None:
+        """Go on from a state that `get_state` gave, of this world or another one of the same scene.
+
+        Raises:
+            ValueError: it is damaged, or of another scene; nothing has changed then.
+        """
+        checked = self._saving.checked(state)
+        self._saving.set_state(checked)

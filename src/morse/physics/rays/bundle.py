@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from morse.physics.rays.leaving import way_out
+from morse.kernel.rays.arrays import Hits
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from morse.physics.gameobject import GameObject
-    from morse.physics.rays.rays import Rays
     from morse.physics.rays.solids import Solids
+    from morse.scene import Node
 
 
 #: distances beyond it would overflow single precision
@@ -32,27 +34,23 @@ class Scan:
     Attributes:
         distances: (B, N) metres, infinite for none.
         solids: (B, N) index of the solid, -1 for none.
-        faces: (B, N) see `Batch`.
+        faces: (B, N) triangle of the mesh of the solid, -1 for others.
+        known: what these numbers mean; None before the first cast.
     """
 
-    __slots__ = ("_bundle", "_points", "_ranges", "distances", "faces", "solids")
+    __slots__ = ("_directions", "_origins", "_points", "_ranges", "_reach", "distances", "faces", "known", "solids")
 
-    def __init__(
-        self,
-        bundle: RayBundle,
-        distances: NDArray[np.float64],
-        solids: NDArray[np.intp],
-        faces: NDArray[np.int32],
-    ) -> None:
-        self._bundle = bundle
-        self.distances, self.solids, self.faces = distances, solids, faces
+    def __init__(self, bundle: RayBundle, hits: Hits, known: Solids | None = None) -> None:
+        self.known = known
+        self._directions, self._origins, self._reach = bundle.directions, bundle.origins, bundle.reach
+        self.distances, self.solids, self.faces = hits
         self._points: NDArray[np.float64] | None = None
         self._ranges: NDArray[np.float64] | None = None
 
     def ranges(self) -> NDArray[np.float64]:
         """(B, N) metres, the reach for none; worked out for all bundles when the first asks."""
         if self._ranges is None:
-            self._ranges = np.minimum(self.distances, self._bundle.reach)
+            self._ranges = np.minimum(self.distances, self._reach)
         return self._ranges
 
     def points(self) -> NDArray[np.float64]:
@@ -60,9 +58,9 @@ class Scan:
         if self._points is None:
             length = np.where(self.solids >= 0, self.distances, 0.0)[..., None]
             # no -0.0: clients read these numbers
-            self._points = self._bundle.directions * length + 0.0
-            if self._bundle.origins is not None:
-                self._points += np.where(length > 0.0, self._bundle.origins, 0.0)
+            self._points = self._directions * length + 0.0
+            if self._origins is not None:
+                self._points += np.where(length > 0.0, self._origins, 0.0)
         return self._points
 
 
@@ -93,26 +91,48 @@ class Sight:
         return row
 
     @property
-    def hit(self) -> NDArray[np.intp]:
+    def hit(self) -> NDArray[np.int64]:
         """(N,) number of the solid that each ray met; -1 for nothing."""
-        row: NDArray[np.intp] = self._scan.solids[self._row]
+        row: NDArray[np.int64] = self._scan.solids[self._row]
         return row
 
     @property
     def faces(self) -> NDArray[np.int32]:
-        """(N,) see `Batch`."""
+        """(N,) triangle of the mesh of the solid that each ray met; -1 for others."""
         row: NDArray[np.int32] = self._scan.faces[self._row]
         return row
 
-    def range_list(self) -> list[float]:
-        """`ranges` as a list."""
-        result: list[float] = self.ranges.tolist()
-        return result
+    @property
+    def nodes(self) -> Sequence[Node]:
+        """[S] what the numbers of the solids mean."""
+        known = self._scan.known
+        return known.nodes if known is not None else ()
 
-    def point_list(self) -> list[list[float]]:
-        """`points` as lists."""
-        result: list[list[float]] = self.points.tolist()
-        return result
+    @property
+    def remissions(self) -> NDArray[np.float64]:
+        """(N,) ``specular`` of the material that each ray met; 0 for nothing."""
+        known = self._scan.known
+        return known.remissions_of(self.hit, self.faces) if known is not None else np.zeros(len(self.hit))
+
+
+class Casting(Protocol):
+    """What bundles need of `Rays`."""
+
+    @property
+    def stamp(self) -> int:
+        """Changes whenever anything has moved."""
+
+    def cast(self, bundles: Sequence[RayBundle]) -> None:
+        """Cast the rays of some sensors."""
+
+    def serve(self, requests: Sequence[RayBundle]) -> None:
+        """Cast the bundles that components ask for in a tick."""
+
+    def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
+        """Directions (N, 3) as unit vectors."""
+
+    def object_at(self, node: Node) -> GameObject | None:
+        """The object of a node, if the node is still in the world."""
 
 
 class RayBundle:
@@ -125,21 +145,20 @@ class RayBundle:
         reach: metres; what is farther away is not seen.
         upright: whether they turn with the object, or are along the axes of the world.
         limit: what is nearer than that is seen.
-        owner: the group of solids that the rays pass through.
-        starts: (N,) metres from which on each ray has left the body that the sensor is mounted on.
-        clearance: the largest of these.
         sight: what they met.
         stamp: that of the world when the rays were cast last.
     """
 
+    #: a component makes it, and makes it again if it looks elsewhere: the hits are not part of the state
+    is_apparatus = True
+
     def __init__(
         self,
-        rays: Rays,
+        rays: Casting,
         obj: GameObject,
         directions: NDArray[np.float64],
         reach: float,
         origins: NDArray[np.float64] | None,
-        owner: int,
         upright: bool,
     ) -> None:
         self._rays = rays
@@ -147,38 +166,27 @@ class RayBundle:
         self.directions = directions
         self.reach, self.limit = reach, farther(reach)
         self.origins = origins
-        self.owner = owner
         self.upright = upright
         self.stamp = -1
-        self.starts, self.clearance = np.zeros(len(directions)), 0.0
-        self._mounting: tuple[Any, ...] = ()
-        count = len(directions)
-        scan = Scan(self, np.full((1, count), np.inf), np.full((1, count), -1), np.full((1, count), -1, dtype=np.int32))
-        self.sight = Sight(scan, 0)
+        self.sight = Sight(Scan(self, Hits.nothing((1, len(directions)))), 0)
 
     def __len__(self) -> int:
         return len(self.directions)
+
+    @property
+    def server(self) -> Casting:
+        """The object that casts these rays together with those of other sensors (see `morse.core.requests`)."""
+        return self._rays
 
     @property
     def shape(self) -> tuple[int, int, float, bool]:
         """Equal for bundles that can be worked on together."""
         return id(self.directions), id(self.origins), self.reach, self.upright
 
-    def mount(self, solids: Solids, grain: float) -> None:
-        """Find out where the rays leave what the sensor is mounted on, if that has changed."""
-        if self.upright:
-            return
-        offset = self.obj.offset
-        mounting = (solids.arrangement, grain, *offset)
-        if self._mounting != mounting:
-            self._mounting = mounting
-            self.starts = way_out(solids, self.obj.slot, offset, self.directions, self.origins, grain)
-            self.clearance = float(self.starts.max())
-
     def turn_to(self, directions: ArrayLike) -> None:
         """Look into other directions: (N, 3) vectors, not null, in the frame of the object."""
         self.directions = self._rays.checked_directions(directions)
-        self._mounting, self.stamp = (), -1
+        self.stamp = -1
 
     def take(self, scan: Scan, row: int, stamp: int) -> None:
         """Take the results of a cast."""
@@ -205,19 +213,19 @@ class RayBundle:
         return self.sight.points
 
     @property
-    def hit(self) -> NDArray[np.intp]:
+    def hit(self) -> NDArray[np.int64]:
         """(N,) number of the solid that each ray met, see `object_of`; -1 for nothing."""
         return self.sight.hit
 
     @property
     def remissions(self) -> NDArray[np.float64]:
         """(N,) how much light comes back, 0..1: the ``specular`` of the material that was met; 0 for nothing."""
-        return self._rays.remissions(self.hit, self.sight.faces)
+        return self.sight.remissions
 
     def object_of(self, ray: int) -> GameObject | None:
-        """The object that a ray met."""
+        """The object that a ray met; None if it met nothing, or something that has been removed since."""
         solid = int(self.hit[ray])
-        return None if solid < 0 else self._rays.object_of(solid)
+        return None if solid < 0 else self._rays.object_at(self.sight.nodes[solid])
 
     def segments(self) -> NDArray[np.float32]:
         """(N, 7) origin, end (metres, world frame) and 1 where something was hit, 0 elsewhere."""

@@ -1,4 +1,4 @@
-"""Casts a batch of rays at the solids of a world with Embree."""
+"""Casts rays at the solids of a world as they are now."""
 
 from __future__ import annotations
 
@@ -6,56 +6,70 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.physics.rays.moving import MovingScene
-from morse.physics.rays.narrow import Narrow
-from morse.physics.rays.static import StaticScene
+from morse.kernel.rays import Fan, Poses, SolidArrays, primitives, ray_caster
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from morse.physics.rays.batch import Batch
+    from morse.kernel.rays import Hits
+    from morse.physics.object_world import ObjectWorld
     from morse.physics.rays.solids import Solids
-    from morse.physics.world import World
-
-#: share of the largest coordinate by which single precision may be wrong: four units in the last place
-_GRAIN = 2.0**-22
-#: bytes: a little less than the largest block whose release makes glibc raise its limits
-_BLOCK = (32 << 20) - 8192
 
 
 class Caster:
-    """Keeps the triangles of what stands still, and makes those of what moves when they are needed.
+    """Keeps the solids where the world has them, when rays are cast.
 
     Attributes:
-        anchor: (3,) metres, in the middle of the world: single precision is best around it.
-        grain: metres by which single precision may be wrong within the bounds of the world.
+        anchor: (3,) metres, in the middle of the world: rays are worked out relative to this place.
     """
 
-    def __init__(self, world: World, solids: Solids) -> None:
+    def __init__(self, world: ObjectWorld, solids: Solids) -> None:
         self._world = world
         self._solids = solids
-        self._narrow = Narrow(solids)
+        self._rays = ray_caster(
+            SolidArrays(
+                solids.kinds,
+                solids.sizes,
+                solids.slots,
+                solids.places,
+                solids.turns,
+                solids.centres,
+                solids.halves,
+                solids.meshes,
+            )
+        )
         self.anchor = np.zeros(3)
-        self._place(np.arange(len(solids)))
-        places = self._narrow.positions if len(solids) else np.zeros((1, 3))
-        self.anchor = (places.min(axis=0) + places.max(axis=0)) / 2
-        self.grain = float(np.abs(places - self.anchor).max() + solids.halves.max(initial=0.0)) * _GRAIN
-        # glibc hands freed memory back to the system above a limit that it sets to the largest block freed so far
-        # (mallopt(3), M_TRIM_THRESHOLD): else it would take it anew, page by page, in every cast. Nothing is touched.
-        np.empty(_BLOCK, dtype=np.uint8)
+        # where the scene has them, not where they are now: rays are the same to the bit whenever the first is cast
+        places = np.array([world.slots[slot].pose.position for slot in solids.slots]).reshape(-1, 3)
+        if len(places):
+            # whole metres: the last bit of a number is not to decide where it is
+            self.anchor = np.round((places.min(axis=0) + places.max(axis=0)) / 2.0)
+        self._poses = self._poses_now()
         self._loose: set[int] | None = None
         self._stamp = -1
+        self._none = np.zeros(0, dtype=np.int64)
 
-    def cast(self, batch: Batch) -> None:
-        """Find what each ray meets first. Rays from or to places that are no numbers meet nothing."""
+    def cast(self, fan: Fan, groups: NDArray[np.int64] | None = None) -> Hits:
+        """Find what each ray meets first. Rays whose origin or direction is NaN meet nothing.
+
+        Args:
+            groups: (S,) the group of each solid, if it is not that of its owner.
+        """
         self._update()
-        batch.disarm()
-        extent = max(self._static.extent, float(np.abs(batch.viewpoints).max()))
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            self._static.cast(batch, extent * _GRAIN)
-            moving = self._moving_scene(batch, extent)
-            if moving is not None:
-                moving.cast(batch)
+        return self._rays.cast(fan, self._poses, self._solids.owners if groups is None else groups)
+
+    def cast_one(
+        self,
+        start: NDArray[np.float64],
+        direction: NDArray[np.float64],
+        limit: float,
+        owner: int,
+        groups: NDArray[np.int64],
+    ) -> Hits:
+        """The same for a single ray from a place in the world."""
+        self._update()
+        fan = Fan([0], np.zeros((1, 3)), np.eye(3)[None], direction[None], None, True, limit, [owner])
+        return self._rays.cast(fan, Poses(start[None], np.eye(3)[None], self.anchor), groups)
 
     # -- what there is now -----------------------------------------------------------------
 
@@ -67,64 +81,27 @@ class Caster:
         if self._loose != world.loose:
             self._loose = set(world.loose)
             still = solids.fixed & ~np.isin(solids.slots, sorted(world.loose))
-            self._movers = np.flatnonzero(~still)
-            self._others: dict[int, NDArray[np.intp]] = {}
-            self._place(np.flatnonzero(still))
-            self._static = StaticScene(self._narrow, np.flatnonzero(still), _GRAIN)
+            self._rays.gather(np.flatnonzero(still), moving=False)
+            self._rays.gather(np.flatnonzero(~still), moving=True)
+            self._poses = self._poses_now()
+            self._rays.place(self._poses, moving=False)
             self._stamp = -1
         if self._stamp != world.stamp:
             self._stamp = world.stamp
-            self._are_placed = False
-            self._scenes: dict[int, MovingScene] = {}
+            self._poses = self._poses_now()
+            self._rays.place(self._poses, moving=True)
 
-    def _place(self, members: NDArray[np.intp]) -> None:
-        """Take the poses of some solids from the world."""
-        world, solids = self._world, self._solids
-        positions, rotations = world.slot_poses()
-        slots = solids.slots.take(members)
-        turns = rotations.take(slots, axis=0)
-        places = np.einsum("sij,sj->si", turns, solids.places.take(members, axis=0))
-        places += positions.take(slots, axis=0) - self.anchor
-        self._narrow.place(members, places, turns @ solids.turns.take(members, axis=0))
-
-    def _moving_scene(self, batch: Batch, extent: float) -> MovingScene | None:
-        """The moving solids that the rays can meet, if there are any."""
-        owners = batch.owners.tolist()
-        owner = owners[0] if owners.count(owners[0]) == len(owners) else -1
-        if batch.groups is not self._solids.owners:
-            members = self._movers[batch.groups[self._movers] != owner]
-            return self._scene_of(members, extent) if len(members) else None
-        members = self._others.get(owner)
-        if members is None:
-            members = self._others[owner] = self._movers[self._solids.owners[self._movers] != owner]
-        if not len(members):
-            return None
-        if owner not in self._scenes:
-            self._scenes[owner] = self._scene_of(members, extent)
-        return self._scenes[owner]
-
-    def _scene_of(self, members: NDArray[np.intp], extent: float) -> MovingScene:
-        if not self._are_placed:
-            self._place(self._movers)
-            self._are_placed = True
-        extent = max(extent, float(np.abs(self._narrow.positions[self._movers]).max()))
-        return MovingScene(self._narrow, members, extent * _GRAIN)
+    def _poses_now(self) -> Poses:
+        return Poses(*self._world.slot_poses(), self.anchor)
 
     # -- what was met ----------------------------------------------------------------------
 
     def normal(self, solid: int, point: NDArray[np.float64], face: int) -> NDArray[np.float64]:
         """Unit normal (3,), world axes, of a solid at a point (3,), relative to the anchor, that a ray met."""
-        normal = self._static.normal(solid, face)
-        return self._narrow.normal(solid, point, face) if normal is None else normal
-
-    def remissions(self, solids: NDArray[np.intp], faces: NDArray[np.int32]) -> NDArray[np.float64]:
-        """(N,) ``specular`` of the materials of the solids and triangles that were met."""
-        result = np.zeros(len(solids))
-        for solid in np.unique(solids[solids >= 0]).tolist():
-            met = np.flatnonzero(solids == solid)
-            mesh, still = self._solids.meshes[solid], self._static.remissions(solid, faces[met])
-            if still is not None:
-                result[met] = still
-            else:
-                result[met] = self._solids.remissions[solid] if mesh is None else mesh.remissions[faces[met]]
-        return result
+        rotation, mesh = self._rays.rotations[solid], self._solids.meshes[solid]
+        if mesh is not None:
+            local = mesh.normals[face]
+        else:
+            here = rotation.T @ (point - self._rays.positions[solid])
+            local = primitives.normal(int(self._solids.kinds[solid]), here, self._solids.sizes[solid])
+        return np.asarray(rotation @ local, dtype=np.float64)

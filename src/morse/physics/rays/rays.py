@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING
 from weakref import WeakValueDictionary
 
 import numpy as np
 
 from morse.mathutils import Vector
-from morse.physics.rays import embree
-from morse.physics.rays.batch import Batch
-from morse.physics.rays.bundle import RayBundle, Scan, farther
-from morse.physics.rays.caster import Caster
-from morse.physics.rays.solids import Solids, owner
-from morse.physics.rays.without_embree import MujocoCaster
+from morse.physics.rays.bundle import RayBundle, farther
+from morse.physics.rays.plan import Plan
+from morse.physics.rays.solids import Solids
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,7 +19,12 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from morse.physics.gameobject import GameObject
-    from morse.physics.world import World
+    from morse.physics.object_world import ObjectWorld
+    from morse.physics.rays.caster import Caster
+    from morse.scene import Node
+
+#: maximum number of sets of bundles whose arrays are kept
+_MOST_PLANS = 64
 
 
 class Rays:
@@ -31,11 +34,27 @@ class Rays:
     one call; that costs little more than one of them alone.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: ObjectWorld) -> None:
         self._world = world
-        self._solids = Solids(world)
         self._known: WeakValueDictionary[bytes, NDArray[np.float64]] = WeakValueDictionary()
-        self._caster = (Caster if embree.AVAILABLE else MujocoCaster)(world, self._solids)
+        self._plans: dict[tuple[RayBundle, ...], Plan] = {}
+
+    def rebuild(self) -> None:
+        """Read all solids of the world again, because some were added or removed. Bundles stay valid."""
+        self._plans.clear()
+        for name in ("_solids", "_caster"):
+            self.__dict__.pop(name, None)
+
+    @cached_property
+    def _solids(self) -> Solids:
+        return Solids(self._world)
+
+    @cached_property
+    def _caster(self) -> Caster:
+        # the kernel is loaded when the first ray is cast, not by worlds without any
+        from morse.physics.rays.caster import Caster
+
+        return Caster(self._world, self._solids)
 
     @property
     def stamp(self) -> int:
@@ -63,7 +82,7 @@ class Rays:
             upright: directions and origins are along the axes of the world, however the sensor is turned.
 
         Raises:
-            ValueError: arrays of another shape, numbers that are not finite, no reach.
+            ValueError: an array has the wrong shape or holds a value that is not finite, or the reach is not positive.
         """
         if not reach > 0.0:
             raise ValueError(f"a ray reaches farther than 0 m; given {reach!r}")
@@ -71,7 +90,7 @@ class Rays:
         starts = None if origins is None else self._kept(_rows_of_three(origins, "origins"))
         if starts is not None and len(starts) != len(checked):
             raise ValueError(f"there are {len(checked)} directions, but {len(starts)} origins")
-        return RayBundle(self, obj, checked, float(reach), starts, owner(self._world, obj.slot), upright)
+        return RayBundle(self, obj, checked, float(reach), starts, upright)
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
         """Directions (N, 3) as unit vectors; equal ones are one array, so that they can be turned together."""
@@ -88,45 +107,19 @@ class Rays:
 
     # -- casting ---------------------------------------------------------------------------
 
+    def serve(self, requests: Sequence[RayBundle]) -> None:
+        """Cast the bundles that components ask for in a tick."""
+        self.cast(requests)
+
     def cast(self, bundles: Sequence[RayBundle]) -> None:
         """Cast the rays of some sensors, from where these are now."""
-        groups: dict[tuple[int, int, float, bool], list[RayBundle]] = {}
-        for bundle in bundles:
-            if len(bundle):
-                groups.setdefault(bundle.shape, []).append(bundle)
-        if not groups:
-            return
-        for bundle in bundles:
-            bundle.mount(self._solids, self._caster.grain)
-        parts = [_rays_of(group) for group in groups.values()]
-        columns = parts[0] if len(parts) == 1 else [np.concatenate(column) for column in zip(*parts, strict=True)]
-        viewpoints, counts, directions, distances, owners, starts, clearances = columns
-        batch = Batch(
-            viewpoints - self._caster.anchor,
-            counts,
-            directions,
-            distances,
-            owners,
-            self._solids.owners,
-            starts,
-            clearances,
-        )
-        self._caster.cast(batch)
-        nothing = batch.solids < 0
-        batch.distances[nothing] = np.inf
-        first, stamp = 0, self._world.stamp
-        for group in groups.values():
-            size = (len(group), len(group[0]))
-            chosen = slice(first, first + size[0] * size[1])
-            scan = Scan(
-                group[0],
-                batch.distances[chosen].reshape(size),
-                batch.solids[chosen].reshape(size),
-                batch.faces[chosen].reshape(size),
-            )
-            for row, bundle in enumerate(group):
-                bundle.take(scan, row, stamp)
-            first = chosen.stop
+        key = tuple(bundles)
+        plan = self._plans.get(key)
+        if plan is None or not plan.holds():
+            if len(self._plans) >= _MOST_PLANS:
+                self._plans.clear()
+            plan = self._plans[key] = Plan(key, self._solids)
+        plan.cast(self._caster, self._world.stamp)
 
     def first(
         self,
@@ -147,28 +140,18 @@ class Rays:
         """
         groups = self._solids.owners
         if ignored is not None:
-            groups = np.where(ignored | (groups == owned_by), -1, 0)
+            groups = np.where(ignored | (groups == owned_by), np.int64(-1), np.int64(0))
             owned_by = -1
-        way = np.array([direction], dtype=np.float64)
-        viewpoint = np.array([start], dtype=np.float64) - self._caster.anchor
-        batch = Batch(
-            viewpoint,
-            np.ones(1, dtype=np.intp),
-            way,
-            np.array([farther(reach)]),
-            np.array([owned_by], dtype=np.intp),
-            groups,
-        )
-        self._caster.cast(batch)
-        solid = int(batch.solids[0])
+        way, place = np.array(direction, dtype=np.float64), np.array(start, dtype=np.float64)
+        distances, solids, faces = self._caster.cast_one(place, way, farther(reach), owned_by, groups)
+        solid = int(solids[0, 0])
         if solid < 0:
             return None
-        point = viewpoint[0] + way[0] * batch.distances[0]
-        normal = self._caster.normal(solid, point, int(batch.faces[0]))
-        if normal @ way[0] > 0.0:
+        apart = way * distances[0, 0]
+        normal = self._caster.normal(solid, place - self._caster.anchor + apart, int(faces[0, 0]))
+        if normal @ way > 0.0:
             normal = -normal
-        place = point + self._caster.anchor
-        return self.object_of(solid), Vector(place.tolist()), Vector(normal.tolist())
+        return self.object_of(solid), Vector((place + apart).tolist()), Vector(normal.tolist())
 
     # -- what was met ----------------------------------------------------------------------
 
@@ -176,13 +159,13 @@ class Rays:
         """The object that a solid belongs to."""
         return self._world.object_of(self._solids.nodes[solid])
 
+    def object_at(self, node: Node) -> GameObject | None:
+        """The object of a node, if the node is still in the world."""
+        return self._world.find_object(node)
+
     def without(self, prop: str) -> NDArray[np.bool_]:
         """(S,) the solids whose objects lack a property."""
         return np.array([prop not in self._world.object_of(node) for node in self._solids.nodes], dtype=bool)
-
-    def remissions(self, solids: NDArray[np.intp], faces: NDArray[np.int32]) -> NDArray[np.float64]:
-        """(N,) ``specular`` of the material that was met; 0 where nothing was."""
-        return self._caster.remissions(solids, faces)
 
 
 def _rows_of_three(values: ArrayLike, what: str) -> NDArray[np.float64]:
@@ -196,30 +179,3 @@ def _rows_of_three(values: ArrayLike, what: str) -> NDArray[np.float64]:
             f"{what} of rays are finite numbers; number {int(np.argmin(np.isfinite(rows).all(axis=1)))} is not"
         )
     return rows
-
-
-def _rays_of(group: list[RayBundle]) -> tuple[Any, ...]:
-    """The first columns of a `Batch`, for bundles of one shape; viewpoints in the world frame."""
-    first, count = group[0], len(group[0])
-    poses = [bundle.obj.world_pose() for bundle in group]
-    positions = np.array([pose[0] for pose in poses], dtype=np.float64)
-    if first.upright:
-        rotations = np.tile(np.eye(3), (len(group), 1, 1))
-    else:
-        rotations = np.array([pose[1] for pose in poses], dtype=np.float64).reshape(-1, 3, 3)
-    owners = np.array([bundle.owner for bundle in group], dtype=np.intp)
-    directions = _turned(first.directions, rotations)
-    distances = np.full(len(directions), first.limit)
-    starts = np.concatenate([bundle.starts for bundle in group]) if len(group) > 1 else first.starts
-    if first.origins is not None:
-        viewpoints = _turned(first.origins, rotations) + positions.repeat(count, axis=0)
-        owners, counts = owners.repeat(count), np.ones(len(viewpoints), dtype=np.intp)
-        return viewpoints, counts, directions, distances, owners, starts, starts
-    counts = np.full(len(group), count)
-    clearances = np.array([bundle.clearance for bundle in group])
-    return positions, counts, directions, distances, owners, starts, clearances
-
-
-def _turned(vectors: NDArray[np.float64], rotations: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(B N, 3) vectors (N, 3) turned by each rotation (B, 3, 3)."""
-    return (vectors @ rotations.transpose(0, 2, 1)).reshape(-1, 3)

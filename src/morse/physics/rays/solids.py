@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.kernel.rays import primitives
 from morse.physics import rigid
 from morse.physics.inertia import half_sizes
 from morse.physics.layout import Motion
@@ -18,14 +19,22 @@ from morse.scene.frames import rigid_frame
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.physics.world import World
+    from numpy.typing import NDArray
+
+    from morse.physics.gameobject import GameObject
+    from morse.physics.object_world import ObjectWorld
     from morse.scene import Mesh, Node
 
 _WITHOUT_MATERIAL = Material("default")
-#: the order in which arrays number the kinds
-KINDS = tuple(ShapeKind)
-MESH = KINDS.index(ShapeKind.CONVEX)
-BOX = KINDS.index(ShapeKind.BOX)
+#: how arrays number the kinds
+KINDS = {
+    ShapeKind.BOX: primitives.BOX,
+    ShapeKind.SPHERE: primitives.SPHERE,
+    ShapeKind.CYLINDER: primitives.CYLINDER,
+    ShapeKind.CAPSULE: primitives.CAPSULE,
+    ShapeKind.ELLIPSOID: primitives.ELLIPSOID,
+    ShapeKind.CONVEX: primitives.MESH,
+}
 
 
 class Solids:
@@ -44,13 +53,11 @@ class Solids:
         centres: (S, 3) of the box around it, in its frame.
         halves: (S, 3) half sizes of that box.
         meshes: [S] the triangles of a mesh, or None.
-        remissions: (S,) of the first material of the node.
         places: (S, 3) metres, in the frame of the group.
         turns: (S, 3, 3) from the solid to the group.
-        arrangement: changes whenever a solid gets another place in its group.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: ObjectWorld) -> None:
         self._world = world
         rows = list(_rows(world))
         count = len(rows)
@@ -58,29 +65,34 @@ class Solids:
         self._shapes = [row[1] for row in rows]
         self.meshes: list[Triangles | None] = [row[2] for row in rows]
         slots = [world.object_of(node).slot for node in self.nodes]
-        self.slots = np.array(slots, dtype=np.intp)
-        self.owners = np.array([owner(world, slot) for slot in slots], dtype=np.intp)
+        self.slots = np.array(slots, dtype=np.int64)
+        self.owners = np.array([owner(world, slot) for slot in slots], dtype=np.int64)
         self.fixed = np.array([world.slots[slot].frame.motion is Motion.FIXED for slot in slots], dtype=bool)
-        self.remissions = np.array([_remissions(node)[0] for node in self.nodes], dtype=np.float64)
-        self.kinds = np.full(count, MESH, dtype=np.int8)
+        # of all triangles one after the other; other solids have one number
+        parts = [np.array(_remissions(node)[:1]) if mesh is None else mesh.remissions for node, _, mesh in rows]
+        self._remissions = np.concatenate([*parts, np.zeros(1)])
+        self._first_remissions = np.cumsum([0, *(len(part) for part in parts)])
+        self.kinds = np.full(count, primitives.MESH, dtype=np.int32)
         self.sizes, self.centres, self.halves = np.ones((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
         for index, (_, shape, mesh) in enumerate(rows):
             if shape is not None:
-                self.kinds[index] = KINDS.index(shape.kind)
+                self.kinds[index] = KINDS[shape.kind]
                 self.sizes[index, : len(shape.size)] = shape.size
                 self.halves[index] = half_sizes(shape)
             elif mesh is not None:
                 self.centres[index], self.halves[index] = mesh.box
         self.places, self.turns = np.zeros((count, 3)), np.zeros((count, 3, 3))
-        self.arrangement = 0
         self.settle(range(count))
 
     def __len__(self) -> int:
         return len(self.nodes)
 
+    def owner_of(self, slot: int) -> int:
+        """The group that a slot belongs to, see ``owners``."""
+        return owner(self._world, slot)
+
     def settle(self, members: range | list[int]) -> None:
         """Take the places of some solids within their groups."""
-        self.arrangement += 1
         for index in members:
             shape = self._shapes[index]
             position, rotation = self._world.object_of(self.nodes[index]).offset
@@ -89,8 +101,13 @@ class Solids:
             self.places[index] = position
             self.turns[index] = np.reshape(rotation, (3, 3))
 
+    def remissions_of(self, solids: NDArray[np.int64], faces: NDArray[np.int32]) -> NDArray[np.float64]:
+        """(N,) ``specular`` of the materials of the solids and triangles that were met; 0 where nothing was."""
+        rows = self._first_remissions[solids] + np.maximum(faces, 0)
+        return np.where(solids >= 0, self._remissions[rows], 0.0)
 
-def _rows(world: World) -> Iterator[tuple[Node, CollisionShape | None, Triangles | None]]:
+
+def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Triangles | None]]:
     """The solids: a node with the shape of a primitive or with triangles."""
     known: dict[tuple[object, ...], Triangles] = {}
     nodes = [node for slot in world.slots for node in slot.frame.solid if node.body.type is not PhysicsType.SENSOR]
@@ -141,9 +158,17 @@ def _remissions(node: Node) -> list[float]:
     return [float((a or b or _WITHOUT_MATERIAL).specular) for a, b in zip(own, theirs, strict=True)]
 
 
-def owner(world: World, slot: int) -> int:
+def owner(world: ObjectWorld, slot: int) -> int:
     """The slot that a slot is a part of: a wheel belongs to the body that it hangs on."""
     parent = world.slots[slot].frame.parent
     if parent is None:
         return slot
     return next(index for index, other in enumerate(world.slots) if other.frame is parent)
+
+
+def body_of(world: ObjectWorld, part: GameObject) -> GameObject:
+    """What a shape belongs to: the shapes of a compound are met as the body that they form."""
+    if not part.is_dynamic:
+        return part
+    body = world.object_of(world.slots[part.slot].frame.node)
+    return body if body.node.body.compound else part

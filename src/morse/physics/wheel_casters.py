@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from morse.physics.inertia import bounding_box
 from morse.physics.layout import driven_wheels
 from morse.physics.poses import relative_pose
-from morse.physics.wheels import wheel_axis, wheel_size
+from morse.physics.wheel_shapes import wheel_axis, wheel_size
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.physics.rays.solids import owner
+from morse.physics.rays.solids import body_of, owner
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 
     from morse.mathutils import Vector
     from morse.physics.gameobject import GameObject
-    from morse.physics.world import World
+    from morse.physics.object_world import ObjectWorld
+    from morse.physics.rays import Rays
 
 
 def cast_ray(
-    world: World,
+    world: ObjectWorld,
+    rays: Rays,
     start: Sequence[float],
     target: Sequence[float],
     distance: float,
@@ -33,28 +35,20 @@ def cast_ray(
     if not 0.0 < reach < math.inf:
         return None, None, None
     direction = [(b - a) / reach for a, b in zip(start, target, strict=True)]
-    ignored = _without(world, prop) if prop and xray else None
-    found = world.rays.first(start, direction, distance or reach, ignored, owner(world, exclude.slot))
+    ignored = _without(world, rays, prop) if prop and xray else None
+    found = rays.first(start, direction, distance or reach, ignored, owner(world, exclude.slot))
     if found is None:
         return None, None, None
     part, point, normal = found
-    body = _body_of(world, part)
+    body = body_of(world, part)
     if prop and prop not in part and prop not in body:
         return None, None, None
     return body, point, normal
 
 
-def _body_of(world: World, part: GameObject) -> GameObject:
-    """What a shape belongs to: the shapes of a compound are met as the body that they form."""
-    if not part.is_dynamic:
-        return part
-    body = world.object_of(world.slots[part.slot].frame.node)
-    return body if body.node.body.compound else part
-
-
-def _without(world: World, prop: str) -> NDArray[np.bool_]:
+def _without(world: ObjectWorld, rays: Rays, prop: str) -> NDArray[np.bool_]:
     """(S,) the solids that lack a property, as do the bodies that they are part of."""
-    lacking = world.rays.without(prop)
+    lacking = rays.without(prop)
     for solid in np.flatnonzero(lacking):
-        lacking[solid] = prop not in _body_of(world, world.rays.object_of(int(solid)))
+        lacking[solid] = prop not in body_of(world, rays.object_of(int(solid)))
     return lacking

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 from morse.mathutils import Matrix, Vector
 from morse.physics import rigid
 from morse.physics.convert import floats3, rotation_of
+from morse.physics.limits import ANGULAR_VELOCITY, MOVEMENT, POSITION, ROTATION, VELOCITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from morse.physics.world import World
 
 # ruff: noqa: N802, N815
 
@@ -22,9 +21,6 @@ def _matrix(r: Sequence[float]) -> Matrix:
 
 class LegacyNames:
     """Poses, velocities and forces as attributes; see `morse.physics.gameobject.GameObject`."""
-
-    _world: World
-    slot: int
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9) in the world."""
@@ -46,6 +42,10 @@ class LegacyNames:
         """Linear and angular velocity of its origin, world axes."""
         raise NotImplementedError
 
+    def set_velocity(self, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
+        """Set the velocity of its body in world axes; None keeps the present velocity."""
+        raise NotImplementedError
+
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
         """Push it at its centre of mass during the next tick."""
         raise NotImplementedError
@@ -57,7 +57,7 @@ class LegacyNames:
 
     @worldPosition.setter
     def worldPosition(self, value: Any) -> None:
-        self.set_pose(floats3(value, "position"), self.world_pose()[1])
+        self.set_pose(floats3(value, POSITION), self.world_pose()[1])
 
     @property
     def worldOrientation(self) -> Matrix:
@@ -75,7 +75,7 @@ class LegacyNames:
 
     @localPosition.setter
     def localPosition(self, value: Any) -> None:
-        self.set_local_pose(floats3(value, "position"), self.local_pose()[1])
+        self.set_local_pose(floats3(value, POSITION), self.local_pose()[1])
 
     @property
     def localOrientation(self) -> Matrix:
@@ -100,7 +100,7 @@ class LegacyNames:
 
     @worldTransform.setter
     def worldTransform(self, value: Any) -> None:
-        self.set_pose(floats3([value[i][3] for i in range(3)], "position"), rotation_of([row[:3] for row in value][:3]))
+        self.set_pose(floats3([value[i][3] for i in range(3)], POSITION), rotation_of([row[:3] for row in value][:3]))
 
     @property
     def worldLinearVelocity(self) -> Vector:
@@ -109,7 +109,7 @@ class LegacyNames:
 
     @worldLinearVelocity.setter
     def worldLinearVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, floats3(value, "velocity"), None)
+        self.set_velocity(floats3(value, VELOCITY), None)
 
     @property
     def worldAngularVelocity(self) -> Vector:
@@ -118,7 +118,7 @@ class LegacyNames:
 
     @worldAngularVelocity.setter
     def worldAngularVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, None, floats3(value, "velocity"))
+        self.set_velocity(None, floats3(value, ANGULAR_VELOCITY))
 
     @property
     def localLinearVelocity(self) -> Vector:
@@ -127,7 +127,7 @@ class LegacyNames:
 
     @localLinearVelocity.setter
     def localLinearVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, rigid.turn(self.world_pose()[1], floats3(value, "velocity")), None)
+        self.set_velocity(rigid.turn(self.world_pose()[1], floats3(value, VELOCITY)), None)
 
     @property
     def localAngularVelocity(self) -> Vector:
@@ -136,7 +136,7 @@ class LegacyNames:
 
     @localAngularVelocity.setter
     def localAngularVelocity(self, value: Any) -> None:
-        self._world.set_velocity(self.slot, None, rigid.turn(self.world_pose()[1], floats3(value, "velocity")))
+        self.set_velocity(None, rigid.turn(self.world_pose()[1], floats3(value, ANGULAR_VELOCITY)))
 
     linearVelocity = property(
         lambda self: self.worldLinearVelocity, lambda self, value: setattr(self, "worldLinearVelocity", value)
@@ -178,12 +178,12 @@ class LegacyNames:
     def applyMovement(self, movement: Any, local: bool = False) -> None:
         """Shift it at once, m."""
         p, r = self.world_pose()
-        m = floats3(movement, "movement")
+        m = floats3(movement, MOVEMENT)
         x, y, z = rigid.turn(r, m) if local else m
         self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
 
     def applyRotation(self, rotation: Any, local: bool = False) -> None:
         """Turn it at once, rad about each axis."""
         p, r = self.world_pose()
-        turned = rotation_of(list(floats3(rotation, "rotation")))
+        turned = rotation_of(list(floats3(rotation, ROTATION)))
         self.set_pose(p, rigid.product(r, turned) if local else rigid.product(turned, r))

@@ -1,34 +1,49 @@
-"""The children of an object, found by number or by name."""
+"""Objects, found by number or by name."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, overload
 
 if TYPE_CHECKING:
-    from morse.physics.gameobject import GameObject
+    from morse.scene import Node
 
 
-class ObjectList(Sequence["GameObject"]):
+class Named(Protocol):
+    """What has a name in the scene."""
+
+    @property
+    def name(self) -> str:
+        """The name in the scene."""
+
+    @property
+    def node(self) -> Node:
+        """The node of the scene that it came from."""
+
+
+T = TypeVar("T", bound=Named)
+
+
+class ObjectList(Sequence[T], Generic[T]):
     """A list of objects that can also be asked for a name.
 
     A name matches exactly, or as it stands in the model file: the second robot of a kind has
     its ``left_eye`` too, although the scene calls it ``left_eye.001``.
     """
 
-    def __init__(self, objects: list[GameObject]) -> None:
+    def __init__(self, objects: list[T]) -> None:
         self._objects = objects
 
-    def _named(self, name: str) -> GameObject | None:
+    def _named(self, name: str) -> T | None:
         exact = next((obj for obj in self._objects if obj.name == name), None)
         return exact or next((obj for obj in self._objects if obj.node.plain_name == name), None)
 
     @overload
-    def __getitem__(self, key: int | str) -> GameObject: ...
+    def __getitem__(self, key: int | str) -> T: ...
     @overload
-    def __getitem__(self, key: slice) -> list[GameObject]: ...
-    def __getitem__(self, key: int | str | slice) -> GameObject | list[GameObject]:
+    def __getitem__(self, key: slice) -> list[T]: ...
+    def __getitem__(self, key: int | str | slice) -> T | list[T]:
         if not isinstance(key, str):
             return self._objects[key]
         found = self._named(key)
@@ -45,10 +60,10 @@ class ObjectList(Sequence["GameObject"]):
     def __len__(self) -> int:
         return len(self._objects)
 
-    def __iter__(self) -> Iterator[GameObject]:
+    def __iter__(self) -> Iterator[T]:
         return iter(self._objects)
 
-    def get(self, name: str, default: GameObject | None = None) -> GameObject | None:
+    def get(self, name: str, default: T | None = None) -> T | None:
         """The object of that name, or ``default``."""
         return self._named(name) or default
 

@@ -1,0 +1,215 @@
+"""Puts bodies somewhere, and gives them velocities and forces."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics import rigid
+from morse.physics.kinematics import settle_fixed
+from morse.physics.layout import Motion
+from morse.physics.limits import FORCE
+from morse.physics.weightless import count_weightless
+from morse.scene import ShapeKind
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.physics.compile import Slot
+    from morse.physics.engine_state import EngineState
+    from morse.physics.gliding import Gliding
+    from morse.scene import CollisionShape, Node
+
+_AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+class Bodies:
+    """What is done to single bodies from outside; a robot that glides stands on its feet before."""
+
+    def __init__(self, state: EngineState, gliding: Gliding) -> None:
+        self._state = state
+        self._gliding = gliding
+
+    # -- poses -----------------------------------------------------------------------------
+
+    def place(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
+        """Put a slot somewhere in the world; its velocity stays."""
+        state = self._state
+        slot, data = state.slots[index], state.data
+        if slot.frame.motion is Motion.HINGE:
+            return
+        state.is_stirred = True
+        self._gliding.unsettle(index)
+        p, q = position, rigid.quaternion(rotation)
+        if slot.frame.motion is Motion.FREE and slot.qpos >= 0:
+            data.qpos[slot.qpos : slot.qpos + 7] = (p[0], p[1], p[2], *q)
+        elif slot.mocap >= 0:
+            data.mocap_pos[slot.mocap] = p
+            data.mocap_quat[slot.mocap] = q
+        elif slot.body > 0:
+            state.model.body_pos[slot.body] = p
+            state.model.body_quat[slot.body] = q
+            self._settle_fixed(index)
+        state.positions[index], state.rotations[index], state.quaternions[index] = tuple(position), tuple(rotation), q
+        state.touched.add(index)
+        state.stamp += 1
+        for other in state.wheels.get(index, ()):
+            wheel = state.slots[other]
+            state.touched.add(other)
+            mujoco.mj_kinematics(state.model, data)
+            state.positions[other] = data.xpos[wheel.body].tolist()
+            state.rotations[other] = data.xmat[wheel.body].tolist()
+
+    def _settle_fixed(self, index: int) -> None:
+        self._gliding.leave_all()
+        settle_fixed(self._state)
+        self._state.loose.add(index)
+
+    def move_shapes(self, node: Node, offset: tuple[Sequence[float], Sequence[float]]) -> None:
+        """Take the collision shapes of a node along after it moved within its body.
+
+        Args:
+            offset: position and rotation of the node in its slot.
+        """
+        state = self._state
+        index = state.slot_of[node]
+        slot = state.slots[index]
+        if node not in slot.geoms or slot.frame.motion is Motion.HINGE:
+            return
+        state.is_stirred = True
+        self._gliding.leave(index)
+        for geom, shape in zip(slot.geoms[node], node.shapes or (), strict=True):
+            position, rotation = rigid.compose(*offset, *self._shape_pose(geom, shape))
+            state.model.geom_pos[geom] = position
+            state.model.geom_quat[geom] = rigid.quaternion(rotation)
+        if slot.frame.motion is Motion.FIXED:
+            self._settle_fixed(index)
+        state.rearranged.add(node)
+        state.stamp += 1
+
+    def _shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
+        if shape.kind is not ShapeKind.CONVEX:
+            return shape.position, shape.rotation
+        # the compiler moves hulls to their centre of mass and principal axes
+        model = self._state.model
+        mesh = model.geom_dataid[geom]
+        return (
+            model.mesh_pos[mesh].tolist(),
+            rigid.rotation_of_quaternion(model.mesh_quat[mesh].tolist()),
+        )
+
+    # -- velocities and forces -------------------------------------------------------------
+
+    def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
+        """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""
+        state = self._state
+        slot = state.slots[index]
+        if slot.frame.motion is Motion.FREE and slot.dof >= 0:
+            v = state.data.qvel[slot.dof : slot.dof + 6].tolist()
+            return v[:3], rigid.turn(state.rotations[index], v[3:])
+        if slot.frame.motion is Motion.HINGE:
+            return self._hinge_velocity(index, slot)
+        return state.kinematic.get(index, _AT_REST)
+
+    def _hinge_velocity(self, index: int, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
+        state = self._state
+        assert slot.frame.parent is not None
+        robot = state.slot_of[slot.frame.parent.node]
+        linear, angular = self.velocity(robot)
+        arm = np.subtract(state.positions[index], state.positions[robot]).tolist()
+        axle = rigid.turn(state.rotations[index], state.model.jnt_axis[state.model.body_jntadr[slot.body]].tolist())
+        speed = float(state.data.qvel[slot.dof])
+        carried = rigid.cross(angular, arm)
+        # the wheel turns about its own origin
+        return (
+            tuple(a + b for a, b in zip(linear, carried, strict=True)),
+            tuple(a + speed * b for a, b in zip(angular, axle, strict=True)),
+        )
+
+    def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
+        """Set the velocity of a free slot, in world axes; others keep theirs."""
+        state = self._state
+        slot, qvel = state.slots[index], state.data.qvel
+        if slot.frame.motion is not Motion.FREE or slot.dof < 0:
+            return
+        state.is_stirred = True
+        self._gliding.leave(index)
+        if linear is not None:
+            qvel[slot.dof : slot.dof + 3] = linear
+        if angular is not None:
+            qvel[slot.dof + 3 : slot.dof + 6] = rigid.turn_back(state.rotations[index], angular)
+
+    def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
+        """Push a body at its centre of mass during the next tick: N and N m, world axes."""
+        state = self._state
+        slot = state.slots[index]
+        if slot.body > 0:
+            state.is_stirred = True
+            self._gliding.leave(index)
+            state.data.xfrc_applied[slot.body] += (*force, *torque)
+            state.has_forces = True
+
+    def pull(
+        self,
+        index: int,
+        held: Sequence[float],
+        target: Sequence[float],
+        stiffness: float,
+        damping: float,
+        strongest: float,
+    ) -> None:
+        """Pull a point of a body, ``held`` in the world, towards a place; what does not obey forces is not pulled.
+
+        See `GameObject.pull`.
+        """
+        state = self._state
+        slot = state.slots[index]
+        if slot.frame.motion is not Motion.FREE or slot.body < 0:
+            return
+        linear, angular = self.velocity(index)
+        speed = np.add(linear, np.cross(angular, np.subtract(held, state.positions[index])))
+        wanted = stiffness * np.subtract(target, held) - damping * speed
+        size = float(np.linalg.norm(wanted))
+        mass = float(state.model.body_subtreemass[slot.body])
+        strongest = min(strongest, FORCE.limit / mass)
+        if not size < math.inf:
+            return
+        if size > strongest:
+            wanted *= strongest / size
+        force = mass * wanted
+        # pulling at the rim of a large body must not make it spin wildly: the lever counts in part
+        centre = rigid.turn(state.rotations[index], state.model.body_ipos[slot.body].tolist())
+        lever = np.subtract(held, np.add(state.positions[index], centre))
+        torque = 0.3 * np.cross(lever, force)
+        self.apply_wrench(index, force.tolist(), torque.tolist())
+
+    # -- what bodies obey ------------------------------------------------------------------
+
+    def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
+        """Let the shapes of nodes collide, or pass through everything."""
+        state = self._state
+        state.is_stirred = True
+        for node in nodes:
+            index = state.slot_of[node]
+            slot = state.slots[index]
+            if slot.frame.motion is Motion.FIXED:
+                self._gliding.leave_all()
+            self._gliding.leave(index)
+            self._gliding.set_collision([*slot.geoms.get(node, ()), *slot.feet], active)
+
+    def set_weightless(self, index: int) -> None:
+        """Cancel gravity for a slot."""
+        state = self._state
+        model, data = state.model, state.data
+        body = state.slots[index].body
+        state.is_stirred = True
+        self._gliding.leave(index)
+        if body < 0 or model.body_gravcomp[body] == 1.0:
+            return
+        model.body_gravcomp[body] = 1.0
+        count_weightless(state)
+        mujoco.mj_forward(model, data)
+        state.known_contacts = None

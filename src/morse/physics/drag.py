@@ -1,0 +1,75 @@
+"""The friction that a robot feels which is driven as one body, if its script has named one.
+
+A command sets the velocity of such a robot once a tick. In MORSE 1.4 friction then acted in each of the two physics
+steps of the tick, so that a robot was slower than its command: by d in the first step and 2 d in the second, with
+d = mu mu_floor g T/2. Scripts count on that speed. Contact forces would also tip the robot over, as nothing pushes it
+forward at the height of the floor: so the velocity is reduced instead, and the robot slides.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.command import Command
+from morse.physics.kinematics import contact_pairs
+from morse.physics.layout import Motion
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from morse.physics.compile import Slot
+    from morse.physics.engine_state import EngineState
+
+#: friction of every floor in 1.4, by which that of a robot is multiplied
+_FLOOR = 0.5
+#: radius at which a robot without feet touches the floor, m
+_REACH = 0.3
+
+
+class Drag:
+    """Slows robots down that are driven over the ground with a friction."""
+
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
+        self._rough: dict[int, tuple[float, float, list[int]]] = {}
+        for index, slot in enumerate(state.slots):
+            friction = slot.frame.node.body.friction
+            if friction and slot.frame.robot is not None and slot.frame.motion is Motion.FREE:
+                geoms = [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
+                self._rough[index] = (friction, self._lever(slot), geoms)
+
+    def _lever(self, slot: Slot) -> float:
+        """Metres from the vertical axis of a robot to where it touches the floor."""
+        if not slot.feet:
+            return _REACH
+        places = self._state.model.geom_pos[slot.feet]
+        return float(np.hypot(places[:, 0], places[:, 1]).mean())
+
+    @property
+    def slots(self) -> Collection[int]:
+        """The slots that feel friction while they are driven."""
+        return self._rough.keys()
+
+    def slowed(self, index: int, command: Command, touches: bool) -> Command:
+        """What friction leaves of a command.
+
+        Args:
+            touches: the robot is known to stand on something.
+        """
+        friction, lever, geoms = self._rough[index]
+        if command.shift or command.is_rest or not (touches or self._touches(geoms)):
+            return command
+        vx, vy, vz = command.linear
+        wx, wy, wz = command.angular
+        slip = math.hypot(vx, vy, wz * lever)
+        loss = friction * _FLOOR * -float(self._state.model.opt.gravity[2]) * self._state.period / 2.0
+        if not slip or loss <= 0.0:
+            return command
+        left = (max(0.0, 1.0 - loss / slip) + max(0.0, 1.0 - 2.0 * loss / slip)) / 2.0
+        return Command((vx * left, vy * left, vz), (wx, wy, wz * left), command.shift, command.ground)
+
+    def _touches(self, geoms: list[int]) -> bool:
+        return bool(np.isin(contact_pairs(self._state), geoms).any())

@@ -1,0 +1,142 @@
+"""Bodies that are driven together, a tick in one call."""
+
+from __future__ import annotations
+
+from array import array
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.driving import gliders
+from morse.kernel.driving.arrays import GliderArrays
+from morse.physics.command import Command
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.driving.arrays import GliderWork
+    from morse.physics.engine_state import EngineState
+    from morse.physics.gliding import Gliding
+
+
+class Fleet:
+    """Bodies that get a velocity in the plane of their X and Y axes each, in the same ticks.
+
+    Most robots glide: their velocities are written in one call. The others are left to `Drives`, one by one.
+
+    Attributes:
+        rows: by slot.
+    """
+
+    def __init__(self, slots: Sequence[int]) -> None:
+        self._slots = np.array(slots, dtype=np.int64)
+        self.rows = {slot: row for row, slot in enumerate(slots)}
+        count = len(slots)
+        self._forward, self._aside, self._rate = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._shifts = np.zeros(count, dtype=np.uint8)
+        self._others = np.zeros(count, dtype=np.int64)
+        self._is_ground: Callable[[int], bool] = lambda row: False
+        self._withdrawn: set[int] = set()
+        self._work: GliderWork | None = None
+        self._state: EngineState | None = None
+
+    def command(
+        self,
+        forward: Sequence[float] | NDArray[np.float64],
+        aside: Sequence[float] | NDArray[np.float64] | float,
+        rate: Sequence[float] | NDArray[np.float64],
+        shifts: Sequence[bool] | bool,
+        is_ground: Callable[[int], bool],
+    ) -> None:
+        """What they do in the next tick.
+
+        Args:
+            forward, aside: (N,) velocity along their X and Y axes, m/s.
+            rate: (N,) about their Z axes, rad/s.
+            shifts: (N,) those that move without gaining momentum.
+            is_ground: whether a row keeps its vertical speed, and its roll and pitch rates.
+        """
+        for target, values in ((self._forward, forward), (self._aside, aside), (self._rate, rate)):
+            # a list of floats is read in half the time so
+            target[:] = array("d", values) if isinstance(values, list) else values
+        self._shifts[:] = shifts
+        self._is_ground = is_ground
+        self._withdrawn.clear()
+
+    def withdraw(self, slot: int) -> None:
+        """One of them gets no command, or that of somebody else."""
+        self._withdrawn.add(self.rows[slot])
+
+    def _row_command(self, row: int) -> Command:
+        return Command(
+            (float(self._forward[row]), float(self._aside[row]), 0.0),
+            (0.0, 0.0, float(self._rate[row])),
+            bool(self._shifts[row]),
+            self._is_ground(row),
+        )
+
+    def commands(self) -> dict[int, Command]:
+        """The same as single commands, by slot."""
+        return {slot: self._row_command(row) for slot, row in self.rows.items() if row not in self._withdrawn}
+
+    def begin(
+        self,
+        state: EngineState,
+        gliding: Gliding,
+        plain: NDArray[np.uint8],
+        sliding: NDArray[np.uint8],
+    ) -> dict[int, Command]:
+        """The tick begins: write the velocities of those that glide.
+
+        Args:
+            plain, sliding: (K,) see `GliderArrays`.
+
+        Returns:
+            The commands of the others, by slot.
+        """
+        if self._work is None or self._state is not state:
+            self._work, self._state = gliders(self._arrays(state, gliding, plain, sliding)), state
+        kept = plain[self._slots[list(self._withdrawn)]] if self._withdrawn else None
+        if kept is not None:
+            plain[self._slots[list(self._withdrawn)]] = 0
+        count = self._work.begin(state.rotations.array)
+        if kept is not None:
+            plain[self._slots[list(self._withdrawn)]] = kept
+        if not count:
+            return {}
+        rows = [row for row in self._others[:count].tolist() if row not in self._withdrawn]
+        return {int(self._slots[row]): self._row_command(row) for row in rows}
+
+    def end(self) -> None:
+        """The tick is over."""
+        if self._work is not None:
+            self._work.end()
+
+    def _arrays(
+        self, state: EngineState, gliding: Gliding, plain: NDArray[np.uint8], sliding: NDArray[np.uint8]
+    ) -> GliderArrays:
+        count, slots = len(self._slots), state.slots
+        trees = [int(state.model.body_treeid[slot.body]) if slot.dof >= 0 else -1 for slot in slots]
+        return GliderArrays(
+            slots=self._slots,
+            forward=self._forward,
+            aside=self._aside,
+            rate=self._rate,
+            shifts=self._shifts,
+            dofs=np.array([slot.dof for slot in slots], dtype=np.int64),
+            speeds=gliding.speeds,
+            margins=gliding.margins,
+            extents=gliding.extents,
+            plain=plain,
+            sliding=sliding,
+            trees=np.array(trees, dtype=np.int32),
+            asleep=state.data.tree_asleep,
+            velocities=state.data.qvel,
+            period=state.period,
+            done=np.zeros(count, dtype=np.uint8),
+            cosines=np.ones(count),
+            sines=np.zeros(count),
+            others=self._others,
+        )

@@ -1,0 +1,171 @@
+"""The engine's steps of a tick while robots glide.
+
+If nothing else is awake, there is nothing to solve at all: one step as long as the tick does the same as
+several short ones, as long as nothing comes near enough to be met within the tick. And if nothing was done to other
+bodies either, the robots *drift*: that step is no more than a look for contacts, and positions moved by velocities.
+
+Should anything touch a robot within a tick, or should anything try to lift, turn over or push it down,
+the tick is taken back and done again with its feet on the floor.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.glide import FIRST_WAIT, LONGEST_WAIT
+
+if TYPE_CHECKING:
+    from morse.physics.engine_state import EngineState
+    from morse.physics.gliding import Gliding
+    from morse.physics.rescue import Rescue
+    from morse.physics.saved import SavedGliding
+
+#: speeds within a tick that are not those of the command, m/s and rad/s: something acts on the robot
+_DISTURBED = 1e-7
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+class GlideSteps:
+    """Takes the engine's steps of a tick."""
+
+    def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue) -> None:
+        self._state = state
+        self._gliding = gliding
+        self._rescue = rescue
+        rescue.attach(state, gliding)
+        self._tree_asleep = state.data.tree_asleep
+        self._asleep = self._tree_asleep.copy()
+        self._qpos, self._qvel = state.data.qpos, state.data.qvel
+        self._saved = np.empty(mujoco.mj_stateSize(state.model, _STATE))
+        self._step = state.model.opt.timestep
+        self.reset()
+
+    def reset(self) -> None:
+        """No long step has failed yet."""
+        self._stride_at, self._stride_wait = 0, FIRST_WAIT
+
+    def get_state(self) -> dict[str, int]:
+        """See `morse.physics.saved.SavedGliding`."""
+        return {"stride_at": self._stride_at, "stride_wait": self._stride_wait}
+
+    def set_state(self, state: SavedGliding) -> None:
+        """Take over a state that was checked."""
+        self._stride_at, self._stride_wait = state.stride_at, state.stride_wait
+
+    def step(self) -> None:
+        """Let the engine take the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
+
+        Raises:
+            UnstableError: the simulation diverges even after every body has been put back.
+        """
+        if self._gliding.glides and self._can_stride() and self._drift():
+            return
+        mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
+        np.copyto(self._asleep, self._tree_asleep)
+        self._run()
+        if not self._rescue.all_is_well():
+            self._rescue.repeat(self._saved, self._asleep, self._run)
+
+    def _run(self) -> None:
+        state = self._state
+        model, data = state.model, state.data
+        if not self._gliding.glides:
+            mujoco.mj_step(model, data, state.steps)
+            return
+        data.maxuse_con = 0
+        if self._can_stride() and self._stride():
+            return
+        mujoco.mj_step(model, data, state.steps)
+        while self._take_back():
+            mujoco.mj_step(model, data, state.steps)
+
+    # -- long steps ------------------------------------------------------------------------
+
+    def _can_stride(self) -> bool:
+        gliding = self._gliding
+        can = (
+            gliding.tick >= self._stride_at
+            and self._state.data.nv_awake == 6 * len(gliding.glides)
+            and gliding.tick > gliding.newest
+            and not gliding.lopsided
+        )
+        if can != gliding.strides:
+            gliding.set_strides(can)
+        return can
+
+    def _drift(self) -> bool:
+        """Move on with the present velocities; False, and nothing changed, if the engine has to see to something.
+
+        The engine's step is also what wakes sleeping bodies that were pushed or moved, so that it must not be left out
+        after anything was done to a body that does not glide.
+        """
+        state, period = self._state, self._step * self._state.steps
+        if state.is_stirred or state.has_forces or not self._rescue.all_is_well():
+            return False
+        model, data = state.model, state.data
+        mujoco.mj_collision(model, data)
+        if data.ncon:
+            return False
+        mujoco.mj_integratePos(model, self._qpos, self._qvel, period)
+        data.time += period
+        return True
+
+    def _stride(self) -> bool:
+        """Try one step as long as the tick; False, and all as before, if something is near or wakes up."""
+        gliding = self._gliding
+        model, data = self._state.model, self._state.data
+        model.opt.timestep = self._step * self._state.steps
+        mujoco.mj_step(model, data)
+        model.opt.timestep = self._step
+        alone = data.nv_awake == 6 * len(gliding.glides)
+        if alone and data.ncon:
+            near = set(gliding.owner[data.contact.geom[: data.ncon]].ravel().tolist())
+            alone = not any(index in near for index in gliding.glides)
+        if alone:
+            return True
+        mujoco.mj_setState(model, data, self._saved, _STATE)
+        data.maxuse_con = 0
+        gliding.set_strides(False)
+        if gliding.tick - self._stride_at > LONGEST_WAIT:
+            self._stride_wait = FIRST_WAIT
+        self._stride_at = gliding.tick + self._stride_wait
+        self._stride_wait = min(2 * self._stride_wait, LONGEST_WAIT)
+        return False
+
+    # -- what happens within a tick ----------------------------------------------------------
+
+    def _take_back(self) -> bool:
+        """If a robot was disturbed while it glided, go back to the state remembered, and let it stand on its feet."""
+        data, gliding = self._state.data, self._gliding
+        if not gliding.glides or data.maxuse_con == 0:
+            return False
+        disturbed = self._disturbed()
+        if not disturbed:
+            return False
+        mujoco.mj_setState(self._state.model, data, self._saved, _STATE)
+        data.maxuse_con = 0
+        for index in disturbed:
+            stand, glide = gliding.stands[index], gliding.glides[index]
+            if gliding.tick - glide.since > LONGEST_WAIT:
+                stand.wait = FIRST_WAIT
+            stand.until = gliding.tick + stand.wait
+            stand.wait = min(2 * stand.wait, LONGEST_WAIT)
+            gliding.leave(index)
+        return True
+
+    def _disturbed(self) -> list[int]:
+        data, gliding = self._state.data, self._gliding
+        touched = set(gliding.owner[data.contact.geom[: data.ncon]].ravel().tolist()) if data.ncon else set()
+        found = []
+        for index, glide in gliding.glides.items():
+            dof = glide.slot.dof
+            vz, *rates = data.qvel[dof + 2 : dof + 6].tolist()
+            up = glide.up
+            along = sum(a * b for a, b in zip(up, rates, strict=True))
+            tumbling = max(abs(rate - along * axis) for rate, axis in zip(rates, up, strict=True))
+            if index in touched or abs(vz) > _DISTURBED or tumbling > _DISTURBED:
+                found.append(index)
+        return found

@@ -1,0 +1,55 @@
+"""Robots and other bodies that start inside each other.
+
+Things of a world that are set into its ground, as the crates of hilly worlds are, are none of the user's business.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.physics.layout import Motion
+
+if TYPE_CHECKING:
+    from morse.physics.engine_state import EngineState
+    from morse.physics.layout import Frame
+    from morse.scene import Node
+
+#: metres; what is put on a floor or on top of something else by hand reaches into it by less
+_DEEP = 0.03
+_NAMED = 5
+
+
+def overlaps(state: EngineState) -> str:
+    """A sentence about the pairs of objects that reach into each other, the deepest first; empty if there are none.
+
+    Call it before the first tick.
+    """
+    depths: dict[tuple[str, str], float] = {}
+    contact = state.data.contact
+    for (a, b), distance in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
+        frames = _frame(state, a), _frame(state, b)
+        if distance > -_DEEP or not (any(frame.robot for frame in frames) or all(map(_moves, frames))):
+            continue
+        pair = (_name(frames[0], state.geom_node[a]), _name(frames[1], state.geom_node[b]))
+        if pair[0] != pair[1]:
+            depths[pair] = max(depths.get(pair, 0.0), -distance)
+    if not depths:
+        return ""
+    pairs = sorted(depths.items(), key=lambda item: -item[1])
+    said = ", ".join(f"'{a}' and '{b}' by {depth:.2g} m" for (a, b), depth in pairs[:_NAMED])
+    more = f" and {len(pairs) - _NAMED} more pairs" if len(pairs) > _NAMED else ""
+    return f"objects start inside each other, and will be pushed apart: {said}{more}; move one of each pair"
+
+
+def _frame(state: EngineState, geom: int) -> Frame:
+    """The body that a shape belongs to; of a wheel, the robot."""
+    frame = state.slots[state.slot_of[state.geom_node[geom]]].frame
+    return frame.parent or frame
+
+
+def _moves(frame: Frame) -> bool:
+    return frame.motion is not Motion.FIXED
+
+
+def _name(frame: Frame, node: Node) -> str:
+    return frame.node.name if _moves(frame) else node.name

@@ -1,0 +1,34 @@
+"""Plain data: what a saved state may hold."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+_SINGLE = (type(None), bool, int, float, str, bytes)
+
+
+class NotPlainError(ValueError):
+    """A value is of a type that a saved state cannot hold; the text names the type."""
+
+
+def plain_copy(value: Any) -> Any:
+    """A copy that shares nothing that can be changed.
+
+    Raises:
+        NotPlainError: it holds something else than None, booleans, numbers, strings, bytes, arrays of numbers,
+            and lists, tuples and dictionaries with string keys of these.
+    """
+    if type(value) in _SINGLE:
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        return value.copy()
+    if isinstance(value, (list, tuple)):
+        items = [plain_copy(item) for item in value]
+        return items if isinstance(value, list) else tuple(items)
+    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
+        return {key: plain_copy(item) for key, item in value.items()}
+    raise NotPlainError(type(value).__name__)

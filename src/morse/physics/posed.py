@@ -1,0 +1,19 @@
+"""What has a pose in the world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.scene import Node
+
+
+class Posed(Protocol):
+    """An object with a place in the world; see `morse.physics.gameobject.GameObject`."""
+
+    node: Node
+
+    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9, row-major) in the world."""

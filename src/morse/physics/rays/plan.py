@@ -1,0 +1,72 @@
+"""Bundles that are cast together, as the kernel wants them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.rays import Fan
+from morse.physics.rays.bundle import Scan
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.physics.rays.bundle import RayBundle
+    from morse.physics.rays.caster import Caster
+    from morse.physics.rays.solids import Solids
+
+
+class _Group:
+    """Bundles of one shape."""
+
+    def __init__(self, bundles: list[RayBundle], solids: Solids) -> None:
+        self._bundles, self._solids = bundles, solids
+        self._first = first = bundles[0]
+        self._mountings = [bundle.obj.offset for bundle in bundles]
+        self._directions = first.directions
+        self._fan = Fan(
+            [bundle.obj.slot for bundle in bundles],
+            np.array([position for position, _ in self._mountings]),
+            np.array([rotation for _, rotation in self._mountings]).reshape(-1, 3, 3),
+            first.directions,
+            first.origins,
+            first.upright,
+            first.limit,
+            [solids.owner_of(bundle.obj.slot) for bundle in bundles],
+        )
+
+    def holds(self) -> bool:
+        """Whether the bundles are as they were."""
+        directions = self._directions
+        for bundle, mounting in zip(self._bundles, self._mountings, strict=True):
+            if bundle.directions is not directions or bundle.obj.invalid or bundle.obj.offset != mounting:
+                return False
+        return True
+
+    def cast(self, caster: Caster, stamp: int) -> None:
+        """Cast the rays, and give the bundles what they met."""
+        scan = Scan(self._first, caster.cast(self._fan), self._solids)
+        for row, bundle in enumerate(self._bundles):
+            bundle.take(scan, row, stamp)
+
+
+class Plan:
+    """Some bundles, sorted by their shapes: each shape is one call of the kernel."""
+
+    def __init__(self, bundles: Sequence[RayBundle], solids: Solids) -> None:
+        groups: dict[tuple[int, int, float, bool], list[RayBundle]] = {}
+        for bundle in bundles:
+            # a sensor that was removed sees nothing any more
+            if len(bundle) and not bundle.obj.invalid:
+                groups.setdefault(bundle.shape, []).append(bundle)
+        self._groups = [_Group(group, solids) for group in groups.values()]
+
+    def holds(self) -> bool:
+        """Whether it is still true: sensors are where they were mounted, and look where they looked."""
+        return all(group.holds() for group in self._groups)
+
+    def cast(self, caster: Caster, stamp: int) -> None:
+        """Cast the rays of all bundles."""
+        for group in self._groups:
+            group.cast(caster, stamp)

@@ -1,0 +1,206 @@
+"""Resets a body whose state diverges. The other bodies are not affected."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics import engine_values
+from morse.physics.layout import Motion
+from morse.physics.limits import RUNAWAY_DISTANCE, RUNAWAY_SPEED
+from morse.physics.stability import UnstableError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from morse.physics.compile import Slot
+    from morse.physics.engine_state import EngineState
+    from morse.physics.gliding import Gliding
+
+logger = logging.getLogger(__name__)
+
+#: limits of the sums of squares below which no single value can be too large
+_SPEEDS, _PLACES = RUNAWAY_SPEED**2, RUNAWAY_DISTANCE**2
+#: resets of one body within this time, s, count as one event
+_EVENT = 1.0
+#: maximum number of resets that are kept
+_REMEMBERED = 100
+#: bodies that are reset one by one in a tick; after that, all diverged bodies are reset together
+_ONE_BY_ONE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """A body that diverged and was reset.
+
+    Attributes:
+        time: simulated seconds.
+        body: its name.
+        what: the value that diverged.
+    """
+
+    time: float
+    body: str
+    what: str
+
+
+class Rescue:
+    """Finds bodies whose state has diverged, and resets them to their last valid pose, at rest.
+
+    Attributes:
+        recoveries: the last events.
+        count: the number of resets of all bodies.
+    """
+
+    def __init__(self) -> None:
+        self.recoveries: deque[Recovery] = deque(maxlen=_REMEMBERED)
+        self.count = 0
+        self._last: dict[str, float] = {}
+
+    def attach(self, state: EngineState, gliding: Gliding) -> None:
+        """Use a model that was compiled again."""
+        self._state = state
+        self._gliding = gliding
+        self._qvel, self._qpos = state.data.qvel, state.data.qpos
+
+    def reset(self) -> None:
+        """Forget the kept states, because the simulation restarts."""
+        self._last.clear()
+
+    def all_is_well(self) -> bool:
+        """Whether the state has not diverged. A comparison with NaN is false, as is infinity below a limit."""
+        speeds, places = self._qvel, self._qpos
+        # vdot, unlike dot, warns of nothing
+        return bool(np.vdot(speeds, speeds) < _SPEEDS) and bool(np.vdot(places, places) < _PLACES)
+
+    def repeat(self, numbers: NDArray[np.float64], asleep: NDArray[np.int32], run: Callable[[], None]) -> None:
+        """Repeat a tick after a reset of the bodies that diverged in it.
+
+        Args:
+            numbers, asleep: the state before the tick, see `engine_values.rewind`; bodies are put back in it.
+            run: does the tick.
+
+        Raises:
+            UnstableError: the simulation diverges even after every body has been put back.
+        """
+        if not self._wrong():
+            return
+        state, said = self._state, dict[str, str]()
+        for attempt in range(_ONE_BY_ONE + 2):
+            engine_values.rewind(state, numbers, asleep)
+            culprits = self._culprits()
+            if not culprits:
+                break
+            engine_values.rewind(state, numbers, asleep)
+            chosen = culprits if attempt >= _ONE_BY_ONE else culprits[:1]
+            for slot, what in chosen:
+                self._put_back(slot)
+                said[slot.frame.node.name] = what
+            mujoco.mj_getState(state.model, state.data, numbers, engine_values.STATE)
+            asleep[:] = state.data.tree_asleep
+            engine_values.rewind(state, numbers, asleep)
+            run()
+            if not self._wrong():
+                break
+        else:
+            raise UnstableError(*next(iter(said.items())))
+        for name, what in said.items():
+            self._note(name, what)
+
+    def _note(self, body: str, what: str) -> None:
+        self.count += 1
+        now = float(self._state.data.time)
+        last = self._last.get(body, -math.inf)
+        self._last[body] = now
+        if now - last <= _EVENT:
+            return
+        self.recoveries.append(Recovery(now, body, what))
+        logger.error(
+            "the physics of '%s' diverged: %s. It was reset to its last valid pose, at rest; other bodies continue. "
+            "Look for forces and speeds that are far too large, for bodies that start inside each other, and for "
+            "masses that differ by more than 1:1000",
+            body,
+            what,
+        )
+
+    # -- which bodies diverged -------------------------------------------------------------------------
+
+    def _wrong(self) -> list[tuple[Slot, str]]:
+        """The bodies whose numbers are not sane, with what is wrong."""
+        data, found = self._state.data, []
+        for slot in self._state.slots:
+            if slot.dof < 0:
+                continue
+            free = slot.frame.motion is Motion.FREE
+            speeds = data.qvel[slot.dof : slot.dof + (6 if free else 1)]
+            places = data.qpos[slot.qpos : slot.qpos + (7 if free else 1)]
+            if not np.isfinite(places).all():
+                found.append((slot, "its position is not a number any more"))
+            elif not np.isfinite(speeds).all():
+                found.append((slot, "its velocity is not a number any more"))
+            elif np.abs(speeds).max() > RUNAWAY_SPEED:
+                found.append((slot, f"it moves at {np.abs(speeds).max():.3g} m/s or rad/s"))
+            elif free and np.abs(places[:3]).max() > RUNAWAY_DISTANCE:
+                found.append((slot, f"it is {np.abs(places[:3]).max():.3g} m away"))
+        return found
+
+    def _culprits(self) -> list[tuple[Slot, str]]:
+        """Those that go wrong first when the tick is done step by step, the fastest before it first."""
+        state = self._state
+        model, data = state.model, state.data
+        for _ in range(state.steps + 1):
+            wrong = self._wrong()
+            pushed = [(slot, "the force on it is far too large") for slot in state.slots if self._is_overpushed(slot)]
+            if wrong or pushed:
+                return pushed or wrong
+            before = data.qvel.copy()
+            mujoco.mj_step(model, data)
+            wrong = self._wrong()
+            if wrong:
+                pushes = np.abs(data.xfrc_applied).max(axis=1)
+                return sorted(wrong, key=lambda entry: -self._urge(entry[0], before, pushes))
+        return []
+
+    def _is_overpushed(self, slot: Slot) -> bool:
+        return slot.body > 0 and not np.isfinite(self._state.data.xfrc_applied[slot.body]).all()
+
+    def _urge(self, slot: Slot, speeds: NDArray[np.float64], pushes: NDArray[np.float64]) -> float:
+        """The speed of a body before a step, with what a force adds in it."""
+        model = self._state.model
+        dofs = 6 if slot.frame.motion is Motion.FREE else 1
+        mass = max(float(model.body_mass[slot.body]), 1e-9)
+        added = float(pushes[slot.body]) / mass * float(model.opt.timestep)
+        return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + added
+
+    # -- putting back ----------------------------------------------------------------------
+
+    def _put_back(self, slot: Slot) -> None:
+        """Put a body with its wheels to where it was before the tick; if that is lost, to where the scene has it."""
+        state = self._state
+        data = state.data
+        if slot.frame.parent is not None:
+            slot = state.slots[state.slot_of[slot.frame.parent.node]]
+        index = state.slot_of[slot.frame.node]
+        self._gliding.unsettle(index)
+        pose = data.qpos[slot.qpos : slot.qpos + 7]
+        turned = float(np.dot(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
+        if not (0.25 < turned < 4.0 and np.abs(pose[:3]).max() <= RUNAWAY_DISTANCE):
+            pose[:3], pose[3:] = slot.pose.position, slot.pose.quaternion
+        parts = [slot, *(state.slots[wheel] for wheel in state.wheels.get(index, ()))]
+        for part in parts:
+            dofs = slice(part.dof, part.dof + (6 if part is slot else 1))
+            for values in (data.qvel, data.qacc_warmstart, data.qfrc_applied):
+                values[dofs] = 0.0
+            data.xfrc_applied[part.body] = 0.0
+            if part.actuator >= 0:
+                data.ctrl[part.actuator] = 0.0
+                if not math.isfinite(data.qpos[part.qpos]) or abs(data.qpos[part.qpos]) > RUNAWAY_DISTANCE:
+                    data.qpos[part.qpos] = 0.0

@@ -1,0 +1,88 @@
+"""Rows of an array as lists of floats, made when they are read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+#: up to this number of rows, all rows are converted in one call, which takes as long as two rows one by one
+_FEW = 16
+
+
+class Rows:
+    """The rows of an array, as scalar code reads them.
+
+    After `share`, the caller owns the array: it is copied before the next write.
+    """
+
+    __slots__ = ("_array", "_is_shared", "_rows")
+
+    def __init__(self, array: NDArray[np.float64]) -> None:
+        self._array = array
+        self._is_shared = False
+        self._rows: list[Sequence[float] | None] = [None] * len(array)
+
+    def take(self, values: NDArray[np.float64]) -> None:
+        """Other values of the first rows."""
+        count = len(values)
+        self._own()
+        self._array[:count] = values
+        self._rows[:count] = [None] * count
+
+    def _own(self) -> None:
+        if self._is_shared:
+            self._array = self._array.copy()
+            self._is_shared = False
+
+    @property
+    def array(self) -> NDArray[np.float64]:
+        """(N, D) all rows, to be read at once, and not to be changed."""
+        return self._array
+
+    def share(self) -> NDArray[np.float64]:
+        """(N, D) all rows as they are now; the array never changes afterwards."""
+        self._is_shared = True
+        return self._array
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rows) and np.array_equal(self._array, other._array, equal_nan=True)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @overload
+    def __getitem__(self, index: int) -> Sequence[float]: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[Sequence[float]]: ...
+
+    def __getitem__(self, index: int | slice) -> Sequence[float] | list[Sequence[float]]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        row = self._rows[index]
+        if row is None:
+            rows = self._rows
+            if len(rows) <= _FEW:
+                # what was put there by hand stays the very numbers it was given
+                self._rows = rows = [
+                    made if kept is None else kept for kept, made in zip(rows, self._array.tolist(), strict=True)
+                ]
+                row = rows[index]
+                assert row is not None
+            else:
+                made_row: list[float] = self._array[index].tolist()
+                row = rows[index] = made_row
+        return row
+
+    def __setitem__(self, index: int, values: Sequence[float]) -> None:
+        self._own()
+        self._array[index] = values
+        self._rows[index] = values

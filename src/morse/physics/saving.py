@@ -1,0 +1,141 @@
+"""All state of a world as plain data, and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.physics import engine_values, kinematics, saved
+from morse.physics.properties import keep_unsaved
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from morse.physics.gameobject import GameObject
+    from morse.physics.glide_steps import GlideSteps
+    from morse.physics.gliding import Gliding
+    from morse.physics.object_world import ObjectWorld
+
+
+class Saving:
+    """Gathers what each part of a world holds, and hands it out again."""
+
+    def __init__(
+        self, world: ObjectWorld, gliding: Gliding, steps: GlideSteps, objects: Mapping[str, GameObject]
+    ) -> None:
+        self._world = world
+        self._gliding = gliding
+        self._steps = steps
+        self._objects = objects
+
+    def get_state(self) -> dict[str, Any]:
+        """See `World.get_state`; the structure is that of `morse.physics.saved.SavedWorld`."""
+        world = self._world
+        names = world.names
+        by_hand = sorted({*world.by_hand, *world.touched, *world.loose})
+        data = world.data
+        return {
+            "version": saved.VERSION,
+            "slots": names,
+            "engine": engine_values.get_state(world),
+            "placed": [
+                {
+                    "slot": names[index],
+                    "position": tuple(world.positions[index]),
+                    "rotation": tuple(world.rotations[index]),
+                    "quaternion": tuple(world.quaternions[index]),
+                }
+                for index in by_hand
+            ],
+            "stale": [
+                {
+                    "slot": names[index],
+                    "position": tuple(data.xpos[world.slots[index].body].tolist()),
+                    "quaternion": tuple(data.xquat[world.slots[index].body].tolist()),
+                }
+                for index in sorted(world.touched)
+                if index < world.moving
+            ],
+            "loose": [names[index] for index in sorted(world.loose)],
+            "kinematic": [
+                {"slot": names[index], "linear": tuple(linear), "angular": tuple(angular)}
+                for index, (linear, angular) in world.kinematic.items()
+            ],
+            "objects": {name: state for name, obj in self._objects.items() if (state := obj.get_state())},
+            "drives": world.drives.get_state(),
+            "attachments": world.attachments.get_state(),
+            "gliding": self._gliding.get_state() | self._steps.get_state(),
+        }
+
+    def checked(self, state: object) -> saved.SavedWorld:
+        """A state that fits this world.
+
+        Raises:
+            ValueError: it is damaged, or of another scene; the text says what is wrong.
+        """
+        world = self._world
+        found = saved.checked(state)
+        if found.slots != world.names:
+            differing = sorted(set(found.slots) ^ set(world.names)) or ["the order"]
+            raise ValueError(f"this state is of another scene: {', '.join(differing[:3])} differ")
+        for name in _slots_of(found):
+            if name not in world.named:
+                raise ValueError(f"the state names '{name}', which is not a body of this scene")
+        for name in (*found.objects, *(grip.holder for grip in found.attachments.held)):
+            if name not in self._objects:
+                raise ValueError(f"the state names '{name}', which this scene does not have")
+        engine_values.check_state(world, found.engine)
+        self._gliding.check_state(found.gliding)
+        return found
+
+    def set_state(self, state: saved.SavedWorld) -> None:
+        """Take over a state that was checked."""
+        world, named = self._world, self._world.named
+        for name, obj in self._objects.items():
+            shown, present = obj.visible, obj.properties
+            obj.restore()
+            changed = state.objects.get(name)
+            if changed is not None:
+                obj.set_state(changed)
+            keep_unsaved(present, obj.properties)
+            if obj.visible != shown:
+                world.appearance_changed(obj)
+        engine_values.set_state(world, state.engine)
+        kinematics.place_as_compiled(world)
+        kinematics.refresh(world)
+        world.loose.clear()
+        world.loose.update(named[name] for name in state.loose)
+        for pose in state.placed:
+            index = named[pose.slot]
+            world.positions[index], world.rotations[index] = pose.position, pose.rotation
+            world.quaternions[index] = pose.quaternion
+        for stale in state.stale:
+            index = named[stale.slot]
+            world.touched.add(index)
+            # the engine notices by the difference that a sleeping body was moved
+            world.data.xpos[world.slots[index].body] = stale.position
+            world.data.xquat[world.slots[index].body] = stale.quaternion
+        world.drives.set_state(state.drives)
+        world.kinematic.update({named[e.slot]: (e.linear, e.angular) for e in state.kinematic})
+        world.attachments.set_state(state.attachments, self._objects)
+        self._gliding.set_state(state.gliding)
+        self._steps.set_state(state.gliding)
+        world.rearranged.update(world.slot_of)
+
+
+def _slots_of(state: saved.SavedWorld) -> Iterator[str]:
+    """Every slot that a state names."""
+    drives, attachments, gliding = state.drives, state.attachments, state.gliding
+    yield from (*state.loose, *drives.sliding)
+    groups: tuple[Any, ...] = (
+        state.placed,
+        state.stale,
+        state.kinematic,
+        drives.commands,
+        attachments.held,
+        attachments.suspended,
+        gliding.glides,
+        gliding.stands,
+    )
+    for group in groups:
+        for entry in group:
+            yield entry.slot

@@ -1,0 +1,120 @@
+"""Adds nodes to a scene that runs and takes nodes out of it, and takes that back if it fails."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from morse.scene import ComponentDeclaration, Node, Scene, Zone
+
+
+class SceneChange:
+    """A change of the nodes and declarations of a scene.
+
+    Attributes:
+        scene: the scene.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._lists: list[tuple[list[Any], list[Any]]] = []
+        self._parents: list[tuple[Node, Node | None]] = []
+        self._declared: list[tuple[ComponentDeclaration, Node, Node]] = []
+        lists: tuple[list[Any], ...] = (scene.roots, scene.components, scene.zones)
+        for kept in lists:
+            self._remember(kept)
+
+    def _remember(self, kept: list[Any]) -> None:
+        self._lists.append((kept, list(kept)))
+
+    def add(self, roots: Sequence[Node], components: Iterable[ComponentDeclaration]) -> None:
+        """Add nodes without parents, with all below them, and declarations of components.
+
+        Raises:
+            ValueError: a name is there already, or a node has a parent.
+        """
+        for root in roots:
+            if root.parent is not None:
+                raise ValueError(
+                    f"'{root.name}' hangs on '{root.parent.name}': only nodes without a parent can be added"
+                )
+        self._demand_new_names([node for root in roots for node in root.walk()], {n.name for n in self.scene.nodes()})
+        self.scene.roots.extend(roots)
+        self.scene.components.extend(components)
+
+    @staticmethod
+    def _demand_new_names(nodes: Iterable[Node], taken: set[str]) -> None:
+        for node in nodes:
+            if node.name in taken:
+                raise ValueError(f"there is an object called '{node.name}' already; names are unique in a scene")
+            taken.add(node.name)
+
+    def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
+        """Let the scene consist of just these, in this order."""
+        self.scene.roots[:], self.scene.components[:], self.scene.zones[:] = roots, components, zones
+
+    def remove(self, nodes: Iterable[Node]) -> None:
+        """Take nodes and all below them out, with the components that are declared for them, and zones."""
+        scene = self.scene
+        gone: set[Node] = set()
+        for node in nodes:
+            gone.update(node.walk())
+            siblings = scene.roots if node.parent is None else node.parent.children
+            if node.parent is not None:
+                self._remember(siblings)
+                self._parents.append((node, node.parent))
+                node.parent = None
+            if node in siblings:
+                siblings.remove(node)
+        scene.components[:] = [c for c in scene.components if c.node not in gone and c.robot not in gone]
+        scene.zones[:] = [zone for zone in scene.zones if zone.node not in gone]
+
+    def replace(self, old: Node, new: Node) -> None:
+        """Put a node with all below it into the place of another one.
+
+        Declarations of components and zones go over to the node of the same name.
+
+        Raises:
+            ValueError: a name is there already, or nodes that carry components are missing below the new node.
+        """
+        scene = self.scene
+        gone, come = set(old.walk()), {node.name: node for node in new.walk()}
+        self._demand_new_names(new.walk(), {node.name for node in scene.nodes() if node not in gone})
+        carried = [(c, c.node, c.robot) for c in scene.components if c.node in gone or c.robot in gone]
+        missing = sorted({node.name for _, *both in carried for node in both if node in gone and node.name not in come})
+        if missing:
+            raise ValueError(f"'{new.name}' lacks {', '.join(missing)}, which carry components")
+        self._declared += carried
+        for declared, node, robot in carried:
+            declared.node = come[node.name] if node in gone else node
+            declared.robot = come[robot.name] if robot in gone else robot
+        siblings = scene.roots if old.parent is None else old.parent.children
+        if old.parent is not None:
+            self._remember(siblings)
+        self._parents += [(old, old.parent), (new, new.parent)]
+        siblings[siblings.index(old)] = new
+        new.parent, old.parent = old.parent, None
+        for zone in scene.zones:
+            if zone.node in gone and zone.node.name in come:
+                zone.node = come[zone.node.name]
+
+    def move(self, node: Node, parent: Node) -> None:
+        """Let a node with all below it hang on another node, with the same pose relative to it."""
+        siblings = self.scene.roots if node.parent is None else node.parent.children
+        self._remember(siblings)
+        self._remember(parent.children)
+        self._parents.append((node, node.parent))
+        siblings.remove(node)
+        parent.children.append(node)
+        node.parent = parent
+
+    def undo(self) -> None:
+        """The scene as it was."""
+        for kept, before in reversed(self._lists):
+            kept[:] = before
+        for node, parent in reversed(self._parents):
+            node.parent = parent
+        for declared, node, robot in reversed(self._declared):
+            declared.node, declared.robot = node, robot

@@ -1,0 +1,49 @@
+"""Which trees of bodies sleep; the engine has no function that sets it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.physics.engine_state import EngineState
+
+#: the engine counts awake trees up from here to -1, "ready to sleep"
+WIDE_AWAKE = -(1 + mujoco.mjMINAWAKE)
+
+
+def check_asleep(asleep: NDArray[np.int32], trees: int) -> None:
+    """Raise ValueError unless the numbers say of each tree that it is awake, or what sleeps with it in a circle."""
+    if asleep.shape != (trees,) or asleep.dtype.kind not in "iu":
+        raise ValueError(f"the engine has {trees} trees of bodies, not {asleep.shape}")
+    sleepers = np.flatnonzero(asleep >= 0)
+    if asleep.min(initial=-1) < WIDE_AWAKE or not np.array_equal(np.sort(asleep[sleepers]), sleepers):
+        raise ValueError("the sleeping bodies do not form circles")
+
+
+def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:
+    """Let trees sleep as MuJoCo's ``tree_asleep`` says, and all that it derives from that."""
+    model, data = state.model, state.data
+    data.tree_asleep[:] = asleep
+    awake = np.asarray(asleep) < 0
+    data.tree_awake[:] = awake
+    trees = model.body_treeid
+    # bodies without joints stand still, unless they are moved by hand: those count as awake
+    bodies = np.where(model.body_mocapid >= 0, 1, -1)
+    bodies[trees >= 0] = awake[trees[trees >= 0]]
+    data.body_awake[:] = bodies
+    data.ntree_awake = int(awake.sum())
+    data.nbody_awake = _fill(data.body_awake_ind, np.flatnonzero(bodies != 0))
+    parents = bodies[model.body_parentid] != 0
+    parents[0] = False
+    data.nparent_awake = _fill(data.parent_awake_ind, np.flatnonzero(parents))
+    data.nv_awake = _fill(data.dof_awake_ind, np.flatnonzero(awake[model.dof_treeid]))
+
+
+def _fill(target: NDArray[np.int32], values: NDArray[np.intp]) -> int:
+    target[: len(values)] = values
+    return len(values)

@@ -1,0 +1,120 @@
+"""What the shape of a sensor touches."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from morse.physics.layout import Motion
+from morse.physics.nearby import boxes_of
+from morse.physics.rays.solids import body_of, owner
+from morse.scene import PhysicsType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from morse.physics.gameobject import GameObject
+    from morse.physics.object_world import ObjectWorld
+    from morse.scene import Node
+
+
+class Touching:
+    """Finds the objects whose shapes touch the shapes of another one, whether these collide or only feel.
+
+    The engine needs some microseconds for the distance of two shapes. So all shapes that are too far away are sorted
+    out first, by the boxes around those that stand still, and the spheres around those that move.
+    """
+
+    def __init__(self, world: ObjectWorld) -> None:
+        self._world = world
+        model, data = world.model, world.data
+        # of each shape, as the engine keeps them up to date: to ask for an array takes longer than to use it
+        self._places, self._turns, self._radii = data.geom_xpos, data.geom_xmat, model.geom_rbound
+        self._halves = np.abs(model.geom_aabb[:, :3]) + model.geom_aabb[:, 3:]
+        self._feelers: dict[Node, list[int]] = {}
+        self._kept: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+        self._where: NDArray[np.float64] = np.empty((0, 12))
+        self._loosened = False
+
+    def objects(self, obj: GameObject, margin: float) -> list[GameObject]:
+        """The objects that are nearer than ``margin`` (m) to the shapes of an object, but for what moves with it.
+
+        What is made of several shapes is there once.
+        """
+        world = self._world
+        own = self._body_of_slot[obj.slot]
+        found: dict[GameObject, None] = {}
+        for geom in self._feelers_of(obj):
+            for other in self._near(geom, own, margin):
+                if mujoco.mj_geomDistance(world.model, world.data, geom, other, 2.0 * margin + 1e-6, None) <= margin:
+                    found[body_of(world, world.object_of(world.geom_node[other]))] = None
+        return list(found)
+
+    def _feelers_of(self, obj: GameObject) -> list[int]:
+        found = self._feelers.get(obj.node)
+        if found is None:
+            geoms = self._world.slots[obj.slot].geoms
+            found = self._feelers[obj.node] = [geom for node in obj.node.walk() for geom in geoms.get(node, ())]
+        return found
+
+    @cached_property
+    def _body_of_slot(self) -> list[int]:
+        """The slot of the body that each slot is a part of: wheels are parts of robots."""
+        return [owner(self._world, slot) for slot in range(len(self._world.slots))]
+
+    @cached_property
+    def _solids(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The shapes that can be touched: those that stand still in the scene, and the others."""
+        fixed: list[int] = []
+        moving: list[int] = []
+        for slot in self._world.slots:
+            for node, geoms in slot.geoms.items():
+                if node.body.type is not PhysicsType.SENSOR and (node.body.collides or slot.frame.node.body.collides):
+                    (fixed if slot.frame.motion is Motion.FIXED else moving).extend(geoms)
+        return np.array(sorted(fixed), dtype=np.intp), np.array(sorted(moving), dtype=np.intp)
+
+    @cached_property
+    def _movers(self) -> tuple[NDArray[np.float64], list[int]]:
+        """Of the shapes that move: the radius of the sphere around each, and the body that each is a part of."""
+        world, moving = self._world, self._solids[1]
+        return self._radii[moving], [self._body_of_slot[world.slot_of[world.geom_node[geom]]] for geom in moving]
+
+    def _near(self, geom: int, own: int, margin: float) -> Iterator[int]:
+        centre = self._places[geom]
+        fixed, moving = self._solids
+        if len(fixed):
+            half = self._half_of_box(geom) + margin
+            lower, upper = self._boxes(fixed)
+            meets = ((lower <= centre + half) & (upper >= centre - half)).all(axis=1)
+            if meets.any():
+                yield from fixed[meets].tolist()
+        if len(moving):
+            radii, bodies = self._movers
+            apart = self._places.take(moving, axis=0) - centre
+            reach = radii + (self._radii[geom] + margin)
+            near = (apart * apart).sum(axis=1) <= reach * reach
+            if near.any():
+                yield from (int(moving[index]) for index in np.flatnonzero(near).tolist() if bodies[index] != own)
+
+    def _half_of_box(self, geom: int) -> NDArray[np.float64]:
+        """(3,) half sizes of a box around a shape, along the axes of the world, about the origin of the shape."""
+        turned: NDArray[np.float64] = np.abs(self._turns[geom]).reshape(3, 3) @ self._halves[geom]
+        return turned
+
+    def _boxes(self, fixed: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(N, 3) lower and upper corners around static bodies; computed again after a static body was moved."""
+        world = self._world
+        if self._kept is None or world.loose or self._loosened:
+            where = np.hstack([self._places[fixed], self._turns[fixed]])
+            if self._kept is None or not np.array_equal(where, self._where):
+                boxes = boxes_of(world, fixed)
+                planes = world.model.geom_type[fixed] == mujoco.mjtGeom.mjGEOM_PLANE
+                boxes[planes, 0], boxes[planes, 1] = -np.inf, np.inf
+                self._where, self._kept = where, (boxes[:, 0].copy(), boxes[:, 1].copy())
+            self._loosened = bool(world.loose)
+        return self._kept

@@ -1,0 +1,112 @@
+"""What the floor lends to robots on driven wheels.
+
+The wheels of a robot that turns slide: four wheels that cannot be steered always do, and the contact of a tyre is not a
+point. Coulomb friction in single contact points makes of that a motion that depends on rounding and on the load of each
+wheel. So the friction of all wheels of a robot is taken together: they roll without friction in the engine, and once a
+tick the velocity of the robot comes closer to that at which its wheels turn, by no more than the friction allows.
+
+The velocity at which the wheels turn is that of a steadily turning robot. Wheels at (x_i, y_i) from their middle whose
+treads run at s_i push against their slip; forces and moments are in balance, for slips of equal size, at
+
+    v = mean(s_i)        w = -sum(y_i s_i) / sum(x_i^2 + y_i^2)
+
+For two wheels that is rolling without slip; for four see J. L. Martinez et al., "Approximating kinematics for tracked
+mobile robots", Int. J. Robotics Research 24 (2005).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.driving import chassis
+from morse.kernel.driving.arrays import ChassisArrays
+from morse.physics.kinematics import contact_pairs
+
+if TYPE_CHECKING:
+    from morse.kernel.driving.arrays import Floats
+    from morse.physics.drives import Drives
+    from morse.physics.engine_state import EngineState
+
+#: a robot whose wheels stand and that moves more slowly than this, m/s and rad/s, is held by plain friction
+_CREEP = 0.02
+
+
+class Traction:
+    """Moves the robots of a world that stand on driven wheels."""
+
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
+        robots = [(index, wheels) for index, wheels in state.wheels.items() if wheels]
+        self._slots = [index for index, _ in robots]
+        if not robots:
+            return
+        each = [self._chassis(index, wheels) for index, wheels in robots]
+        geoms, motors, radii, levers = (np.concatenate(column) for column in list(zip(*each, strict=True))[:4])
+        axles, frictions, turnings = (
+            np.array(column, dtype=np.float64) for column in list(zip(*each, strict=True))[4:]
+        )
+        self._arrays = ChassisArrays(
+            first=np.cumsum([0, *(len(wheels) for _, wheels in robots)], dtype=np.int64),
+            geoms=geoms.astype(np.int64),
+            motors=motors.astype(np.int64),
+            radii=radii,
+            levers=levers,
+            slots=np.array(self._slots, dtype=np.int64),
+            dofs=np.array([state.slots[index].dof for index in self._slots], dtype=np.int64),
+            axles=axles,
+            frictions=frictions,
+            turnings=turnings,
+            driven=np.zeros(len(robots), dtype=np.uint8),
+            touching=np.zeros((16, 2), dtype=np.int32),
+            touched=np.zeros(state.model.ngeom, dtype=np.uint8),
+            controls=state.data.ctrl,
+            velocities=state.data.qvel,
+            dimensions=state.model.geom_condim,
+            period=state.period,
+            creep=_CREEP,
+        )
+        self._work = chassis(self._arrays)
+
+    def _chassis(
+        self, index: int, wheels: list[int]
+    ) -> tuple[list[int], list[int], Floats, Floats, float, float, float]:
+        """Geoms, motors, radii and levers of the wheels; axle, friction and turning; see `ChassisArrays`."""
+        state, model = self._state, self._state.model
+        slots = [state.slots[wheel] for wheel in wheels]
+        bodies = [slot.body for slot in slots]
+        geoms = [geom for slot in slots for shape in slot.geoms.values() for geom in shape]
+        places = model.body_pos[bodies]
+        middle = places.mean(axis=0)
+        x, y = (places - middle)[:, :2].T
+        squares = float((x * x + y * y).sum()) or 1.0
+        body = state.slots[index].body
+        mass = float(model.body_subtreemass[body])
+        inertia = float(model.body_inertia[body].max() + (model.body_mass[bodies] * (x * x + y * y)).sum())
+        return (
+            geoms,
+            [slot.actuator for slot in slots],
+            model.geom_size[geoms, 0],
+            -y / squares,
+            float(middle[0]),
+            float(model.geom_friction[geoms, 0].mean()),
+            mass * math.sqrt(squares / len(wheels)) / inertia,
+        )
+
+    def apply(self, drives: Drives) -> None:
+        """The tick begins: change the velocities of the robots.
+
+        Args:
+            drives: knows which slots are commanded as bodies, independent of their wheels.
+        """
+        if not self._slots:
+            return
+        state = self._state
+        self._arrays.driven[:] = [drives.is_commanded(index) for index in self._slots]
+        pairs = contact_pairs(state)
+        if len(pairs) > len(self._arrays.touching):
+            self._arrays.touching = np.zeros((2 * len(pairs), 2), dtype=np.int32)
+        self._arrays.touching[: len(pairs)] = pairs
+        self._work.pull(state.rotations.array, len(pairs), -float(state.model.opt.gravity[2]))

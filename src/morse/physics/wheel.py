@@ -1,0 +1,69 @@
+"""The handle that a wheeled robot holds of one of its wheels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.physics import rigid
+from morse.physics.limits import ANGULAR_VELOCITY
+from morse.physics.wheel_shapes import wheel_axis, wheel_size
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from morse.physics.compile import Slot
+    from morse.physics.engine_state import EngineState
+    from morse.physics.posed import Posed
+
+
+class Wheel:
+    """A driven wheel.
+
+    Attributes:
+        object: the wheel in the world.
+        radius: metres.
+        offset_y: metres to the left of the robot's centre.
+        offset_x: metres ahead of it.
+    """
+
+    #: made from the scene, without a state of its own: what it remembers of the engine is not saved
+    is_apparatus = True
+
+    def __init__(self, state: EngineState, wheel: Posed, robot: Posed) -> None:
+        self._state = state
+        self.object = wheel
+        self._model: mujoco.MjModel | None = None
+        self._actuator = -1
+        self.radius = wheel_size(wheel.node, wheel_axis(wheel.node, robot.node))[0]
+        self.offset_x, self.offset_y, _ = rigid.relative(*robot.world_pose(), *wheel.world_pose())[0]
+
+    @property
+    def _slot(self) -> Slot:
+        return self._state.slots[self._state.slot_of[self.object.node]]
+
+    def set_speed(self, speed: float) -> None:
+        """Turn at ``speed`` rad/s; positive drives forward. A motor that is asked for more turns as fast as it can.
+
+        Raises:
+            ValueError: the value is not a number.
+        """
+        limit = ANGULAR_VELOCITY.limit
+        if not -limit <= speed <= limit:
+            if speed != speed:
+                raise ValueError(f"the speed of a wheel is a number, not {speed!r}")
+            speed = min(max(speed, -limit), limit)
+        state = self._state
+        if self._model is not state.model:
+            # things have come or gone: the engine's model is another one
+            self._model, self._actuator = state.model, self._slot.actuator
+        state.data.ctrl[self._actuator] = speed
+
+    @property
+    def angle(self) -> float:
+        """Angle turned since the start, rad."""
+        return float(self._state.data.qpos[self._slot.qpos])
+
+    @property
+    def speed(self) -> float:
+        """Angular speed, rad/s."""
+        return float(self._state.data.qvel[self._slot.dof])
