@@ -56,7 +56,7 @@ class Settled:
         body: type AUTO if the file says nothing of it.
         shapes: none at all for a body without a shape of its own, or None: to be worked out.
         visible: False if a custom property hides it.
-        properties: the custom properties that are no settings.
+        properties: the custom properties that are not settings.
         warnings: settings that make no sense.
     """
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds
+from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds, thickened
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 _SOLID = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
 _FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSULE)
+
+#: metres: the least thickness of a hull, and the same as a share of its coordinates, which the engine rounds to 32 bits
+_LEAST, _ROUNDING = 1e-4, 4e-6
 
 _Key = tuple[int, tuple[float, ...], Bounds | None]
 
@@ -47,7 +50,7 @@ def _shapes_of(node: Node, known: dict[_Key, list[CollisionShape]], warnings: li
     key = (id(node.mesh), numbers, node.body.bounds)
     if key not in known:
         parts, found = _parts(node.mesh, np.reshape(numbers, (3, 3)), node.body.bounds)
-        known[key] = [part.to_shape() for part in parts]
+        known[key] = [_made_solid(part).to_shape() for part in parts]
         warnings += [f"'{node.name}': {text}" for text in found]
     return known[key]
 
@@ -82,8 +85,20 @@ def _parts(
 
 
 def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:
+    vertices = vertices[np.isfinite(vertices).all(axis=1)]
     points = np.unique(vertices.round(6), axis=0)
     spread = points - points.mean(axis=0)
     if np.linalg.matrix_rank(spread, tol=1e-4) < 3:
         return fit_bounds(vertices, Bounds.BOX)
     return ConvexPart(points)
+
+
+def _made_solid(part: Primitive | ConvexPart) -> Primitive | ConvexPart:
+    """The part, thick enough that its volume is not lost in the rounding of the engine.
+
+    Slivers between large faces become prisms a few micrometres thick, of which the engine makes no hull.
+    """
+    if isinstance(part, Primitive):
+        return part
+    reach = float(np.abs(part.points).max())
+    return ConvexPart(thickened(part.points, max(_LEAST, _ROUNDING * reach)))

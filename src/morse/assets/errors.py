@@ -10,7 +10,7 @@ class AssetError(ValueError):
 
     Attributes:
         path: the file.
-        message: one sentence for the user: what is wrong with it.
+        message: one sentence for the user that describes the error.
     """
 
     def __init__(self, path: str | Path, message: str) -> None:

@@ -12,9 +12,9 @@ from morse.assets.formats import reader_of
 if TYPE_CHECKING:
     from morse.scene import Library, Node
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
-#: path to (modification time, size) of the file and what it holds
+#: from a path to (modification time, size) of the file and its content
 _cache: dict[Path, tuple[tuple[int, int], Library]] = {}
 
 

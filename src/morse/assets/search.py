@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import difflib
+import importlib.util
 import itertools
+import logging
 import os
+from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import SUFFIXES
+from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+
+logger = logging.getLogger(__name__)
 
 #: the models that come with MORSE: ``robots``, ``environments``, ``props``, ...
 MORSE_COMPONENTS = str(Path(__file__).resolve().parents[1] / "data")
@@ -30,12 +37,43 @@ def set_project_dirs(directories: Iterable[str | Path]) -> None:
     _project_dirs[:] = [Path(directory) for directory in directories]
 
 
+@contextmanager
+def project_dirs(directories: Iterable[str | Path]) -> Iterator[None]:
+    """Within the block, search these directories before those of ``MORSE_RESOURCE_PATH`` (``<project>/data``)."""
+    before = list(_project_dirs)
+    set_project_dirs(directories)
+    try:
+        yield
+    finally:
+        set_project_dirs(before)
+
+
 def component_dirs() -> list[Path]:
-    """The directories that are laid out by category: our own, then ``$MORSE_ROOT/share/morse/data``."""
+    """The directories that are laid out by category.
+
+    These are MORSE's own, those of the packages that the entry points ``morse.assets`` name, and
+    ``$MORSE_ROOT/share/morse/data``.
+    """
     directories = [Path(MORSE_COMPONENTS)]
+    for point in entry_points("morse.assets"):
+        directories += _package_dirs(point.value)
     if root := os.environ.get("MORSE_ROOT"):
         directories.append(Path(root) / "share" / "morse" / "data")
     return directories
+
+
+@lru_cache(maxsize=64)
+def _package_dirs(package: str) -> list[Path]:
+    """The directories of an installed package; an empty list, with a warning, if the package cannot be found."""
+    try:
+        spec = importlib.util.find_spec(package)
+        if spec is not None and spec.submodule_search_locations:
+            return [Path(directory) for directory in spec.submodule_search_locations]
+        error: object = "there is no such package"
+    except Exception as raised:  # a parent package is imported: it is third-party code
+        error = repr(raised)
+    logger.warning("the models of the installed package '%s' are left out: %s", package, error)
+    return []
 
 
 def resource_dirs() -> list[Path]:

@@ -246,6 +246,32 @@ def test_packed_textures_are_known_by_their_first_bytes(tmp_path: Path) -> None:
         assert library.warnings == []
 
 
+def targa() -> bytes:
+    """One red pixel, bottom row first, 24 bits."""
+    return struct.pack("<BBB5xHHHHBB", 0, 0, 2, 0, 0, 1, 1, 24, 0) + b"\0\0\xff"
+
+
+@pytest.mark.parametrize("packed", [True, False])
+def test_targa_textures_become_png(tmp_path: Path, packed: bool) -> None:
+    (tmp_path / "wood.TGA").write_bytes(targa())
+    library, paint = painted(tmp_path, "//wood.TGA", targa() if packed else None)
+    assert paint.image.mime == "image/png"
+    assert paint.image.data.startswith(b"\x89PNG\r\n\x1a\n")
+    assert library.warnings == []
+
+
+def test_a_damaged_targa_texture_is_named(tmp_path: Path) -> None:
+    library, paint = painted(tmp_path, "//wood.tga", targa()[:-1])
+    assert paint.image is None
+    assert library.warnings == ["the image 'image' is left out: it is cut off"]
+
+
+def test_tiff_textures_are_named_in_one_message(tmp_path: Path) -> None:
+    library, paint = painted(tmp_path, "//wood.tif", b"II*\0 and so on")
+    assert paint.image is None
+    assert library.warnings == ["TIFF images are not read (save them as PNG): 'image'"]
+
+
 @pytest.mark.parametrize("stored", ["//textures/wood.png", "//textures\\wood.png", "//../model/textures/wood.png"])
 def test_textures_beside_the_file(tmp_path: Path, stored: str) -> None:
     folder = tmp_path / "model"
@@ -261,11 +287,11 @@ def test_textures_beside_the_file(tmp_path: Path, stored: str) -> None:
     [
         ("//missing.png", None, "cannot be read"),
         ("//folder", None, "is not a file"),
-        ("//secret.txt", None, "neither PNG nor JPEG"),
+        ("//secret.txt", None, "neither PNG, JPEG nor TGA"),
         ("\\\\server\\share\\wood.png", None, "cannot be followed"),
         ("//nul\udcff.png", None, "cannot be"),
         ("", None, "cannot be followed"),
-        ("wood.tga", b"\0\0\2 no picture", "neither PNG nor JPEG"),
+        ("wood.tga", b"\0\0\2 no picture", "neither PNG, JPEG nor TGA"),
     ],
 )
 def test_textures_that_cannot_be_shown_are_named(
@@ -280,6 +306,53 @@ def test_textures_that_cannot_be_shown_are_named(
     assert "image" in warning
     assert sentence in warning
     assert "not for the viewer" not in warning
+
+
+@pytest.fixture
+def private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A picture beside the folder of the model, and a link to it inside."""
+    monkeypatch.delenv("MORSE_RESOURCE_PATH", raising=False)
+    monkeypatch.delenv("MORSE_IMAGE_PATH", raising=False)
+    monkeypatch.delenv("MORSE_ROOT", raising=False)
+    picture = tmp_path / "private" / "photo.png"
+    for folder in (picture.parent, tmp_path / "model"):
+        folder.mkdir()
+    picture.write_bytes(png())
+    (tmp_path / "model" / "link.png").symlink_to(picture)
+    return picture
+
+
+def stored_paths(picture: Path) -> list[str]:
+    return [str(picture), "//../private/photo.png", "..\\private\\photo.png", "//link.png"]
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_a_model_reads_no_image_outside_of_its_folder(private: Path, number: int) -> None:
+    stored = stored_paths(private)[number]
+    library, paint = painted(private.parents[1] / "model", stored, None)
+    assert paint.image is None
+    (warning,) = library.warnings
+    assert "leads out of the folder of the model" in warning
+    assert "MORSE_IMAGE_PATH" in warning
+
+
+def test_whether_a_file_outside_exists_is_not_told(private: Path) -> None:
+    said = [
+        painted(private.parents[1] / "model", f"//../private/{name}.png", None)[0].warnings
+        for name in ("photo", "none")
+    ]
+    assert said[0][0].replace("photo", "none") == said[1][0]
+
+
+@pytest.mark.parametrize("variable", ["MORSE_IMAGE_PATH", "MORSE_RESOURCE_PATH"])
+@pytest.mark.parametrize("number", range(4))
+def test_the_user_can_allow_more_folders(
+    private: Path, number: int, variable: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(variable, f"/nowhere:{private.parent}")
+    library, paint = painted(private.parents[1] / "model", stored_paths(private)[number], None)
+    assert paint.image is not None
+    assert library.warnings == []
 
 
 def test_polygons_can_show_images_of_their_own(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SIZE_LIMIT = 1 << 30
 #: a small file may grow to this without a look at the ratio
 _HARMLESS = 64 << 20
-#: more than this is no scene, but a file made to fill the memory (scenes: 2 to 20)
+#: maximum compression ratio: a higher one means a file that is made to fill the memory (scenes: 2 to 20)
 _MAX_RATIO = 2000
 _CHUNK = 1 << 20
 _ZSTD_WINDOW = 128 << 20
@@ -32,7 +32,7 @@ def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
     """The uncompressed content of a plain, gzip (before 3.0) or zstd (since 3.0) compressed file.
 
     Raises:
-        Damage: it is no regular file, too large, or its compression is broken.
+        Damage: it is not a regular file, is too large, or its compression is damaged.
         OSError: it cannot be opened.
     """
     mode = path.stat().st_mode

@@ -29,7 +29,7 @@ class Field(NamedTuple):
 
     Attributes:
         offset: bytes from the start of the struct.
-        type: name of its type (of what it points to).
+        type: name of its type; for a pointer, the name of the type it points to.
         is_pointer: it holds an address (or several).
         items: 1 for a scalar.
         size: bytes.

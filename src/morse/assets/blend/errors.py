@@ -14,4 +14,4 @@ class Excess(Exception):
 
 
 class Damage(Exception):
-    """A part of the file contradicts itself; whoever reads that part decides what it costs."""
+    """A part of the file is inconsistent; the reader of that part decides what is left out."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import stat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets import search, targa
 from morse.assets.blend.errors import Damage
 from morse.assets.blend.record import datablock_name
 from morse.scene import Image
@@ -13,14 +15,19 @@ from morse.scene import Image
 if TYPE_CHECKING:
     from morse.assets.blend.record import Record
 
+#: environment variable: more folders whose images models may show
+PATH_VARIABLE = "MORSE_IMAGE_PATH"
 #: bytes of one encoded picture
 _MAX_BYTES = 256 << 20
 #: bytes of all pictures of a file
 _MAX_TOTAL = 1 << 30
 #: names in one warning
 _MAX_NAMED = 5
+#: bytes by which a format is known
+_SIGNATURE = 8
 _GENERATED, _VIEWER = 4, 5
 _SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 
 
 class Images:
@@ -30,12 +37,13 @@ class Images:
         self._folder = path.parent
         self._read: dict[int, Image | None] = {}
         self._foreign: list[str] = []
+        self._tiff: list[str] = []
         self._total = 0
         #: the images read so far, by name
         self.by_name: dict[str, Image] = {}
 
     def image(self, record: Record) -> Image | None:
-        """The picture of an image datablock, or None (with a warning) if there is no PNG or JPEG."""
+        """The picture of an image datablock, or None (with a warning) if there is no PNG, JPEG or TGA."""
         if record.offset not in self._read:
             image = self._read[record.offset] = self._image(record)
             if image is not None:
@@ -43,12 +51,14 @@ class Images:
         return self._read[record.offset]
 
     def warnings(self) -> list[str]:
-        """One sentence about all images in formats that nothing here can show."""
-        if not self._foreign:
-            return []
-        names = ", ".join(f"'{name}'" for name in self._foreign[:_MAX_NAMED])
-        more = f" and {len(self._foreign) - _MAX_NAMED} more" if len(self._foreign) > _MAX_NAMED else ""
-        return [f"images that are neither PNG nor JPEG are left out (save them as such): {names}{more}"]
+        """One sentence about all TIFF images, and one about all images in other formats that are not read."""
+        sentences = []
+        if self._tiff:
+            sentences.append(f"TIFF images are not read (save them as PNG): {_listed(self._tiff)}")
+        if self._foreign:
+            names = _listed(self._foreign)
+            sentences.append(f"images that are neither PNG, JPEG nor TGA are left out (save them as PNG): {names}")
+        return sentences
 
     def _image(self, record: Record) -> Image | None:
         name = datablock_name(record)
@@ -60,12 +70,15 @@ class Images:
                 raise Damage(f"all images together are larger than {_MAX_TOTAL >> 20} MiB")
             data = _packed(record) if _is_packed(record) else self._external(record)
             self._total += len(data)
+            mime = next((mime for signature, mime in _SIGNATURES.items() if data.startswith(signature)), None)
+            if mime is None and targa.is_targa(data):
+                data, mime = _converted(data), "image/png"
+                self._total += len(data)
         except Damage as damage:
             record.file.warn(f"the image '{name}' is left out: {damage}")
             return None
-        mime = next((mime for signature, mime in _SIGNATURES.items() if data.startswith(signature)), None)
         if mime is None:
-            self._foreign.append(name)
+            (self._tiff if data.startswith(_TIFF) else self._foreign).append(name)
             return None
         return Image(name, data, mime)
 
@@ -74,6 +87,11 @@ class Images:
         path = _resolve(stored, self._folder)
         if path is None:
             raise Damage(f"its path '{stored}' cannot be followed; store it relative to the .blend file")
+        if not _is_allowed(path, self._folder):
+            raise Damage(
+                f"its path '{stored}' leads out of the folder of the model; put the image below it, pack it into the "
+                f".blend file, or list the image's folder in the environment variable {PATH_VARIABLE}"
+            )
         try:
             status = path.stat()
             if not stat.S_ISREG(status.st_mode):
@@ -82,12 +100,38 @@ class Images:
                 raise Damage(f"'{path}' is larger than {_MAX_BYTES >> 20} MiB")
             with path.open("rb") as file:
                 # a look at the first bytes: nothing but pictures is read
-                head = file.read(16)
-                if not any(head.startswith(signature) for signature in _SIGNATURES):
-                    return head
+                head = file.read(targa.HEADER_SIZE)
+                known = any(head.startswith(signature) for signature in _SIGNATURES)
+                # TGA has no signature: the name counts, too
+                if not known and not (path.suffix.lower() == ".tga" and targa.is_targa(head)):
+                    return head[:_SIGNATURE]
                 return head + file.read(_MAX_BYTES)
         except (OSError, ValueError) as error:
             raise Damage(f"its file '{path}' cannot be read; put it there or pack it into the .blend file") from error
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - _MAX_NAMED} more" if len(names) > _MAX_NAMED else ""
+    return ", ".join(f"'{name}'" for name in names[:_MAX_NAMED]) + more
+
+
+def _converted(data: bytes) -> bytes:
+    try:
+        return targa.png_of(data)
+    except targa.TargaError as error:
+        raise Damage(str(error)) from error
+
+
+def _is_allowed(path: Path, folder: Path) -> bool:
+    """Whether a model may read an image: a model from a stranger must not show what else is on the disk."""
+    listed = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
+    folders = [folder, *search.resource_dirs(), *search.component_dirs(), *(Path(entry) for entry in listed if entry)]
+    try:
+        # links are followed: one inside the folder may point out of it
+        real = Path(os.path.realpath(path))
+        return any(real.is_relative_to(os.path.realpath(allowed)) for allowed in folders)
+    except (OSError, ValueError):
+        return False
 
 
 def _is_packed(record: Record) -> bool:

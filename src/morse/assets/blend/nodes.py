@@ -72,7 +72,7 @@ class Node:
         return red, green, blue
 
     def image(self, *names: str) -> Record | None:
-        """The image that reaches an input, through whatever changes its colours on the way."""
+        """The image that reaches an input, also through nodes that change its colours."""
         source = self.source(*names)
         waiting, seen = [source] if source else [], set[Node]()
         while waiting:

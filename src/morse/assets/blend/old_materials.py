@@ -43,7 +43,7 @@ def old_material(name: str, record: Record, images: Images) -> Material:
 def _roughness(specular: float, hardness: int) -> float:
     """The roughness whose highlight is as wide as that of a Blinn exponent: ``alpha^2 = 2 / (n + 2)``.
 
-    Without specular light there is no highlight, whatever the exponent.
+    Without specular light there is no highlight, for any exponent.
     """
     width: float = (2.0 / (max(hardness, 1) + 2.0)) ** 0.25
     return 1.0 - specular * (1.0 - width)

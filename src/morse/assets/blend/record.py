@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.assets.blend.dna import Field, Struct
     from morse.assets.blend.file import BlendFile
 
-#: bytes of a text that something points to
+#: maximum length in bytes of a string that a pointer refers to
 _MAX_TEXT = 1 << 20
 
 
@@ -114,7 +114,7 @@ class Record:
 
         Args:
             name: of the field.
-            struct: what it is read as; by default, what its block says.
+            struct: the struct type of the data; by default, the type that the block names.
         """
         block = self.target(name)
         return None if block is None else self.file.record(block, self.file.dna.index(struct) if struct else None)

@@ -4,6 +4,7 @@ The physics knows boxes, spheres, cylinders, capsules and convex hulls. A mesh t
 such; any other is cut into parts that are, so that rooms, doorways and shelves stay hollow.
 """
 
+from morse.assets.shapes.convexity import thickened
 from morse.assets.shapes.decompose import DEFAULT_LIMIT, convex_parts
 from morse.assets.shapes.detect import detect_primitive
 from morse.assets.shapes.fit import fit_bounds
@@ -17,4 +18,5 @@ __all__ = [
     "convex_parts",
     "detect_primitive",
     "fit_bounds",
+    "thickened",
 ]

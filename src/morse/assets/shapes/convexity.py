@@ -1,4 +1,4 @@
-"""Convex pieces, and hulls of those that are not."""
+"""Convex pieces, and hulls of pieces that are not convex."""
 
 from __future__ import annotations
 
@@ -56,14 +56,21 @@ def hull_part(points: Floats) -> ConvexPart:
     """The convex hull of points (P, 3), thickened if they lie in a plane, with few enough points for the physics."""
     if len(points) > _HULL_POINTS:
         points = _extreme_points(points)
+    return ConvexPart(thickened(points, _THINNEST))
+
+
+def thickened(points: Floats, least: float) -> Floats:
+    """Points (P, 3) whose hull is at least so thick, in metres, along each of its principal axes.
+
+    Points that lie too close to a plane, a line or a point are doubled: one copy is moved to each side.
+    """
     centre = points.mean(axis=0)
     _, axes = np.linalg.eigh((points - centre).T @ (points - centre))
     for axis in axes.T:
-        heights = (points - centre) @ axis
-        lacking = _THINNEST - float(np.ptp(heights))
+        lacking = least - float(np.ptp((points - centre) @ axis))
         if lacking > 0.0:
             points = np.vstack([points - axis * (lacking / 2.0), points + axis * (lacking / 2.0)])
-    return ConvexPart(points)
+    return points
 
 
 def _extreme_points(points: Floats) -> Floats:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 DEFAULT_LIMIT = 4096
-"""Parts per mesh: the engine takes so many static ones in a fifth of a second."""
+"""Maximum number of parts of a mesh: the engine compiles that many static parts in about 0.2 s."""
 
 _FLAT = Flatness(angle=0.02, distance=2e-3)
 _FLAT_SHARE = 5e-4  # of the diagonal: the same for small pieces
@@ -106,7 +106,7 @@ def _plates_of(piece: Surface, flatness: Flatness, budget: int) -> list[Part] | 
 
 
 def _hollow(pieces: list[Surface]) -> list[bool]:
-    """Whether each piece is a cavity or holds one: then it is no solid."""
+    """Whether each piece is a cavity or contains one; such a piece is not a solid."""
     lows = np.array([piece.vertices.min(axis=0) for piece in pieces])
     highs = np.array([piece.vertices.max(axis=0) for piece in pieces])
     hollow = np.zeros(len(pieces), dtype=bool)
@@ -117,7 +117,7 @@ def _hollow(pieces: list[Surface]) -> list[bool]:
 
 
 def _hulls_of_groups(pieces: list[Surface], groups: int) -> list[Part]:
-    """The convex hulls of so many groups of neighbouring pieces."""
+    """The convex hulls of the given number of groups of neighbouring pieces."""
     centres = np.array([piece.vertices.mean(axis=0) for piece in pieces])
     clusters = [np.arange(len(pieces))]
     while len(clusters) < groups:

@@ -21,7 +21,7 @@ def fit_bounds(vertices: ArrayLike, bounds: Bounds) -> Primitive:
     """The solid of the given kind around the axis-aligned bounding box of a mesh.
 
     Args:
-        vertices: (V, 3) metres; those that are not finite do not count.
+        vertices: (V, 3) metres; vertices that are not finite are ignored.
         bounds: BOX, SPHERE (radius: the largest half size), CYLINDER, CONE or CAPSULE (along Z; radius: the larger of
             the half sizes in X and Y; a capsule ends where the box does).
 
@@ -47,7 +47,7 @@ def fit_bounds(vertices: ArrayLike, bounds: Bounds) -> Primitive:
         case Bounds.CAPSULE:
             radius = max(x, y)
             return Primitive("capsule", (radius, max(z - radius, SMALLEST_HALF)), centre)
-    raise ValueError(f"bounds {bounds} are no primitive: use convex_parts")
+    raise ValueError(f"bounds {bounds} are not a primitive: use convex_parts")
 
 
 def fit_round(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:

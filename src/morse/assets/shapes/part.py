@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 PrimitiveKind: TypeAlias = Literal["box", "sphere", "cylinder", "capsule", "cone"]
 
-CONE_SIDES = 24  # the physics knows no cones: they become pyramids of so many sides
+CONE_SIDES = 24  # the physics has no cones: a cone becomes a pyramid with this number of sides
 
 
 @dataclass(eq=False, slots=True)

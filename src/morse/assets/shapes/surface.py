@@ -95,7 +95,7 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
         triangles: (T, 3) indices.
 
     Raises:
-        ValueError: the arrays have other shapes or the indices are no whole numbers.
+        ValueError: an array has the wrong shape, or the indices are not integers.
     """
     points: Floats = rows_of_three(vertices, "vertices").astype(np.float64)
     indices = rows_of_three(triangles, "triangles")
@@ -115,7 +115,7 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
 
 
 def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
-    """An array of shape (N, 3); an empty one of whatever shape has no rows.
+    """An array of shape (N, 3); an empty array of any shape has no rows.
 
     Raises:
         ValueError: the shape is another.

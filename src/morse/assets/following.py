@@ -1,0 +1,228 @@
+"""A model file has changed: which nodes of a scene are replaced, come and go."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING
+
+from morse.assets.collision import resolve_shapes
+from morse.assets.merging import merge_node, same
+from morse.scene import Scene
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from morse.scene import ModelUse, Node
+
+#: fields in which nodes are not compared: those of the tree, and what follows from the others
+_NOT_COMPARED = ("parent", "children", "source_name", "shapes")
+#: stretches that differ by less are the same
+_ROUNDING = 1e-9
+
+
+@dataclass
+class Revision:
+    """What a changed file does to a scene; nothing has been done yet.
+
+    Attributes:
+        use: the record of the nodes as it is then.
+        replaced: trees of the scene and those that take their places.
+        moved: nodes of other origin, and the new nodes on which they hang then.
+        come: trees that hang on nothing.
+        gone: trees of the scene that the file has no more.
+        warnings: what the user should know.
+    """
+
+    use: ModelUse
+    replaced: list[tuple[Node, Node]] = field(default_factory=list)
+    moved: list[tuple[Node, Node]] = field(default_factory=list)
+    come: list[Node] = field(default_factory=list)
+    gone: list[Node] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def changes_something(self) -> bool:
+        """Whether the scene looks or behaves differently then."""
+        return bool(self.replaced or self.come or self.gone)
+
+
+def follow(scene: Scene, use: ModelUse, roots: Sequence[Node], latest: ModelUse) -> Revision:
+    """What becomes of the nodes of a file that has changed.
+
+    What a script has set stays: poses, materials, physics, properties. So does what hangs on the nodes.
+
+    Args:
+        use: the record of the nodes in the scene.
+        roots: the nodes as the file has them now; they become part of the result.
+        latest: the record of these.
+    """
+    return _Following(scene, use, roots, latest).follow()
+
+
+def resolve(revisions: Sequence[Revision]) -> list[str]:
+    """Work out the collision shapes of what is new.
+
+    Returns:
+        Warnings for the user.
+    """
+    replaced = [pair for revision in revisions for pair in revision.replaced]
+    come = [root for revision in revisions for root in revision.come]
+    with _hanging(replaced):
+        return resolve_shapes(Scene(roots=[*(after for _, after in replaced), *come]))
+
+
+@contextmanager
+def _hanging(replaced: Sequence[tuple[Node, Node]]) -> Iterator[None]:
+    """Within the block, new trees know on what they will hang: its scale counts for their shapes."""
+    for now, after in replaced:
+        after.parent = now.parent
+    try:
+        yield
+    finally:
+        for _, after in replaced:
+            after.parent = None
+
+
+class _Following:
+    def __init__(self, scene: Scene, use: ModelUse, roots: Sequence[Node], latest: ModelUse) -> None:
+        self._roots = roots
+        self._present = {node.name: node for node in scene.nodes()}
+        self._use = use if use.choice.role == "environment" else _with_root(use, [root.name for root in roots])
+        #: by their names in the file: the nodes of the scene, and those of the file as it is now
+        self._now = {name: node for name, node in self._use.nodes.items() if self._present.get(node.name) is node}
+        self._after = latest.nodes
+        self._own = {id(node) for node in self._now.values()}
+        self._revision = Revision(latest)
+
+    def follow(self) -> Revision:
+        units = [root.name for root in self._roots if root.name in self._now] + self._taken_elsewhere()
+        self._revision.come = [root for root in self._roots if root.name not in self._use.originals]
+        for name, after in self._after.items():
+            if name in self._now:
+                merge_node(self._use.originals[name], self._now[name], after, is_root=after.parent is None)
+        self._leave_out_deleted()
+        self._name_newcomers()
+        trees = [(self._now[name], self._after[name]) for name in units]
+        for now, after in trees:
+            self._replace(now, after)
+        self._go()
+        self._keep_shapes()
+        self._remember_the_first()
+        return self._revision
+
+    def _taken_elsewhere(self) -> list[str]:
+        """Nodes that a script has given another parent than the file: they stay where the script has put them."""
+        names = []
+        for name, after in self._after.items():
+            now = self._now.get(name)
+            if now is None or after.parent is None:
+                continue
+            before = self._use.originals[name].parent
+            if now.parent is not (None if before is None else self._use.nodes[before.name]):
+                after.detach()
+                after.parent_inverse = now.parent_inverse
+                names.append(name)
+        return names
+
+    def _leave_out_deleted(self) -> None:
+        """What a script has deleted does not come back."""
+        for name in [name for name in self._after if name in self._use.originals and name not in self._now]:
+            self._after.pop(name).detach()
+
+    def _name_newcomers(self) -> None:
+        taken = set(self._present)
+        for name, after in self._after.items():
+            if name not in self._now:
+                count = 0
+                while after.name in taken:
+                    count += 1
+                    after.name = f"{name}.{count:03d}"
+                taken.add(after.name)
+
+    def _replace(self, now: Node, after: Node) -> None:
+        """Let a tree of the scene be replaced, unless nothing of it has changed."""
+        within = {id(node) for node in after.walk()}
+        new = {id(mine): self._after[name] for name, mine in self._now.items() if name in self._after}
+        going, moved, stack = set(), [], [now]
+        while stack:
+            node = stack.pop()
+            going.add(id(node))
+            for child in node.children:
+                # remove nodes that the file no longer has; replace nodes of the new tree together with their parent
+                if id(child) in self._own and id(new.get(id(child), after)) in within:
+                    stack.append(child)
+                else:
+                    place = next(new[id(above)] for above in (node, *node.ancestors()) if id(above) in new)
+                    moved.append((child, place))
+        if _same_tree(now, after, {id(child) for child, _ in moved}):
+            for name, mine in self._now.items():
+                if id(mine) in going:
+                    self._after[name] = mine
+            return
+        self._revision.replaced.append((now, after))
+        self._revision.moved += moved
+
+    def _go(self) -> None:
+        """What the file has no more, and is not part of a tree that is replaced anyway."""
+        covered = {id(node) for now, _ in self._revision.replaced for node in now.walk()}
+        for name, node in self._now.items():
+            if name in self._after or id(node) in covered:
+                continue
+            strangers = [below.name for below in node.walk() if id(below) not in self._own]
+            if strangers:
+                self._revision.warnings.append(
+                    f"'{node.name}' is in the file no more; it stays, since '{strangers[0]}' hangs on it"
+                )
+                continue
+            covered.update(id(below) for below in node.walk())
+            self._revision.gone.append(node)
+
+    def _remember_the_first(self) -> None:
+        """The first object is the one that the script handles, wherever it stands in the file now."""
+        first, originals = next(iter(self._use.originals)), self._revision.use.originals
+        if first in originals:
+            self._revision.use.originals = {first: originals[first], **originals}
+
+    def _keep_shapes(self) -> None:
+        with _hanging(self._revision.replaced):
+            for name, now in self._now.items():
+                after = self._after.get(name, now)
+                if after is not now and _shaped_alike(now, after):
+                    after.shapes = now.shapes
+
+
+def _with_root(use: ModelUse, roots: Sequence[str]) -> ModelUse:
+    """The record, as if the first object of a component had the name that it has in the file now.
+
+    It may have been renamed, or another one may have become the root.
+    """
+    before, name = next(iter(use.originals)), roots[0]
+    if before in roots or (name in use.originals and not use.choice.whole):
+        name = before
+    names = {} if before == name else {before: name, name: before}
+    for known, original in use.originals.items():
+        original.name = names.get(known, known)
+    if not names:
+        return use
+    nodes = {names.get(known, known): node for known, node in use.nodes.items()}
+    return replace(use, nodes=nodes, originals={original.name: original for original in use.originals.values()})
+
+
+def _shaped_alike(now: Node, after: Node) -> bool:
+    """Whether the shapes of a node, which take time to work out, can serve the other one."""
+    if after.shapes is not None or after.mesh is None or after.mesh is not now.mesh or not same(now.body, after.body):
+        return False
+    one, other = rigid_frame(now).stretch, rigid_frame(after).stretch
+    return all(abs(one[i][j] - other[i][j]) < _ROUNDING for i in range(3) for j in range(3))
+
+
+def _same_tree(now: Node, after: Node, foreign: set[int]) -> bool:
+    names = [part.name for part in fields(now) if part.name not in _NOT_COMPARED]
+    if not all(same(getattr(now, name), getattr(after, name)) for name in names):
+        return False
+    children = [child for child in now.children if id(child) not in foreign]
+    return len(children) == len(after.children) and all(
+        _same_tree(one, other, foreign) for one, other in zip(children, after.children, strict=True)
+    )
