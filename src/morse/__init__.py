@@ -1,1 +1,32 @@
-"""MORSE, the Modular OpenRobots Simulation Engine."""
+"""MORSE, the Modular OpenRobots Simulation Engine.
+
+::
+
+    import morse
+
+    with morse.load("scene.py", seed=3) as sim:
+        sim.robot.motion.publish({"v": 1.0})
+        sim.step(60)
+        print(sim.robot.pose.data["x"])
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from morse.launch.load import load
+    from morse.simulation.simulation import Simulation
+
+__all__ = ["Simulation", "load"]
+
+#: where the names are: importing a part of MORSE, such as the builder, does not load the simulator
+_PLACES = {"Simulation": "morse.simulation.simulation", "load": "morse.launch.load"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'morse' has no attribute '{name}'")
+    from importlib import import_module
+
+    return getattr(import_module(_PLACES[name]), name)

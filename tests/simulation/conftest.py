@@ -8,39 +8,33 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from morse.assets.collision import resolve_shapes
-from morse.builder.script import load_scene
-from morse.simulation.options import RunOptions
-from morse.simulation.simulation import Simulation
+import morse
 from pymorse import Morse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from pathlib import Path
 
+    from morse.simulation.simulation import Simulation
+
     Load = Callable[..., Simulation]
 
 
 @pytest.fixture
 def load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Load]:
-    """Call it with the text of a scene script, and with fields of `RunOptions`, for a loaded simulation."""
+    """Call it with the text of a scene script, and with options of `morse.load`, for a simulation."""
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     loaded: list[Simulation] = []
 
     def load_text(text: str, **options: object) -> Simulation:
         script = tmp_path / "scene.py"
         script.write_text("from morse.builder import *\n" + textwrap.dedent(text), encoding="utf-8")
-        wanted = RunOptions(str(script), **{"view": "none", "open_browser": False, **options})  # type: ignore[arg-type]
-        scene = load_scene(wanted)
-        resolve_shapes(scene)
-        simulation = Simulation(scene, wanted)
-        loaded.append(simulation)
-        simulation.load()
-        return simulation
+        loaded.append(morse.load(script, **{"sockets": True, **options}))  # type: ignore[arg-type]
+        return loaded[-1]
 
     yield load_text
     for simulation in loaded:
-        simulation.shut_down()
+        simulation.close()
 
 
 class Running:

@@ -1,5 +1,6 @@
 """Keeping up with the wall clock, or not."""
 
+import itertools
 import math
 import threading
 import time
@@ -85,3 +86,33 @@ def test_stopping_ends_a_wait_at_once():
     begin = time.monotonic()
     pacer.wait()
     assert time.monotonic() - begin < 10.0
+
+
+def test_whoever_waits_for_long_is_asked_again_and_again(clock):
+    asked = []
+    pacer = Pacer(1 / 60, 0.01)
+    pacer.while_waiting = lambda: asked.append(clock.now) or True
+    pacer.wait()
+    assert clock.now - 100.0 == pytest.approx(1 / 0.6)
+    assert len(asked) > 20
+    assert max(b - a for a, b in itertools.pairwise(asked)) < 0.1
+
+
+def test_a_wait_ends_when_time_is_stopped_or_goes_faster(clock):
+    pacer = Pacer(1 / 60, 0.001)
+    pacer.while_waiting = lambda: False
+    pacer.wait()
+    assert clock.now - 100.0 < 0.1
+    pacer.while_waiting = lambda: pacer.set_speed(1.0) or True
+    pacer.wait()
+    assert clock.now - 100.0 < 0.3
+
+
+@pytest.mark.parametrize("speed", [1e-300, 1e-9, 0.0])
+def test_time_passes_at_any_speed(clock, speed):
+    pacer = Pacer(1 / 60, speed)
+    pacer.wait()
+    assert clock.now - 100.0 < 20.0
+    pacer.set_speed(speed)
+    pacer.wait()
+    assert clock.now - 100.0 < 40.0

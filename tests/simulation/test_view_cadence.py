@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from morse.simulation.viewing import View
 from morse.viewer.hub import Wishes
+from morse.viewer.live_view import View
 from morse.viewer.view_messages import Rays
 
 if TYPE_CHECKING:
@@ -53,16 +53,20 @@ class Server:
     def held_keys(self) -> frozenset[str]:
         return frozenset()
 
+    def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
+        return (), ()
+
 
 class Watched:
     """A simulation that is watched, and the wall clock that its view sees."""
 
     def __init__(self, simulation: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic()
-        monkeypatch.setattr("morse.simulation.viewing.ViewServer", Server)
-        monkeypatch.setattr("morse.simulation.viewing.time.monotonic", lambda: self.now)
+        monkeypatch.setattr("morse.viewer.live_view.ViewServer", Server)
+        monkeypatch.setattr("morse.viewer.live_view.time.monotonic", lambda: self.now)
         self.simulation = simulation
         simulation.view = view = View(simulation)
+        simulation.observers.append(view)
         view.announce()
         self.server: Server = view._server  # type: ignore[assignment]
 

@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 from morse.core.declarations import add_property
+from morse.core.exceptions import MorseRPCTypeError
 from morse.core.sensor import Sensor
+from morse.core.services import service
 
 
 class Camera(Sensor):
     """Takes pictures, or pauses to."""
 
     add_property("capturing", True, "capturing", "bool", "whether it takes pictures")
+    add_property("zoom", 1.0, "zoom", "float", "1 or more")
+
+    zoom: float
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Refuse to see less than with the naked eye."""
+        if name == "zoom" and value < 1.0:
+            raise MorseRPCTypeError("the zoom is 1 or more")
+        super().set_property(name, value)
 
 
 class Writer(Sensor):

@@ -9,17 +9,20 @@ from typing import TYPE_CHECKING, Any
 from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
+from morse.core.kinds import findings_of
 from morse.core.realism import Realism
 from morse.core.robot import Robot
 from morse.scene.realism import RealismModel
 from morse.simulation.faults import describe
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.scene import ComponentDeclaration
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
 class LoadError(MorseError):
@@ -41,18 +44,36 @@ class Loaded:
     modifier_objects: list[Any] = field(default_factory=list)
     modifiers: list[str] = field(default_factory=list)
 
+    def join(self, other: Loaded) -> None:
+        """Add what came later."""
+        for name in ("robots", "actuators", "sensors", "modifier_objects"):
+            getattr(self, name).extend(getattr(other, name))
+        self.modifiers += [path for path in other.modifiers if path not in self.modifiers]
 
-def load_components(context: Context) -> Loaded:
-    """Instantiate robots, then sensors and actuators, and connect them.
+    def drop(self, component: Object) -> None:
+        """Leave out what has gone."""
+        for kept in (self.robots, self.actuators, self.sensors):
+            if component in kept:
+                kept.remove(component)  # type: ignore[arg-type]
+        gone = {id(modifier) for modifier in [*component.input_modifiers, *component.output_modifiers]}
+        self.modifier_objects[:] = [modifier for modifier in self.modifier_objects if id(modifier) not in gone]
+
+
+def load_components(context: Context, declarations: Sequence[ComponentDeclaration] | None = None) -> Loaded:
+    """Instantiate robots, then sensors and actuators.
+
+    Args:
+        declarations: what to make; None for all of the scene.
 
     Raises:
         LoadError: naming the component and the line of the script that made it.
     """
     loaded = Loaded()
+    declarations = context.scene.components if declarations is None else declarations
     by_node: dict[Any, Robot] = {}
-    for declaration in context.scene.components:
+    for declaration in declarations:
         if declaration.kind in ("robot", "external_robot"):
-            robot = _make(context, declaration, None)
+            robot = make_component(context, declaration, None)
             if not isinstance(robot, Robot):
                 raise LoadError(
                     f"{_where(declaration)}: {declaration.classpath} is no subclass of morse.core.robot.Robot"
@@ -62,13 +83,12 @@ def load_components(context: Context) -> Loaded:
             (context.robots if own else context.external_robots)[declaration.name] = robot
             if own:
                 loaded.robots.append(robot)
-    for declaration in context.scene.components:
+    for declaration in declarations:
         if declaration.kind in ("robot", "external_robot") or declaration.robot not in by_node:
             continue
-        component = _make(context, declaration, by_node[declaration.robot])
+        component = make_component(context, declaration, by_node[declaration.robot])
         context.components[declaration.name] = component
         (loaded.sensors if declaration.kind == "sensor" else loaded.actuators).append(component)
-    _connect(context, loaded)
     return loaded
 
 
@@ -77,7 +97,12 @@ def _where(declaration: ComponentDeclaration) -> str:
     return f"{declaration.kind} '{declaration.name}'{place}"
 
 
-def _make(context: Context, declaration: ComponentDeclaration, robot: Robot | None) -> Any:
+def make_component(context: Context, declaration: ComponentDeclaration, robot: Robot | None) -> Any:
+    """Instantiate one component.
+
+    Raises:
+        LoadError: naming the component and the line of the script that made it.
+    """
     obj = context.world.object_of(declaration.node)
     if declaration.frequency is not None:
         obj["frequency"] = declaration.frequency
@@ -103,44 +128,83 @@ def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:
     return load_class(chosen.classpath) if chosen is not None and chosen.classpath else cls
 
 
-def _connect(context: Context, loaded: Loaded) -> None:
+def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:
+    """Add modifiers and overlays, and open streams and services where the simulation has a network.
+
+    Args:
+        declarations: of the components to connect; None for all of the scene.
+    """
+    declarations = context.scene.components if declarations is None else declarations
     everything: dict[str, Object] = {**context.robots, **context.components}
-    for declaration in context.scene.components:
-        component = everything.get(declaration.name)
-        if component is None:
-            continue
+    present = [(d, everything[d.name]) for d in declarations if d.name in everything]
+    for declaration, component in present:
         for modifier in declaration.modifiers:
             _add_modifier(component, declaration, modifier, loaded)
-        for stream in declaration.streams:
+    check_kinds(present)
+    for declaration, component in present:
+        _add_interfaces(context, component, declaration)
+
+
+def _add_interfaces(context: Context, component: Object, declaration: ComponentDeclaration) -> None:
+    overlays = [
+        (load_class(overlay.classpath)(component, **overlay.options), overlay.manager)
+        for overlay in declaration.overlays
+    ]
+    for instance, _ in overlays:
+        context.overlays[instance.name()] = instance
+    if context.network is None:
+        return
+    for stream in declaration.streams:
+        try:
             manager = context.stream_managers.get(stream.manager)
             if manager is None:
                 manager = context.stream_managers[stream.manager] = make_stream_manager(context, stream.manager)
-            try:
-                manager.register_component(component, stream)
-            except MorseError as error:
-                raise LoadError(f"{_where(declaration)}: {error}") from None
-        for name in declaration.managers:
-            add_request_manager(context, name)
-            context.services.register_request_manager_mapping(declaration.name, name)
-        context.services.register_object(declaration.name, component)
-        for overlay in declaration.overlays:
-            add_request_manager(context, overlay.manager)
-            instance = load_class(overlay.classpath)(component, **overlay.options)
-            context.overlays[instance.name()] = instance
-            context.services.register_request_manager_mapping(instance.name(), overlay.manager)
-            context.services.register_object(instance.name(), instance)
+            manager.connect(component, stream)
+        except MorseError as error:
+            raise LoadError(f"{_where(declaration)}: {error}") from None
+    for name in declaration.managers:
+        add_request_manager(context, name)
+        context.services.register_request_manager_mapping(declaration.name, name)
+    context.services.register_object(declaration.name, component)
+    for instance, manager_name in overlays:
+        add_request_manager(context, manager_name)
+        context.services.register_request_manager_mapping(instance.name(), manager_name)
+        context.services.register_object(instance.name(), instance)
 
 
-def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, loaded: Loaded) -> None:
+def check_kinds(present: list[tuple[ComponentDeclaration, Object]]) -> None:
+    """Refuse message kinds that do not fit, all of them at once; modifiers have changed the fields by now.
+
+    Raises:
+        LoadError: naming the components.
+    """
+    declarations = {component: declaration for declaration, component in present}
+    findings = findings_of(component for _, component in present)
+    if findings:
+        raise LoadError("\n".join(f"{_where(declarations[one])}: {finding}" for one, finding in findings))
+
+
+def make_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any) -> Any:
+    """Instantiate one modifier of a component.
+
+    Raises:
+        LoadError: naming the component and the line of the script that made it.
+    """
     try:
         instance = load_class(modifier.classpath)(component, dict(modifier.options))
         instance.initialize()
+        return instance
     except MorseError as error:
         raise LoadError(f"modifier of {_where(declaration)}: {error}") from None
     except Exception as error:
         raise LoadError(f"modifier {modifier.classpath} of {_where(declaration)}: {describe(error)}") from error
+
+
+def _add_modifier(component: Object, declaration: ComponentDeclaration, modifier: Any, loaded: Loaded) -> None:
+    instance = make_modifier(component, declaration, modifier)
     target = component.output_modifiers if declaration.kind == "sensor" else component.input_modifiers
     target.append(instance)
+    component.offer(instance)
     loaded.modifier_objects.append(instance)
     if modifier.classpath not in loaded.modifiers:
         loaded.modifiers.append(modifier.classpath)

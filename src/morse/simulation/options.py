@@ -10,11 +10,12 @@ class RunOptions:
     """Options of ``morse run``.
 
     Attributes:
-        script: path of the scene script (or of a ``.blend`` environment).
+        script: path of the scene script (or of a ``.blend`` environment); empty for a scene that is there already.
         arguments: become ``sys.argv[1:]`` of the script.
         source_paths: put first on ``sys.path`` (``<env>/src``).
         resource_paths: searched for models before ``MORSE_RESOURCE_PATH`` (``<env>/data``).
         node_name: name of this simulation node.
+        sockets: open the middlewares that the scene names; the socket is always among them.
         view: ``none``, ``web`` or ``studio``.
         host: address that every server binds to.
         view_port: TCP port of the live view; the next free one is taken if it is in use.
@@ -23,13 +24,17 @@ class RunOptions:
         speed: wall-clock factor; ``inf`` for as fast as possible; None for what the scene says.
         duration: stop after that many simulated seconds.
         seed: of all random numbers; None for what the scene says.
+        profile: measure what takes the time.
+        watch: follow models and components that are saved while the simulation runs.
+        strict: an unknown or ill-typed field in a message is an error.
     """
 
-    script: str
+    script: str = ""
     arguments: list[str] = field(default_factory=list)
     source_paths: list[str] = field(default_factory=list)
     resource_paths: list[str] = field(default_factory=list)
     node_name: str | None = None
+    sockets: bool = True
     view: str = "web"
     host: str = "127.0.0.1"
     view_port: int = 8765
@@ -39,3 +44,5 @@ class RunOptions:
     duration: float | None = None
     seed: int | None = None
     profile: bool = False
+    watch: bool = False
+    strict: bool = False

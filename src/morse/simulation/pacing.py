@@ -6,6 +6,8 @@ import math
 import time
 from typing import TYPE_CHECKING
 
+from morse.core.clock import SLOWEST
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -23,6 +25,10 @@ def _nothing() -> None:
     return None
 
 
+def _go_on() -> bool:
+    return True
+
+
 class Pacer:
     """Waits between ticks.
 
@@ -31,13 +37,16 @@ class Pacer:
         before_sleep: called before each wait that takes time.
 
     Attributes:
-        speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible.
+        while_waiting: called again and again while a wait takes long, as it does if time goes slowly; the wait ends
+            if it returns False.
+        speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible, at least `SLOWEST`.
         lost: wall-clock seconds given up since the last report.
     """
 
     def __init__(self, period: float, speed: float, before_sleep: Callable[[], None] = _nothing) -> None:
         self.period = period
-        self.speed = speed
+        self.speed = max(speed, SLOWEST)
+        self.while_waiting: Callable[[], bool] = _go_on
         self._before_sleep = before_sleep
         self.lost = 0.0
         self._due = time.perf_counter()
@@ -50,15 +59,20 @@ class Pacer:
     def restart(self) -> None:
         """Forget the past: after a pause, or when the speed has changed."""
         self._due = time.perf_counter()
+        self.lost = 0.0
 
     def set_speed(self, speed: float) -> None:
         """Change the speed."""
-        self.speed = speed
+        self.speed = max(speed, SLOWEST)
         self.restart()
 
     def stop(self) -> None:
         """End every wait; may be called from signal handlers."""
         self._stopped = True
+
+    def start(self) -> None:
+        """Wait again, after `stop`."""
+        self._stopped = False
 
     def wait(self) -> None:
         """Wait until the next tick is due."""
@@ -71,12 +85,15 @@ class Pacer:
             self.lost += late
             self._due += late
         elif late < 0:
-            self._sleep_until(self._due)
+            self._sleep()
 
-    def _sleep_until(self, due: float) -> None:
+    def _sleep(self) -> None:
         self._before_sleep()
-        while not self._stopped and (left := due - time.perf_counter()) > 0:
+        while not self._stopped and (left := self._due - time.perf_counter()) > 0:
             time.sleep(min(left, _NAP))
+            if left > _NAP and not self.while_waiting():
+                return
+            # what was done meanwhile may have changed the speed, so that the next tick is due earlier
 
     def _count(self) -> None:
         self._ticks += 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -12,15 +13,13 @@ if TYPE_CHECKING:
 
 #: the phases of a tick, in their order
 PHASES = (
-    "view input",
-    "streams in",
+    "input",
     "services",
     "actuators",
     "physics",
     "rays",
     "sensors",
-    "streams out",
-    "view output",
+    "output",
 )
 
 #: events kept for the trace file; later ones are counted but not kept
@@ -88,6 +87,11 @@ class Profile:
         if self._events is not None and len(self._events) < _MAX_EVENTS:
             self._events.append((name, kind, begin, end))
 
+    @property
+    def total(self) -> float:
+        """Seconds of all ticks together."""
+        return sum(phase.total for phase in self.phases.values())
+
     def costliest(self) -> tuple[str, float]:
         """The component, or else the phase, that takes longest: its name and seconds a tick."""
         everything = {**{f"the phase '{n}'": c for n, c in self.phases.items()}, **self.components}
@@ -97,7 +101,11 @@ class Profile:
         return name, cost.total / max(self.ticks, 1)
 
     def write_trace(self, path: Path) -> None:
-        """Write a file for trace viewers (Trace Event Format: chrome://tracing, Perfetto, speedscope)."""
+        """Write a file for trace viewers (Trace Event Format: chrome://tracing, Perfetto, speedscope).
+
+        Raises:
+            OSError: the file cannot be written; a file of that name is as it was.
+        """
         threads = {"phase": 1, "component": 2}
         events = [
             {
@@ -115,4 +123,11 @@ class Profile:
             {"name": "thread_name", "ph": "M", "pid": 1, "tid": tid, "args": {"name": f"{kind}s"}}
             for kind, tid in threads.items()
         ]
-        path.write_text(json.dumps({"traceEvents": names + events, "displayTimeUnit": "ms"}))
+        text = json.dumps({"traceEvents": names + events, "displayTimeUnit": "ms"})
+        # written beside and moved into place: a disk that is full leaves no half of it
+        part = path.with_name(f".{path.name}.{os.getpid()}")
+        try:
+            part.write_text(text)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)

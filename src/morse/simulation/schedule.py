@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
 
 class _Periodic(Protocol):
@@ -50,6 +50,9 @@ class Schedule(Generic[_C]):
             pattern = math.lcm(pattern, rate.denominator)
         self._pattern = pattern if pattern <= _LONGEST_PATTERN else 0
         self._known: dict[int, list[_C]] = {}
+
+    def __iter__(self) -> Iterator[_C]:
+        return (entry[0] for entry in self._entries)
 
     def due(self, tick: int) -> list[_C]:
         """The components that act in a tick, counted from 0; not to be changed."""

@@ -1,331 +1,388 @@
-"""One simulation: its tick, its loop, its end."""
+"""A simulation, as an object."""
 
 from __future__ import annotations
 
-import gc
 import logging
 import math
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from morse.core import context as _context
 from morse.core import status
 from morse.core.clock import Clock
-from morse.core.context import Context
-from morse.core.network import Network
-from morse.core.realism import Realism
+from morse.core.context import Context, Controls, acting, forget
+from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.request_manager import MorseServices
-from morse.core.sensor import Sensor
-from morse.physics import UnstableError, World
-from morse.physics.rays import RayBundle
-from morse.services.camera_services import ViewpointServices
-from morse.services.communication_services import CommunicationServices
-from morse.services.lockstep_services import LockstepServices
-from morse.services.supervision_services import Supervision
-from morse.services.time_services import TimeServices
-from morse.simulation.digest import state_hash
+from morse.physics import World
+from morse.simulation.component_handles import normalized
 from morse.simulation.faults import describe
-from morse.simulation.loader import Loaded, LoadError, add_request_manager, load_components, make_stream_manager
-from morse.simulation.pacing import Pacer
+from morse.simulation.handles import Handles
+from morse.simulation.input_recording import InputRecorder
+from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
+from morse.simulation.loop import Loop
+from morse.simulation.offering import offer_services
+from morse.simulation.ownership import Ownership
+from morse.simulation.population import Population, check_newcomer
 from morse.simulation.profile import Profile
-from morse.simulation.schedule import Schedule
+from morse.simulation.replaying import Replay
+from morse.simulation.saving import Saving
+from morse.simulation.state import State
 from morse.simulation.stepping import Stepping
+from morse.simulation.ticking import Ticker
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Callable, Sequence
+    from types import TracebackType
 
-    from morse.core.abstractobject import AbstractObject
-    from morse.core.object import Object
+    from morse.core.journal import Journal
+    from morse.core.observer import Observer
     from morse.scene import Scene
-    from morse.simulation.live_view import LiveView
+    from morse.simulation.input_recording import InputRecording
     from morse.simulation.options import RunOptions
 
-logger = logging.getLogger("morse." + __name__)
 
-#: ticks that are measured to find out what a slow simulation spends its time on
-_DIAGNOSIS = 60
-SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
+logger = logging.getLogger(__name__)
 
 
 def _nobody(_outcome: tuple[str, Any]) -> None:
     """Nobody waits for the end of the steps."""
 
 
-class Simulation:
-    """A loaded scene that can be run.
+class Simulation(Handles):
+    """A loaded scene that can be run; `morse.load` makes one.
+
+    Robots are attributes, and their components are attributes of them, with the words of `pymorse.Morse`: see
+    `morse.simulation.handles`. Time passes in `step` and `run` only.
 
     Attributes:
         context: what components see.
-        pacer: keeps it in step with the wall clock.
-        failed: it has to end because something cannot go on.
+        observers: look on; called before and after each tick, in their order.
+        view: the live view, if there is one; it is one of the observers.
+        failed: whether the simulation has to end because a part of it cannot go on.
     """
 
     def __init__(self, scene: Scene, options: RunOptions) -> None:
         settings = scene.settings
         self.options = options
         self.scene = scene
-        self.duration = options.duration
-        seed = settings.seed if options.seed is None else options.seed
-        speed = settings.time_scale if options.speed is None else options.speed
         self.context = Context(
             scene=scene,
             clock=Clock(settings.frequency, settings.time_strategy, absolute=not settings.relative_time),
             world=World(scene),
             services=MorseServices(),
-            network=Network(),
-            seed=seed,
+            network=_network(options),
+            seed=settings.seed if options.seed is None else options.seed,
             host=options.host,
+            strict=options.strict,
         )
         self.world: World = self.context.world
         self.clock = self.context.clock
-        self.pacer = Pacer(self.clock.period, speed, before_sleep=self.context.network.give_back)
-        self.context.stopping = lambda: self._stop
         self._stepping = Stepping()
-        self.view: LiveView | None = None
-        self.profile: Profile | None = Profile(trace=True) if options.profile else None
+        self._ticker = Ticker(self.context, self._stepping)
+        speed = settings.time_scale if options.speed is None else options.speed
+        self._loop = Loop(self.context, self._ticker, self._stepping, speed)
+        self.pacer = self._loop.pacer
+        self.context.stopping = lambda: self._loop.stopping
+        self.view: Any = None
+        self.profile: Profile | None = None
         #: measures the sensors that the script wants to be profiled
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
-        self._diagnosis: Profile | None = None
-        self._slow = False
-        self._stop = False
-        self.failed = False
-        self.finished = False
+        self._set_up_profiles()
+        self.failed = self.finished = False
+        self._time = Ownership(self.stop)
         self.loaded = Loaded()
-        _context.set_current(self.context)
-        self._add_services()
+        super().__init__()
+        self.population = Population(self)
+        self._saving = Saving(self)
+        with acting(self.context):
+            offer_services(self)
 
-    # -- set-up ----------------------------------------------------------------------------
-
-    def _add_services(self) -> None:
-        """Start the request managers that offer the services of the simulation itself."""
-        add_request_manager(self.context, SOCKET_REQUESTS)
-        for manager in self.scene.simulation_managers:
-            add_request_manager(self.context, manager)
-        self._offer(Supervision(self.context, self.stop))
-        self._offer(LockstepServices(self))
-        self._offer(ViewpointServices(self.scene.settings.view, self._viewpoint_changed))
-        self._offer(TimeServices(self.clock, self.pacer.set_speed))
-        self._offer(CommunicationServices(self.context))
-
-    def _offer(self, obj: AbstractObject) -> None:
-        for manager in [SOCKET_REQUESTS, *self.scene.simulation_managers]:
-            self.context.services.register_request_manager_mapping(obj.name(), manager)
-        self.context.services.register_object(obj.name(), obj)
-        self.context.service_objects.setdefault(obj.name(), obj)
+    def _set_up_profiles(self) -> None:
+        if self.options.profile:
+            self.profile = Profile(trace=True)
+            self._ticker.profiles.append(self.profile)
+        self._ticker.component_profiles += [p for p in (self.profile, self.sensor_profile) if p is not None]
 
     def load(self) -> None:
-        """Make the components and connect them."""
-        self._make_components()
-        for manager, options in self.scene.manager_options.items():
-            if options and manager not in self.context.stream_managers:
-                self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
-        self._managers = list(self.context.stream_managers.values())
-        # what exists now stays to the end: the collector need not look through it again and again
-        gc.collect()
-        gc.freeze()
+        """Make the components and connect them.
+
+        Raises:
+            LoadError: naming the component and the line of the script that made it.
+        """
+        with acting(self.context), self.scene.project:
+            self._make_components()
+            if self.context.network is not None:
+                for manager, options in self.scene.manager_options.items():
+                    if options and manager not in self.context.stream_managers:
+                        self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
+        self.observers[:0] = self.context.stream_managers.values()
 
     def _make_components(self) -> None:
+        for table in (self.context.robots, self.context.external_robots, self.context.components):
+            table.clear()
+        self.context.failed.clear()
         self.loaded = load_components(self.context)
-        frequency = self.clock.frequency
-        self._robots = self.loaded.robots
-        self._actuators: Schedule[Object] = Schedule(self.loaded.actuators, frequency)
-        self._sensors: Schedule[Object] = Schedule(self.loaded.sensors, frequency, _phase)
-        sensors = [sensor for sensor in self.loaded.sensors if isinstance(sensor, Sensor)]
-        with_rays = [sensor for sensor in sensors if isinstance(sensor.rays, RayBundle)]
-        self._with_rays = Schedule(with_rays, frequency, _phase)
-        self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
+        connect(self.context, self.loaded)
+        self.schedule()
 
-    # -- running ---------------------------------------------------------------------------
+    def schedule(self) -> None:
+        """The components are other ones: work out anew which of them act in which tick."""
+        self._ticker.schedule(self.loaded)
+
+    # -- time ------------------------------------------------------------------------------
+
+    def step(self, ticks: int = 1) -> None:
+        """Let that many ticks pass, as fast as possible, whether the simulation is paused or not.
+
+        Raises:
+            UnstableError: the physics has no sensible answer any more.
+            RuntimeError: the simulation is closed, or a tick is under way already.
+            KeyboardInterrupt: Ctrl+C was pressed; of several ticks, the one in which that happened is complete.
+        """
+        self._check_open()
+        if ticks < 0:
+            raise ValueError(f"time does not go backwards: {ticks} ticks")
+        tick, stepping, time = self._ticker.tick, self._stepping, self._time
+        time.holds_back = ticks > 1
+        with time:
+            stepping.forced = True
+            try:
+                for _ in range(ticks):
+                    tick()
+                    stepping.count()
+                    if self._failure is not None or time.interrupted:
+                        break
+            finally:
+                stepping.forced = False
+                if self._failure is not None or time.interrupted:
+                    self._loop.go_on()
+                if self.context.network is not None:
+                    self.context.network.give_back()
+        self._raise_failure()
+
+    def run(self, duration: float | None = None, speed: float | None = None) -> None:
+        """Let time pass until told to stop, in step with the wall clock.
+
+        Args:
+            duration: stop after that many simulated seconds; None to go on until `stop`.
+            speed: simulated seconds per wall-clock second, ``math.inf`` for as fast as possible; None for what the
+                scene or the options say.
+
+        Raises:
+            RuntimeError: the simulation is closed, or runs already.
+            KeyboardInterrupt: Ctrl+C was pressed; the tick in which that happened is complete.
+        """
+        self._check_open()
+        if duration is not None and not 0.0 <= duration < math.inf:
+            raise ValueError(f"a duration is a number of seconds, not {duration!r}")
+        if speed is not None:
+            if not speed > 0.0:
+                raise ValueError(f"a speed is greater than 0, not {speed!r}")
+            self.pacer.set_speed(speed)
+        ticks = math.inf if duration is None else round(duration * self.clock.frequency)
+        if ticks:
+            self._time.holds_back = True
+            with self._time:
+                self._loop.run(self.clock.tick + ticks)
+            self._raise_failure()
 
     def stop(self) -> None:
-        """End the run after this tick; may be called from signal handlers."""
-        self._stop = True
-        self.pacer.stop()
+        """End `run` after this tick; may be called from signal handlers."""
+        self._loop.stop()
+
+    def tick(self) -> bool:
+        """One tick; False if the simulation is paused, or input has stopped time, so that no time passed."""
+        self._check_open()
+        with self._time:
+            return self._ticker.tick()
 
     @property
     def paused(self) -> bool:
-        """Whether no time passes but the ticks that somebody asked for."""
+        """Whether no time passes in `run` but the ticks that somebody asked for."""
         return self._stepping.paused
 
     def pause(self) -> None:
-        """Stop time; steps that somebody waits for end as preempted."""
+        """Stop time in `run`; steps that a client waits for end as preempted."""
         self._stepping.paused = True
         self.cancel_steps()
 
     def resume(self) -> None:
-        """Let time pass again."""
+        """Let time pass again in `run`."""
         self._stepping.paused = False
         self.pacer.restart()
 
-    def step(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> None:
-        """Let that many ticks pass and no more, after those asked for before.
+    def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> Callable[[], None]:
+        """Let `run` do that many ticks and no more, after those asked for before.
 
         Args:
-            ended: called with the status when their data is handed to the network.
+            ended: called with the status when the data of the last tick is handed to the network.
+
+        Returns:
+            What cancels these ticks.
         """
+        for manager in self.context.stream_managers.values():
+            manager.drain()
         self._stepping.paused = True
-        self._stepping.add(ticks, ended)
+        return self._stepping.add(ticks, ended)
 
     def cancel_steps(self) -> None:
         """Do no more of the ticks that were asked for."""
         self._stepping.end(status.PREEMPTED)
+
+    # -- what comes in ---------------------------------------------------------------------
+
+    @property
+    def journal(self) -> Journal:
+        """Everything that comes in from outside."""
+        return self.context.journal
+
+    def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
+        """What a person does at the live view, from the next tick on; see `morse.core.context.Controls`."""
+        controls = Controls(keys, axes, robot)
+        if controls != self.context.controls:
+            self.context.controls = controls
+            self.journal.note(CONTROLS, "", (sorted(keys), list(axes), robot))
+
+    def record_inputs(self) -> InputRecorder:
+        """Record everything that comes in from now on; see `replay`."""
+        return InputRecorder(self)
+
+    def replay(self, recording: InputRecording, each_tick: Callable[[], object] | None = None) -> None:
+        """Run again what was recorded, from the beginning of the recording to its end: the same to the bit.
+
+        Args:
+            recording: of a simulation of the same scene.
+            each_tick: called after every tick.
+
+        Raises:
+            StateError: the recording belongs to another scene.
+        """
+        self._check_open()
+        Replay(self, recording).run(each_tick)
+
+    # -- those who look on -----------------------------------------------------------------
+
+    @property
+    def observers(self) -> list[Observer]:
+        """Who looks on: append an observer to have it told of every tick."""
+        return self._ticker.observers
+
+    @property
+    def before_physics(self) -> list[Callable[[], object]]:
+        """Called in every tick after the actuators and before the physics."""
+        return self._ticker.before_physics
+
+    def viewpoint_changed(self) -> None:
+        """The camera of the scene was moved by a service."""
+        for observer in self.observers:
+            observer.viewpoint_changed()
+
+    def show(self, height: int = 480) -> Any:
+        """The live view in a frame; a notebook shows the frame where it is the value of a cell.
+
+        Args:
+            height: pixels.
+
+        Raises:
+            RuntimeError: the simulation was not loaded with ``view="web"``, or is closed.
+        """
+        self._check_open()
+        show = getattr(self.view, "show", None)
+        if show is None:
+            raise RuntimeError("there is no page to show: load the simulation with view='web'")
+        return show(height)
+
+    # -- state -----------------------------------------------------------------------------
 
     def seed(self) -> int:
         """The seed of all random numbers."""
         return self.context.seed
 
     def state_hash(self) -> str:
-        """See `morse.simulation.digest.state_hash`."""
-        return state_hash(self.context)
+        """SHA-256 of all that determines the future; of two simulations with equal ones, the futures are equal."""
+        self._check_open()
+        return self._saving.save().hash()
 
-    def run(self) -> None:
-        """Tick until told to stop, or until the duration asked for has passed."""
-        self.pacer.restart()
-        clock, pacer, network = self.clock, self.pacer, self.context.network
-        last = math.inf if self.duration is None else round(self.duration * clock.frequency)
-        try:
-            while not self._stop:
-                if self._stepping.halted:
-                    self._wait_paused()
-                    continue
-                if not self.tick():
-                    continue
-                self._stepping.count()
-                if clock.tick >= last:
-                    break
-                network.tend()
-                if not self.paused:
-                    pacer.wait()
-                    if pacer.lost:
-                        self._diagnose()
-        except UnstableError as error:
-            self._stepping.end(status.FAILED, str(error))
-            raise
-        finally:
-            network.give_back()
+    def save(self, path: str | os.PathLike[str] | None = None) -> State:
+        """All that determines the future, to be restored later, here or in another simulation of the same scene.
 
-    def _wait_paused(self) -> None:
-        """No time passes: carry out what clients and pages ask for, and wait for more."""
-        if self.view is not None:
-            self.view.before_tick()
-        self.context.services.process()
-        if self.view is not None:
-            self.view.after_tick()
-        if self._stepping.halted and not self._stop:
-            self.context.wait(self.clock.period)
-            self.pacer.restart()
+        Args:
+            path: also write it to this file.
 
-    def _diagnose(self) -> None:
-        """The simulation is too slow: find out why, and say so from time to time."""
-        measured = self.profile or self._diagnosis
-        if measured is None:
-            self._diagnosis = Profile()
-            return
-        if measured.ticks < _DIAGNOSIS:
-            return
-        lost = self.pacer.report_due()
-        if not lost:
-            return
-        name, cost = measured.costliest()
-        self._diagnosis = None
-        logger.warning(
-            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (asked for %.2f); "
-            "most time goes to %s: %.1f ms a tick of %.1f ms",
-            lost,
-            self.pacer.real_time_factor,
-            self.pacer.speed,
-            name,
-            cost * 1e3,
-            self.clock.period / self.pacer.speed * 1e3,
-        )
-        self._slow = True
-        if self.view is not None:
-            self.view.report_pace(lost, name, cost * 1e3)
+        Raises:
+            OSError: the file cannot be written.
+        """
+        self._check_open()
+        state = self._saving.save()
+        if path is not None:
+            state.write(path)
+        return state
 
-    def _recovered(self) -> None:
-        self._slow = False
-        if self.view is not None:
-            self.view.report_pace(0.0)
+    def restore(self, state: State | str | os.PathLike[str]) -> None:
+        """Go on from a state that `save` gave, or from a file; services that are under way end as preempted.
 
-    def tick(self) -> bool:
-        """One tick: input, services, actuators, physics, sensors, output.
+        Raises:
+            StateError: it is damaged, or belongs to another scene; nothing has changed then.
+            OSError: the file cannot be read.
+        """
+        if not isinstance(state, State):
+            state = State.read(state)
+        self._check_open()
+        self.journal.note(RESTORE, "", state)
+        with acting(self.context):
+            self._saving.restore(state, self._end_services)
+            for obj in self.context.service_objects:
+                if obj.get_state() is None:
+                    obj.restart()
+        for observer in self.observers:
+            observer.rearranged()
+        self._loop.restarted()
+
+    def _end_services(self) -> None:
+        """What clients wait for ends as preempted."""
+        self.context.services.preempt(self.context.service_objects)
+        self.cancel_steps()
+
+    # -- coming and going ------------------------------------------------------------------
+
+    def spawn(
+        self,
+        name: str,
+        kind: str | Callable[[], Any],
+        position: Sequence[float] = (0.0, 0.0, 0.0),
+        rotation: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> Any:
+        """Let a robot or a thing come into the scene, between two ticks.
+
+        Args:
+            name: of the new one; no object of the scene has it.
+            kind: the name of a robot of `morse.builder` or of a model such as ``props/crates``; or a function that
+                returns a component of `morse.builder`: a robot with sensors and actuators, for example.
+            position: metres in the world.
+            rotation: roll, pitch, yaw, radians.
 
         Returns:
-            False if the input has stopped time, so that none passed.
+            The handle of a robot; None for a thing.
+
+        Raises:
+            MorseBuilderError: the name is taken, or there is no such kind.
+            LoadError: a component cannot be made.
+            ValueError: the engine refuses its shape.
         """
-        context, clock = self.context, self.clock
-        profile = self.profile or self._diagnosis
-        if profile is not None:
-            profile.begin()
-        if self.view is not None:
-            self.view.before_tick()
-        if profile is not None:
-            profile.mark("view input")
-        for manager in self._managers:
-            manager.action()
-        clock.observe()
-        if profile is not None:
-            profile.mark("streams in")
-        for obj in context.service_objects.values():
-            obj.action()
-        context.services.process()
-        if profile is not None:
-            profile.mark("services")
-        if self._stepping.halted:
-            # paused, or started anew while paused: what somebody reads or does next is to find that very state
-            return False
-        due = clock.tick
-        self._act(self._robots, profile)
-        self._act(self._actuators.due(due), profile)
-        if profile is not None:
-            profile.mark("actuators")
-        self.world.step()
-        clock.advance()
-        if profile is not None:
-            profile.mark("physics")
-        for robot in self._robots:
-            robot.update_pose()
-        self._cast_rays(due)
-        if profile is not None:
-            profile.mark("rays")
-        self._act(self._sensors.due(due), profile)
-        for realism in self._delayed:
-            realism.release()
-        if profile is not None:
-            profile.mark("sensors")
-        for manager in self._managers:
-            manager.flush()
-        if profile is not None:
-            profile.mark("streams out")
-        if self.view is not None:
-            self.view.after_tick()
-        if profile is not None:
-            profile.mark("view output")
-        return True
+        self._check_open()
+        check_newcomer(name, kind, position, rotation)
+        self.journal.note(SPAWN, name, (kind, list(position), list(rotation)))
+        self.population.spawn(name, kind, position, rotation)
+        return self._all_handles().get(normalized(name))
 
-    def _cast_rays(self, tick: int) -> None:
-        """Cast the rays of all sensors that are due in one go; that costs little more than one of them alone."""
-        bundles = [sensor.rays for sensor in self._with_rays.due(tick) if sensor.active]
-        if bundles:
-            self.world.rays.cast(bundles)
+    def delete(self, name: str) -> None:
+        """Let a robot or a thing go, with all that is part of it.
 
-    def _act(self, components: Sequence[Object], profile: Profile | None) -> None:
-        sensor_profile = self.sensor_profile
-        unmeasured = profile is None and sensor_profile is None
-        for component in components:
-            try:
-                if unmeasured:
-                    component.action()
-                else:
-                    begin = perf_counter()
-                    component.action()
-                    end = perf_counter()
-                    for one in (profile, sensor_profile):
-                        if one is not None:
-                            one.component(component.name(), begin, end)
-            except Exception as error:
-                component.active = False
-                logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
+        Raises:
+            MorseBuilderError: there is none of that name, or it is part of another.
+        """
+        self._check_open()
+        self.journal.note(DELETE, name, None)
+        self.population.delete(name)
 
     def restart(self, seed: int | None = None) -> None:
         """Everything as after the launch, with that seed or the present one; not while components act.
@@ -333,66 +390,91 @@ class Simulation:
         Raises:
             LoadError: a component cannot be made again; the simulation ends.
         """
+        self._check_open()
+        self.journal.note(RESET, "", seed)
         if seed is not None:
             self.context.seed = seed
-        self.context.services.preempt(self.context.service_objects.values())
-        self.cancel_steps()
-        self.finalize_components()
-        self.world.reset()
-        self.clock.restart()
-        for obj in self.context.service_objects.values():
-            obj.restart()
-        try:
-            self._make_components()
-        except LoadError:
-            self.failed = True
-            self.stop()
-            raise
-        if self.view is not None:
-            self.view.restarted()
-        self.pacer.restart()
-
-    def _viewpoint_changed(self) -> None:
-        if self.view is not None:
-            self.view.viewpoint_changed()
+        with acting(self.context):
+            self._end_services()
+            self.finalize_components()
+            self.population.go_back()
+            self.world.reset()
+            self.clock.restart()
+            for obj in self.context.service_objects:
+                obj.restart()
+            try:
+                with self.scene.project:
+                    self._make_components()
+            except LoadError:
+                self.failed = True
+                self.stop()
+                raise
+        self.components_changed()
+        for observer in self.observers:
+            observer.restarted()
+        self._loop.restarted()
 
     # -- the end ---------------------------------------------------------------------------
 
     def finalize_components(self) -> None:
-        """Tell the components and modifiers that it is over."""
+        """Tell the components and modifiers that the simulation is over."""
         loaded, self.loaded = self.loaded, Loaded()
         overlays = list(self.context.overlays.values())
         self.context.overlays.clear()
         for part in [*overlays, *loaded.actuators, *loaded.sensors, *loaded.robots, *loaded.modifier_objects]:
-            try:
-                part.finalize()
-            except Exception as error:
-                logger.error("%s failed at the end: %s", part, describe(error))
+            self.finalize_one(part)
+
+    @staticmethod
+    def finalize_one(part: Any) -> None:
+        """Tell a component, a modifier or an overlay that its time is over."""
+        try:
+            part.finalize()
+        except Exception as error:
+            logger.error("%s failed at the end: %s", part, describe(error))
 
     def finalize_services(self) -> None:
         """Stop the request managers."""
         self.context.services.finalize()
 
-    def finalize_streams(self) -> None:
-        """Stop the stream managers."""
-        for manager in self.context.stream_managers.values():
-            manager.finalize()
+    def finalize_observers(self) -> None:
+        """Tell those who look on that the simulation is over: streams are sent and closed, the view ends."""
+        for observer in self.observers:
+            try:
+                observer.close()
+            except Exception as error:
+                logger.error("%s failed at the end: %s", type(observer).__name__, describe(error))
+
+    def end(self) -> None:
+        """Stop the network, after all else."""
+        self.finished = True
+        if self.context.network is not None:
+            self.context.network.stop()
+        forget(self.context)
 
     def close(self) -> None:
-        """Stop the view and the network."""
-        if self.view is not None:
-            self.view.close()
-        self.context.network.stop()
-        _context.set_current(None)
+        """End the simulation, and release what it has taken; a closed one may be closed again."""
+        if self.finished:
+            return
+        self._time.take_over(self.context.wake)
+        with acting(self.context):
+            self.finalize_components()
+            self.finalize_services()
+        self.finalize_observers()
+        self.end()
 
-    def shut_down(self) -> None:
-        """All of the end, without saying so."""
-        self.finalize_components()
-        self.finalize_services()
-        self.finalize_streams()
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
 
-def _phase(component: Object) -> float:
-    realism = getattr(component, "realism", None)
-    return realism.phase if isinstance(realism, Realism) else 0.0
+def _network(options: RunOptions) -> Any:
+    if not options.sockets and options.view != "web":
+        return None
+    # not before it is needed: it brings asyncio
+    from morse.core.network import Network
+
+    return Network()

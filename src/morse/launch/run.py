@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import os
 import platform
@@ -13,7 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseError
-from morse.core.log import endsection, section
+from morse.core.log import endsection, section, set_level
+from morse.core.project_imports import ProjectImports
 from morse.simulation.faults import describe
 from morse.simulation.summary import summary
 from morse.version import __version__
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
+    from morse.simulation.profile import Profile
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
@@ -67,11 +70,16 @@ def _load_scene(options: RunOptions) -> Scene | None:
     from morse.builder.script import ScriptError, load_scene
 
     try:
-        return load_scene(options)
+        scene = load_scene(options)
     except ScriptError as error:
         _error(error.report())
     except MorseError as error:
         _error(str(error))
+    else:
+        if isinstance(scene.project, ProjectImports):
+            # the process runs this simulation alone
+            scene.project.stay()
+        return scene
     return None
 
 
@@ -92,17 +100,15 @@ def _interruption_held_back() -> Iterator[list[int]]:
 
 def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     with _interruption_held_back() as pressed:
-        from morse.assets.collision import resolve_shapes
+        from morse.launch.load import complete, resolve
         from morse.simulation.simulation import Simulation
-        from morse.simulation.viewing import open_view
     if pressed:
         raise KeyboardInterrupt
     for name, level in scene.log_levels.items():
-        logging.getLogger(f"morse.{name}").setLevel(level)
+        set_level(name, level)
     try:
         section("SUPERVISION SERVICES INITIALIZATION")
-        for warning in resolve_shapes(scene):
-            logger.warning("%s", warning)
+        resolve(scene)
         with _interruption_held_back() as pressed:
             simulation = Simulation(scene, options)
     except (MorseError, ValueError, OSError) as error:
@@ -114,8 +120,7 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     endsection("SUPERVISION SERVICES INITIALIZED")
     try:
         section("SCENE INITIALIZATION")
-        simulation.load()
-        simulation.view = open_view(simulation)
+        complete(simulation)
     except (MorseError, ValueError, OSError) as error:
         _failed(error)
         _finish(simulation)
@@ -149,8 +154,11 @@ def _loop(simulation: Simulation) -> int:
     from morse.simulation.profile_table import LiveProfile
 
     live = LiveProfile(simulation.profile) if simulation.profile is not None else None
+    # what exists now stays to the end: the garbage collector need not look through it again and again
+    gc.collect()
+    gc.freeze()
     try:
-        simulation.run()
+        simulation.run(simulation.options.duration)
     except UnstableError as error:
         _error(f"tick {simulation.clock.tick + 1}: {error}")
         return 1
@@ -161,22 +169,30 @@ def _loop(simulation: Simulation) -> int:
     finally:
         if live is not None and simulation.profile is not None:
             live.close()
-            simulation.profile.write_trace(_TRACE)
-            logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", _TRACE.resolve())
+            _write_trace(simulation.profile)
     return 1 if simulation.failed else 0
+
+
+def _write_trace(profile: Profile) -> None:
+    path = _TRACE.absolute()
+    try:
+        profile.write_trace(path)
+    except OSError as error:
+        logger.warning("the profile cannot be written to %s: %s", path, error.strerror or error)
+    else:
+        logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", path)
 
 
 def _finish(simulation: Simulation | None) -> None:
     if simulation is None or simulation.finished:
         return
-    simulation.finished = True
     section("COMPONENTS FINALIZATION")
     simulation.finalize_components()
     section("CLOSING REQUEST MANAGERS...")
     simulation.finalize_services()
     section("CLOSING DATASTREAMS...")
-    simulation.finalize_streams()
+    simulation.finalize_observers()
     section("CLOSING OVERLAYS...")
-    simulation.close()
+    simulation.end()
     section("EXITING SIMULATION")
     sys.stdout.flush()

@@ -1,0 +1,153 @@
+"""``morse.load``: from a scene to a simulation, in this process."""
+
+from __future__ import annotations
+
+import logging
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.scene import Scene
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger("morse.main")
+
+
+def load(
+    scene: str | os.PathLike[str] | Callable[[], Any] | Scene,
+    *,
+    seed: int | None = None,
+    sockets: bool = False,
+    view: str | None = None,
+    strict: bool = False,
+    arguments: Sequence[str] = (),
+    speed: float | None = None,
+    host: str = "127.0.0.1",
+    view_port: int = 0,
+    view_token: str | None = None,
+    watch: bool = False,
+) -> Simulation:
+    """Load a scene. Time passes when `Simulation.step` or `Simulation.run` is called.
+
+    Nothing of the process is changed: the modules of the scene's project, ``sys.path`` and ``sys.argv`` are private to
+    the simulation. Without ``sockets`` and ``view`` there is neither a thread nor a socket.
+
+    Args:
+        scene: path of a scene script or of a model of an environment, a function that builds a scene, or a `Scene`.
+        seed: of all random numbers; None for what the scene says.
+        sockets: open the middlewares that the scene names, and the services on the socket.
+        view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for neither.
+        strict: an unknown or ill-typed field in a message of a client is an error.
+        arguments: ``sys.argv[1:]`` of a scene script.
+        speed: of `Simulation.run`, simulated seconds a second; ``math.inf`` for as fast as possible.
+        host: address on which every server listens.
+        view_port: of the live view; 0 for any free port.
+        view_token: what a browser on another host has to show.
+        watch: follow the models and the components of the project that are saved while the simulation runs; this
+            takes a thread.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ScriptError: whatever is wrong with the scene script; the message names the line.
+        LoadError: a component cannot be made.
+        ValueError: the physics of the scene cannot be compiled.
+    """
+    options = RunOptions(
+        arguments=list(arguments),
+        sockets=sockets,
+        view=view or "none",
+        host=host,
+        view_port=view_port,
+        view_token=view_token,
+        open_browser=False,
+        speed=speed,
+        seed=seed,
+        strict=strict,
+        watch=watch,
+    )
+    simulation = start(described(scene, options), options)
+    if simulation.view is not None:
+        simulation.view.announce()
+    return simulation
+
+
+def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options: RunOptions) -> Scene:
+    """The scene that is meant; a `Scene` is copied, since simulations change theirs.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ScriptError: whatever is wrong with the scene script.
+        TypeError: it is none of the things that describe a scene.
+    """
+    if isinstance(scene, Scene):
+        return scene.copy()
+    from morse.builder.script import build, load_scene
+
+    if callable(scene):
+        return build(scene, f"the function {getattr(scene, '__qualname__', scene)}")
+    if not isinstance(scene, (str, os.PathLike)):
+        raise TypeError(f"a scene is a path, a function that builds a scene, or a morse.scene.Scene, not {scene!r:.80}")
+    script = Path(scene).absolute()
+    if not script.is_file():
+        raise FileNotFoundError(f"there is no scene script {script}")
+    options.script = str(script)
+    for folder, paths in (("src", options.source_paths), ("data", options.resource_paths)):
+        if not paths and (script.parent / folder).is_dir():
+            paths.append(str(script.parent / folder))
+    return load_scene(options)
+
+
+def start(scene: Scene, options: RunOptions) -> Simulation:
+    """A simulation of a scene, ready to run.
+
+    Raises:
+        LoadError: a component cannot be made.
+        ValueError: the physics of the scene cannot be compiled.
+        OSError: a port cannot be had.
+    """
+    from morse.simulation.simulation import Simulation
+
+    resolve(scene)
+    simulation = Simulation(scene, options)
+    try:
+        complete(simulation)
+    except BaseException:
+        simulation.close()
+        raise
+    return simulation
+
+
+def resolve(scene: Scene) -> None:
+    """Work out the shapes with which the objects of a scene collide; what cannot be done is logged."""
+    from morse.assets.collision import resolve_shapes
+
+    for warning in resolve_shapes(scene):
+        logger.warning("%s", warning)
+
+
+def complete(simulation: Simulation) -> None:
+    """Make the components, open the live view and watch the files, as the options ask for.
+
+    Raises:
+        LoadError: a component cannot be made.
+        OSError: the live view cannot be opened.
+    """
+    from morse.physics.overlaps import overlaps
+
+    simulation.load()
+    if overlapping := overlaps(simulation.context.world):
+        logger.warning("%s", overlapping)
+    if simulation.options.view != "none":
+        from morse.viewer.opening import open_view
+
+        simulation.view = open_view(simulation)
+        simulation.observers.append(simulation.view)
+    if simulation.options.watch:
+        from morse.simulation.watching.watch import Watch
+
+        simulation.observers.append(Watch(simulation))

@@ -1,0 +1,66 @@
+"""Finds out why a simulation cannot keep up with the wall clock."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from morse.simulation.profile import Profile
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: ticks that are measured before anything is said
+TICKS = 60
+#: a simulation that gets less than that share of one processor shares the machine with other programs
+_ALONE = 0.75
+#: ticks that take less than that share of the time they have are not what is slow
+_FITS = 0.8
+#: a part of the tick that takes at least that share of it is a cause
+_CAUSE = 0.3
+
+
+class Diagnosis:
+    """Watches some ticks of a simulation that falls behind.
+
+    Args:
+        profile: measures the simulation anyway, or None.
+
+    Attributes:
+        profile: where the time of the ticks goes.
+    """
+
+    def __init__(
+        self,
+        profile: Profile | None = None,
+        wall: Callable[[], float] = time.perf_counter,
+        processor: Callable[[], float] = time.process_time,
+    ) -> None:
+        self.profile = profile or Profile()
+        self._clocks = (wall, processor)
+        self._began = (wall(), processor())
+        self._before = (self.profile.ticks, self.profile.total)
+
+    @property
+    def done(self) -> bool:
+        """Whether enough ticks were seen."""
+        return self.profile.ticks - self._before[0] >= TICKS
+
+    def cause(self, budget: float) -> str:
+        """Why it is slow, as a clause for people; empty if no single cause stands out.
+
+        Args:
+            budget: wall-clock seconds that a tick may take.
+        """
+        ticks, total = self._before
+        tick = (self.profile.total - total) / max(self.profile.ticks - ticks, 1)
+        of_budget = f"of the {budget * 1e3:.1f} ms that it may take"
+        if tick < _FITS * budget:
+            return f"the machine is busy with something else: a tick takes {tick * 1e3:.1f} ms {of_budget}"
+        wall, processor = (clock() - began for clock, began in zip(self._clocks, self._began, strict=True))
+        if processor < _ALONE * wall:
+            return f"the machine is busy with other programs: MORSE gets {100 * processor / wall:.0f} % of a processor"
+        name, cost = self.profile.costliest()
+        if cost < _CAUSE * tick:
+            return ""
+        return f"most time goes to {name}: {cost * 1e3:.1f} ms a tick {of_budget}"

@@ -1,0 +1,136 @@
+"""The result of a service that was called from within the process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.clock import Clock
+    from morse.core.request_manager import Outcome
+
+
+def _nothing() -> None:
+    """Nothing runs that could be aborted."""
+
+
+class LocalFuture:
+    """The result of a service call, with the words of `pymorse.MorseFuture`.
+
+    Most services are done at once. Of one that goes on over several ticks, `result` lets the simulation run until it
+    has ended; comparing the future does so, too.
+
+    Attributes:
+        abort: interrupts the service.
+    """
+
+    def __init__(self, tick: Callable[[], object], clock: Clock, failed: Callable[[BaseException], object]) -> None:
+        self._tick = tick
+        self._failed = failed
+        self._clock = clock
+        self._outcome: Outcome | None = None
+        self._callbacks: list[Callable[[LocalFuture], object]] = []
+        self.abort: Callable[[], object] = _nothing
+
+    def finish(self, outcome: Outcome) -> None:
+        """The service has ended."""
+        self._outcome = outcome
+        callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            try:
+                callback(self)
+            except Exception as error:
+                # it is the caller's mistake, not that of the component whose service ends
+                self._failed(error)
+
+    def done(self) -> bool:
+        """Whether the service has ended."""
+        return self._outcome is not None
+
+    def running(self) -> bool:
+        """Whether the service goes on."""
+        return self._outcome is None
+
+    def cancel(self) -> bool:
+        """Interrupt the service; True if it was not over yet."""
+        if self.done():
+            return False
+        self.abort()
+        return True
+
+    def cancelled(self) -> bool:
+        """Whether the service was cancelled or interrupted."""
+        return self._outcome is not None and self._outcome[0] == status.PREEMPTED
+
+    def result(self, timeout: float | None = None) -> Any:
+        """The result; until the service has ended, time passes.
+
+        Args:
+            timeout: simulated seconds to wait at most; None for as long as it takes.
+
+        Raises:
+            pymorse.MorseServiceFailed: the service failed.
+            pymorse.MorseServicePreempted: it was cancelled or interrupted.
+            TimeoutError: it takes longer than ``timeout``; the service goes on.
+        """
+        error = self.exception(timeout)
+        if error is not None:
+            raise error
+        assert self._outcome is not None
+        return self._outcome[1]
+
+    def exception(self, timeout: float | None = None) -> BaseException | None:
+        """The exception that `result` would raise, or None.
+
+        Raises:
+            TimeoutError: the service takes longer than ``timeout``.
+        """
+        last = None if timeout is None else self._clock.tick + timeout * self._clock.frequency
+        while self._outcome is None:
+            if last is not None and self._clock.tick >= last:
+                raise TimeoutError("the service has not ended yet")
+            self._tick()
+        state, value = self._outcome
+        if state == status.SUCCESS:
+            return None
+        from pymorse.errors import MorseServiceFailed, MorseServicePreempted
+
+        return MorseServicePreempted(value) if state == status.PREEMPTED else MorseServiceFailed(value)
+
+    def add_done_callback(self, fn: Callable[[LocalFuture], object]) -> None:
+        """Have ``fn(future)`` called when the service ends, at once if it has ended."""
+        if self.done():
+            fn(self)
+        else:
+            self._callbacks.append(fn)
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.result() == _value(other))
+
+    def __ne__(self, other: object) -> bool:
+        return bool(self.result() != _value(other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.result() < _value(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.result() <= _value(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.result() > _value(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.result() >= _value(other))
+
+    # a future is what it is, whatever it compares equal to: it is kept in sets and dictionaries
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return repr(self.result()) if self.done() else "<a service that goes on>"
+
+
+def _value(other: Any) -> Any:
+    return other.result() if isinstance(other, LocalFuture) else other

@@ -1,0 +1,195 @@
+"""Robots and components as those see them who simulate within their own process.
+
+The words are those of `pymorse`: a test may run against a simulation in the process or over sockets.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.simulation.component_handles import ComponentHandle, RobotHandle, component_handles
+from morse.simulation.local_requests import LocalRequests
+
+if TYPE_CHECKING:
+    from morse.core.clock import Clock
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.simulation.futures import LocalFuture
+
+logger = logging.getLogger(__name__)
+
+
+class Handles:
+    """The part of `morse.simulation.simulation.Simulation` that has the words of `pymorse.Morse`."""
+
+    context: Context
+    clock: Clock
+    finished: bool
+
+    def __init__(self) -> None:
+        self._requests = LocalRequests(self.context, self.step, self.callback_failed)
+        self.context.services.add_internal(self._requests)
+        self._handles: dict[str, Any] | None = None
+        self._taken: set[str] = set()
+        self._by_full_name: dict[str, ComponentHandle] = {}
+        self._failure: BaseException | None = None
+
+    def step(self, ticks: int = 1) -> None:
+        """Let that many ticks pass."""
+        raise NotImplementedError
+
+    def stop(self) -> None:
+        """End a run after this tick."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """End the simulation."""
+        raise NotImplementedError
+
+    def _check_open(self) -> None:
+        if self.finished:
+            raise RuntimeError("this simulation is closed: load the scene again")
+
+    def restart(self, seed: int | None = None) -> None:
+        """Start anew."""
+        raise NotImplementedError
+
+    # -- robots ----------------------------------------------------------------------------
+
+    @property
+    def robots(self) -> list[str]:
+        """The names of the robots, as attributes have them."""
+        return [name for name, handle in self._all_handles().items() if isinstance(handle, RobotHandle)]
+
+    def _all_handles(self) -> dict[str, Any]:
+        if self._handles is None:
+            self._handles = component_handles(self, self._by_full_name)
+            for name in self._handles:
+                if (hasattr(type(self), name) or name in vars(self)) and name not in self._taken:
+                    self._taken.add(name)
+                    logger.warning("the name '%s' is taken: reach the robot as simulation[%r]", name, name)
+        return self._handles
+
+    def components_changed(self) -> None:
+        """Robots have come or gone, or the components are new ones."""
+        self._handles = None
+        for handle in list(self._by_full_name.values()):
+            handle.listen_again()
+
+    def callback_failed(self, error: BaseException) -> None:
+        """A function that the process had called failed: time stops after this tick, and `step` or `run` raises it."""
+        self._failure = self._failure or error
+        self.stop()
+
+    def _raise_failure(self) -> None:
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+    def component_replaced(self, before: Object, after: Object) -> None:
+        """A component has come in the place of another one: whoever listened goes on listening."""
+        waiting = [handle for handle in (self._handles or {}).values() if isinstance(handle, ComponentHandle)]
+        while waiting:
+            handle = waiting.pop()
+            handle.replaced(before, after)
+            waiting += handle.parts.values()
+
+    def __getitem__(self, name: str) -> Any:
+        """The robot of that name; ``<name>s`` for a list of robots that a loop of the scene made.
+
+        Raises:
+            KeyError: there is none.
+        """
+        handles = self._all_handles()
+        if name not in handles:
+            raise KeyError(_no_robot(name, list(handles)))
+        return handles[name]
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(f"a simulation has no attribute '{name}'")
+        handles = self._all_handles()
+        if name not in handles:
+            raise AttributeError(_no_robot(name, list(handles)))
+        return handles[name]
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._all_handles()]
+
+    # -- services --------------------------------------------------------------------------
+
+    def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
+        """Call a service, and go on; the future has the result.
+
+        Raises:
+            TypeError: wrong number of arguments.
+            pymorse.MorseServiceFailed: no such service, wrong arguments, or the service failed at once.
+        """
+        self._check_open()
+        return self._requests.call(component, service, *arguments)
+
+    def rpc(self, component: str, service: str, *arguments: Any) -> Any:
+        """Call a service, and return its result; time passes until there is one."""
+        return self.call(component, service, *arguments).result()
+
+    def rpc_t(self, timeout: float | None, component: str, service: str, *arguments: Any) -> Any:
+        """Call a service, and return its result.
+
+        Raises:
+            TimeoutError: there is none after ``timeout`` simulated seconds; the service goes on.
+        """
+        return self.call(component, service, *arguments).result(timeout)
+
+    def cancel(self, future: LocalFuture) -> None:
+        """Interrupt a service that goes on."""
+        future.cancel()
+
+    def activate(self, component: str | ComponentHandle) -> None:
+        """Let a component act, given its full name."""
+        self.rpc("simulation", "activate", getattr(component, "fqn", component))
+
+    def deactivate(self, component: str | ComponentHandle) -> None:
+        """Stop a component from acting, given its full name."""
+        self.rpc("simulation", "deactivate", getattr(component, "fqn", component))
+
+    def streams(self) -> list[str]:
+        """The names of the components that the scene gives a stream."""
+        return [c.name for c in self.context.scene.components if c.streams]
+
+    # -- time and life ---------------------------------------------------------------------
+
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.clock.time
+
+    @property
+    def ticks(self) -> int:
+        """Number of ticks done since the start."""
+        return self.clock.tick
+
+    def sleep(self, time: float) -> None:
+        """Let ``time`` simulated seconds pass."""
+        self.step(max(0, math.ceil(time * self.clock.frequency - 1e-9)))
+
+    def reset(self, seed: int | None = None) -> None:
+        """Put every object back to where it was at the start; with a seed, start all anew with it."""
+        if seed is None:
+            self.rpc("simulation", "reset_objects")
+        else:
+            self.restart(seed)
+
+    def is_up(self) -> bool:
+        """Whether it was not closed yet."""
+        return not self.finished
+
+    def quit(self) -> None:
+        """End the simulation."""
+        self.close()
+
+
+def _no_robot(name: str, known: list[str]) -> str:
+    from morse.core.hints import nearest
+
+    return f"no robot '{name}' in the simulation{nearest(name, known)}"

@@ -1,0 +1,161 @@
+"""The inputs of a run, kept in memory or in a file."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from morse.core.journal import COMMAND, RESTORE, SPAWN, Entry
+from morse.core.state import Reader, StateError, Writer
+from morse.simulation.own_state import InputsState
+from morse.simulation.state import State
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from morse.simulation.running import Running
+
+_HEAD = b"MORSE inputs 1\n"
+#: bytes of a file
+_LARGEST = 4 << 30
+_encoder = msgspec.msgpack.Encoder()
+
+
+@dataclass(slots=True)
+class InputRecording:
+    """All that came into a simulation: with the scene, that determines the run to the bit.
+
+    Attributes:
+        seed: of the random numbers when the recording began.
+        start: the state when the recording began; None for the beginning of the simulation.
+        last: number of the last tick (counted since the last reset).
+        entries: the inputs in their order.
+        waiting: commands that were given, and that their actuators, which were not active, have not taken by the end.
+    """
+
+    seed: int = 0
+    start: State | None = None
+    last: int = 0
+    entries: list[Entry] = field(default_factory=list)
+    waiting: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """Write a file.
+
+        Raises:
+            OSError: the file cannot be written.
+            ValueError: a robot was spawned by a function of the process, which a file cannot hold.
+        """
+        start = None if self.start is None else self.start.to_bytes()
+        head = [self.seed, start, self.last, Writer(_NoReferences()).value(self.waiting)]
+        content = _HEAD + _encoder.encode([head, [_packed(entry) for entry in self.entries]])
+        target = Path(path)
+        temporary = target.with_name(f".{target.name}.{os.getpid()}")
+        try:
+            temporary.write_bytes(content)
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> InputRecording:
+        """Read a file.
+
+        Raises:
+            OSError: the file cannot be read.
+            StateError: it holds no recording, or is damaged.
+        """
+        file = Path(path)
+        if file.stat().st_size > _LARGEST:
+            raise StateError(f"{file} is larger than any recording of inputs")
+        content = file.read_bytes()
+        if not content.startswith(_HEAD):
+            raise StateError(f"{file} is no recording of inputs, or one of another version")
+        try:
+            (seed, start, last, waiting), entries = msgspec.msgpack.decode(content[len(_HEAD) :], type=tuple[Any, Any])
+            state = None if start is None else State.from_bytes(start)
+            unread = Reader(_NoReferences()).value(waiting)
+            return cls(int(seed), state, int(last), [_unpacked(entry) for entry in entries], dict(unread))
+        except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
+            raise StateError(f"{file} is damaged: {error}") from None
+
+
+class InputRecorder:
+    """Records the inputs of a simulation from now on, until `stop` or the end of a ``with`` block.
+
+    Attributes:
+        recording: what has come in so far.
+    """
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+        start = simulation.save() if simulation.ticks else None
+        self.recording = InputRecording(simulation.seed(), start)
+        simulation.journal.sinks.append(self._take)
+
+    def _take(self, entry: Entry) -> None:
+        self.recording.entries.append(entry)
+
+    def stop(self) -> InputRecording:
+        """Record no longer."""
+        sinks = self._simulation.journal.sinks
+        if self._take in sinks:
+            sinks.remove(self._take)
+            self.recording.last = self._simulation.ticks
+            self.recording.waiting = InputsState(self._simulation).get_state()
+        return self.recording
+
+    def __enter__(self) -> InputRecording:
+        return self.recording
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
+
+
+class _NoReferences:
+    """Inputs come from outside: they refer to no part of the simulation."""
+
+    def name_of(self, value: Any) -> str | None:
+        return None
+
+    def find(self, name: str) -> Any:
+        raise StateError(f"an input cannot hold {name!r:.60}")
+
+    def find_class(self, path: str) -> type[Any] | None:
+        return None
+
+    def met_class(self, cls: type[Any]) -> None:
+        """No object of a class is an input."""
+
+    def global_name(self, value: Any) -> str | None:
+        return None
+
+    def find_global(self, name: str) -> Any:
+        raise StateError(f"an input cannot hold {name!r:.60}")
+
+
+def _packed(entry: Entry) -> list[Any]:
+    content: Any = entry.content
+    if entry.kind == RESTORE:
+        content = content.to_bytes()
+    elif entry.kind == SPAWN and not isinstance(content[0], str):
+        raise ValueError(f"'{entry.name}' was made by a function of this program, which a file cannot hold")
+    return [entry.tick, entry.kind, entry.name, Writer(_NoReferences()).value(content)]
+
+
+def _unpacked(packed: Any) -> Entry:
+    tick, kind, name, content = packed
+    if not (isinstance(kind, str) and isinstance(name, str)):
+        raise TypeError("an input has a kind and a name")
+    value = Reader(_NoReferences()).value(content)
+    if kind == RESTORE:
+        value = State.from_bytes(value)
+    if kind == COMMAND and not isinstance(value, dict):
+        raise TypeError("a command has fields")
+    return Entry(int(tick), kind, name, value)

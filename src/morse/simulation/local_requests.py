@@ -1,0 +1,117 @@
+"""Service calls from within the process."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.context import acting
+from morse.core.exceptions import MorseError, MorseRPCNbArgsError
+from morse.core.request_manager import OfferedService, Outcome, RequestManager
+from morse.simulation.futures import LocalFuture
+
+if TYPE_CHECKING:
+    import uuid
+    from collections.abc import Callable
+
+    from morse.core.abstractobject import AbstractObject
+    from morse.core.context import Context
+
+
+class LocalRequests(RequestManager):
+    """Offers every service of every component to the process; services are looked up when they are called.
+
+    Args:
+        tick: lets a tick pass, for who waits for the end of a service.
+        failed: told of errors in functions that wait for the end of a service.
+    """
+
+    title = "this simulation"
+
+    def __init__(self, context: Context, tick: Callable[[], object], failed: Callable[[BaseException], object]) -> None:
+        super().__init__(context)
+        self._context = context
+        self._tick = tick
+        self._failed = failed
+        self._found: dict[tuple[str, str], tuple[AbstractObject, OfferedService]] = {}
+        self._futures: dict[uuid.UUID, LocalFuture] = {}
+
+    def initialization(self) -> bool:
+        """Nothing to take."""
+        return True
+
+    def finalization(self) -> bool:
+        """Nothing to release."""
+        return True
+
+    def main(self) -> None:
+        """Requests do not wait for ticks."""
+
+    def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
+        """Call a service.
+
+        Raises:
+            TypeError: wrong number of arguments.
+            pymorse.MorseServiceFailed: no such service, wrong arguments, or the service failed.
+        """
+        with acting(self._context):
+            try:
+                done, outcome = self.on_incoming_request(component, service, list(arguments))
+            except MorseRPCNbArgsError as error:
+                raise TypeError(str(error)) from None
+            except Exception as error:
+                from pymorse.errors import MorseServiceFailed
+
+                text = str(error) if isinstance(error, MorseError) else f"{type(error).__name__}: {error}"
+                raise MorseServiceFailed(text) from error
+        future = LocalFuture(self._tick, self._context.clock, self._failed)
+        if done:
+            future.finish(outcome)
+        else:
+            self._futures[outcome] = future
+            future.abort = lambda: self._abort(outcome)
+            self.answer()  # it may have ended already
+        return future
+
+    def _abort(self, request_id: uuid.UUID) -> None:
+        with acting(self._context):
+            self.abort_request(request_id)
+            self.answer()
+
+    def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
+        super()._ended(request_id, outcome)
+        if request_id in self._futures:
+            self.answer()
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """A service has ended."""
+        future = self._futures.pop(request_id, None)
+        if future is not None:
+            future.finish(result)
+
+    # -- where services are ----------------------------------------------------------------
+
+    def find(self, component: str, service: str) -> OfferedService | None:
+        """The service of a component as it is now."""
+        owner, offered = self._found.get((component, service), (None, None))
+        if owner is not None and any(owner is obj for obj in self._objects(component)):
+            return offered
+        for obj in self._objects(component):
+            for declaration in obj.services():
+                if declaration.name == service:
+                    offered = OfferedService.of(getattr(obj, declaration.attribute), service, declaration.asynchronous)
+                    self._found[component, service] = obj, offered
+                    return offered
+        return None
+
+    def _objects(self, name: str) -> list[AbstractObject]:
+        component = self._context.component(name) or self._context.overlays.get(name)
+        return [component] if component is not None else [o for o in self._context.service_objects if o.name() == name]
+
+    def services(self) -> dict[str, list[str]]:
+        """The services by component."""
+        context = self._context
+        listing: dict[str, list[str]] = {}
+        everything = [*context.robots.items(), *context.components.items(), *context.overlays.items()]
+        for name, obj in [*everything, *((o.name(), o) for o in context.service_objects)]:
+            listing.setdefault(name, []).extend(declaration.name for declaration in obj.services())
+        return listing

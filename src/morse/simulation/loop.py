@@ -1,0 +1,137 @@
+"""Ticks until told to stop, in step with the wall clock."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING
+
+from morse.core import status
+from morse.physics import UnstableError
+from morse.simulation.diagnosis import Diagnosis
+from morse.simulation.pacing import Pacer
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.simulation.stepping import Stepping
+    from morse.simulation.ticking import Ticker
+
+logger = logging.getLogger(__name__)
+
+
+class Loop:
+    """Runs a simulation.
+
+    Attributes:
+        pacer: keeps simulated time and the wall clock together.
+        stopping: whether the simulation was told to end.
+    """
+
+    def __init__(self, context: Context, ticker: Ticker, stepping: Stepping, speed: float) -> None:
+        self._context, self._ticker, self._stepping = context, ticker, stepping
+        network = context.network
+        self.pacer = Pacer(context.clock.period, speed, *([network.give_back] if network is not None else []))
+        self.pacer.while_waiting = self._look_around
+        self.stopping = False
+        self._diagnosis: Diagnosis | None = None
+        self._slow = False
+
+    def stop(self) -> None:
+        """End the run after this tick; may be called from signal handlers."""
+        self.stopping = True
+        self.pacer.stop()
+
+    def go_on(self) -> None:
+        """What was to stop has stopped: time may pass again."""
+        self.stopping = False
+        self.pacer.start()
+
+    def run(self, last: float = math.inf) -> None:
+        """Tick until told to stop, or until that tick."""
+        self.pacer.restart()
+        clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
+        try:
+            while not self.stopping:
+                if stepping.halted:
+                    self._wait_paused()
+                    continue
+                if not self._ticker.tick():
+                    continue
+                stepping.count()
+                if clock.tick >= last:
+                    break
+                if network is not None:
+                    network.tend()
+                if not stepping.paused:
+                    pacer.wait()
+                    if pacer.lost:
+                        self._diagnose()
+                    elif self._slow and pacer.keeps_up:
+                        self._recovered()
+        except UnstableError as error:
+            stepping.end(status.FAILED, str(error))
+            raise
+        finally:
+            self.go_on()
+            if network is not None:
+                network.give_back()
+
+    def _wait_paused(self) -> None:
+        """No time passes: carry out what clients and pages ask for, and wait for more."""
+        self._ticker.look()
+        if self._stepping.halted and not self.stopping:
+            if self._context.network is None:
+                raise RuntimeError("the simulation is paused, and nothing could ever resume it: it has no clients")
+            self._context.wait(self._context.clock.period)
+            self.pacer.restart()
+
+    def _look_around(self) -> bool:
+        """Time goes slowly: clients and pages are served between ticks, too; False if they have stopped time."""
+        self._ticker.look()
+        return not self._stepping.paused
+
+    # -- too slow --------------------------------------------------------------------------
+
+    def restarted(self) -> None:
+        """Time starts anew: what was said of the pace holds no longer."""
+        self.pacer.restart()
+        self._recovered()
+
+    def _diagnose(self) -> None:
+        """The simulation is too slow: find out why, and say so from time to time."""
+        if self._diagnosis is None:
+            self._diagnosis = Diagnosis()
+            self._ticker.profiles.append(self._diagnosis.profile)
+            self._ticker.component_profiles.append(self._diagnosis.profile)
+            return
+        if not self._diagnosis.done:
+            return
+        lost = self.pacer.report_due()
+        if not lost:
+            return
+        cause = self._diagnosis.cause(self._context.clock.period / self.pacer.speed)
+        self._stop_measuring()
+        logger.warning(
+            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (asked for %.2f)%s",
+            lost,
+            self.pacer.real_time_factor,
+            self.pacer.speed,
+            f"; {cause}" if cause else "",
+        )
+        self._slow = True
+        for observer in self._ticker.observers:
+            observer.report_pace(lost, cause)
+
+    def _stop_measuring(self) -> None:
+        if self._diagnosis is not None:
+            self._ticker.profiles.remove(self._diagnosis.profile)
+            self._ticker.component_profiles.remove(self._diagnosis.profile)
+            self._diagnosis = None
+
+    def _recovered(self) -> None:
+        """The simulation keeps up again, or begins anew: what was said of its pace holds no longer."""
+        self._stop_measuring()
+        if self._slow:
+            for observer in self._ticker.observers:
+                observer.report_pace(0.0)
+        self._slow = False

@@ -1,0 +1,46 @@
+"""The services of the simulation itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.services.camera_services import ViewpointServices
+from morse.services.communication_services import CommunicationServices
+from morse.services.lockstep_services import LockstepServices
+from morse.services.population_services import PopulationServices
+from morse.services.pull_services import PullServices
+from morse.services.state_services import StateServices
+from morse.services.supervision_services import Supervision
+from morse.services.time_services import TimeServices
+from morse.simulation.loader import add_request_manager
+
+if TYPE_CHECKING:
+    from morse.core.abstractobject import AbstractObject
+    from morse.simulation.running import Running
+
+SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
+
+
+def offer_services(simulation: Running) -> None:
+    """Make the objects behind the services, and start the request managers that offer them, if any."""
+    context, scene = simulation.context, simulation.scene
+    managers = list(dict.fromkeys([SOCKET_REQUESTS, *scene.simulation_managers])) if simulation.options.sockets else []
+    for manager in managers:
+        add_request_manager(context, manager)
+    pull = PullServices(context)
+    simulation.before_physics.append(pull.apply)
+    objects: list[AbstractObject] = [
+        Supervision(context, simulation.stop),
+        LockstepServices(simulation),
+        StateServices(simulation),
+        PopulationServices(simulation),
+        ViewpointServices(scene.settings.view, simulation.viewpoint_changed),
+        pull,
+        TimeServices(context.clock, simulation.pacer.set_speed),
+        CommunicationServices(context),
+    ]
+    for obj in objects:
+        for manager in managers:
+            context.services.register_request_manager_mapping(obj.name(), manager)
+        context.services.register_object(obj.name(), obj)
+        context.service_objects.append(obj)

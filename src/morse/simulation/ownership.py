@@ -1,0 +1,85 @@
+"""Time passes in one thread at a time, in whole ticks."""
+
+from __future__ import annotations
+
+import inspect
+import signal
+import threading
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+#: without the enumerations that Python puts around them, which take longer than all else in a step
+_handle, _handler = inspect.unwrap(signal.signal), inspect.unwrap(signal.getsignal)
+_SIGINT = int(signal.SIGINT)
+#: seconds in which a simulation that runs in another thread has to end when it is closed
+_PATIENCE = 20.0
+
+
+class Ownership:
+    """Held, as a context manager, by the thread in which ticks are done.
+
+    Ctrl+C is held back to the end of a tick in a program that leaves it to Python: a tick is done as a whole or not
+    at all.
+
+    Attributes:
+        interrupted: whether Ctrl+C was pressed.
+        holds_back: whether Ctrl+C waits for the end of a tick; the system calls take as long as all else in a step.
+
+    Args:
+        stop: called when Ctrl+C is pressed.
+    """
+
+    def __init__(self, stop: Callable[[], object]) -> None:
+        self._lock = threading.Lock()
+        self._owner: int | None = None
+        self._stop = stop
+        self._replaced = False
+        self.interrupted = False
+        self.holds_back = True
+
+    def __enter__(self) -> None:
+        if not self._lock.acquire(blocking=False):
+            if self._owner == threading.get_ident():
+                raise RuntimeError("a tick is under way: time cannot be told to pass, or to end, from within it")
+            raise RuntimeError("this simulation is running in another thread: stop it first")
+        self._owner = threading.get_ident()
+        self.interrupted = False
+        main = self.holds_back and threading.current_thread() is threading.main_thread()
+        if main and _handler(_SIGINT) is signal.default_int_handler:
+            self._replaced = True
+            _handle(_SIGINT, self._note)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._replaced:
+            self._replaced = False
+            _handle(_SIGINT, signal.default_int_handler)
+        self._owner = None
+        self._lock.release()
+        if self.interrupted and kind is None:
+            raise KeyboardInterrupt
+
+    def _note(self, _signal: int, _frame: Any) -> None:
+        self.interrupted = True
+        self._stop()
+
+    def take_over(self, wake: Callable[[], object]) -> None:
+        """Have a run in another thread end.
+
+        Raises:
+            RuntimeError: it does not, or it is a tick of this thread.
+        """
+        if self._owner == threading.get_ident():
+            raise RuntimeError("a tick is under way: the simulation cannot be closed from within it")
+        if self._lock.acquire(blocking=False):
+            self._lock.release()
+            return
+        self._stop()
+        wake()
+        if not self._lock.acquire(timeout=_PATIENCE):
+            raise RuntimeError("this simulation is running in another thread, and does not stop")
+        self._lock.release()

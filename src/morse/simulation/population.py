@@ -1,0 +1,324 @@
+"""Robots and things that come and go while a simulation runs."""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.assets.collision import resolve_shapes
+from morse.builder.assembly.spawning import Newcomer, describe_newcomer, maker_of
+from morse.builder.script import describing
+from morse.core.context import acting
+from morse.core.exceptions import MorseBuilderError
+from morse.core.hints import nearest
+from morse.core.quoting import short, shown
+from morse.core.state import StateError
+from morse.scene import Scene
+from morse.simulation.loader import connect, load_components
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from morse.scene import ComponentDeclaration, Node, Zone
+    from morse.simulation.running import Running
+
+_NO_MAKERS: Mapping[str, Any] = MappingProxyType({})
+_LONGEST_NAME = 100
+#: objects of a scene, so that a client cannot fill the memory
+_MOST_ROOTS = 20_000
+
+
+class Recipe(NamedTuple):
+    """How a newcomer is made: what, where, and how it is turned; and its objects that are part of no other."""
+
+    kind: str | Callable[[], Any]
+    position: list[float]
+    rotation: list[float]
+    roots: tuple[str, ...] = ()
+
+    def gives(self, other: Recipe | None) -> bool:
+        """Whether another recipe makes the same."""
+        if other is None:
+            return False
+        same = self.kind == other.kind or (callable(self.kind) and not other.kind)
+        return same and (self.position, self.rotation) == (other.position, other.rotation)
+
+
+class Population:
+    """Who is in a simulation, and who was at its launch."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+        scene = simulation.scene
+        self._launch: tuple[list[Node], list[ComponentDeclaration], list[Zone]] = (
+            list(scene.roots),
+            list(scene.components),
+            list(scene.zones),
+        )
+        self._recipes: dict[str, Recipe] = {}
+
+    # -- coming ----------------------------------------------------------------------------
+
+    def spawn(
+        self,
+        name: str,
+        kind: str | Callable[[], Any],
+        position: Sequence[float],
+        rotation: Sequence[float],
+    ) -> None:
+        """Let a robot or a thing come.
+
+        Raises:
+            MorseBuilderError: the name is taken, or there is no such kind.
+            LoadError: a component of it cannot be made.
+            ValueError: the engine refuses its shape.
+        """
+        simulation = self._simulation
+        scene, context = simulation.scene, simulation.context
+        if scene.find(name) is not None:
+            raise MorseBuilderError(f"there is an object '{short(name)}' in the scene already")
+        if len(scene.roots) >= _MOST_ROOTS:
+            raise MorseBuilderError(f"{_MOST_ROOTS} objects are enough for a scene: delete some before others come")
+        newcomer = self._describe(name, kind, position, rotation)
+        part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
+        resolve_shapes(part)
+        context.world.add(newcomer.roots, newcomer.components)
+        try:
+            with acting(context), scene.project:
+                loaded = load_components(context, newcomer.components)
+                connect(context, loaded, newcomer.components)
+        except Exception:
+            self._forget(newcomer.components)
+            context.world.remove([context.world.object_of(root) for root in newcomer.roots])
+            raise
+        simulation.loaded.join(loaded)
+        scene.models += newcomer.models
+        roots = tuple(root.name for root in newcomer.roots)
+        self._recipes[name] = Recipe(kind, list(position), list(rotation), roots)
+        self._changed()
+
+    def _describe(
+        self, name: str, kind: str | Callable[[], Any], position: Sequence[float], rotation: Sequence[float]
+    ) -> Newcomer:
+        simulation = self._simulation
+        scene = simulation.scene
+        interfaces = ["socket"] if simulation.context.network is not None else []
+        with scene.project, describing(scene.resource_paths):
+            make = maker_of(kind) if isinstance(kind, str) else kind
+            try:
+                return describe_newcomer(name, make, position, rotation, scene.nodes(), interfaces)
+            except (OSError, SyntaxError) as error:
+                raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
+
+    # -- going -----------------------------------------------------------------------------
+
+    def delete(self, name: str) -> None:
+        """Let a robot or a thing go, with all that is part of it.
+
+        Raises:
+            MorseBuilderError: there is none of that name, or it is part of another.
+        """
+        simulation = self._simulation
+        context = simulation.context
+        objects = context.world.objects_by_name
+        obj = objects.get(name)
+        if obj is None:
+            raise MorseBuilderError(f"there is no object '{short(name)}'{nearest(name, list(objects))}")
+        if obj.node.parent is not None:
+            top = obj.node
+            while top.parent is not None:
+                top = top.parent
+            raise MorseBuilderError(f"'{name}' is a part of '{top.name}': only the whole can be deleted")
+        came_with = next((came for came, recipe in self._recipes.items() if name in recipe.roots), name)
+        if came_with != name:
+            raise MorseBuilderError(f"'{name}' came with '{came_with}': only both can be deleted")
+        roots = [obj]
+        if name in self._recipes:
+            roots = [objects[root] for root in self._recipes[name].roots if root in objects]
+        gone = {node for root in roots for node in root.node.walk()}
+        self._forget([d for d in simulation.scene.components if d.node in gone or d.robot in gone])
+        context.world.remove(roots)
+        if self._recipes.pop(name, None) is not None:
+            # what was there at the launch may come back
+            models = simulation.scene.models
+            models[:] = [use for use in models if not any(node in gone for node in use.nodes.values())]
+        self._changed()
+
+    def _forget(self, declarations: list[ComponentDeclaration]) -> None:
+        """Finalize components, and close what connects them with the world outside."""
+        simulation = self._simulation
+        context = simulation.context
+        with acting(context):
+            for declaration in declarations:
+                component = context.component(declaration.name)
+                if component is None:
+                    continue
+                if component.on_completion is not None:
+                    component.interrupt()
+                simulation.finalize_one(component)
+                for manager in context.stream_managers.values():
+                    manager.disconnect(declaration.name)
+                context.services.unregister(declaration.name)
+                for table in (context.robots, context.components, context.external_robots):
+                    table.pop(declaration.name, None)
+                simulation.loaded.drop(component)
+
+    def _changed(self) -> None:
+        simulation = self._simulation
+        simulation.schedule()
+        simulation.components_changed()
+        for observer in simulation.observers:
+            observer.rearranged()
+
+    # -- back to the launch ----------------------------------------------------------------
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether somebody has come or gone since the launch."""
+        return self._simulation.scene.roots != self._launch[0]
+
+    def go_back(self) -> None:
+        """Whoever was there at the launch, and nobody else; components are made anew afterwards."""
+        if not self.has_changed:
+            return
+        simulation = self._simulation
+        at_launch = {id(declaration) for declaration in self._launch[1]}
+        self._forget([d for d in simulation.scene.components if id(d) not in at_launch])
+        simulation.context.world.arrange(*self._launch)
+        present = set(simulation.scene.nodes())
+        models = simulation.scene.models
+        models[:] = [use for use in models if any(node in present for node in use.nodes.values())]
+        self._recipes.clear()
+        simulation.components_changed()
+
+    def edited(self, replaced: Sequence[tuple[Node, Node]], come: Sequence[Node], gone: Sequence[Node]) -> None:
+        """A model was edited: its nodes of now are those of the launch, too."""
+        roots = self._launch[0]
+        latest = dict(replaced)
+        present = {root.name for root in self._simulation.scene.roots}
+        self._recipes = {name: recipe for name, recipe in self._recipes.items() if name in present}
+        roots[:] = [*(latest.get(root, root) for root in roots if root not in gone), *come]
+
+    # -- state -----------------------------------------------------------------------------
+
+    def roots_at_launch(self) -> list[str]:
+        """The objects that were there at the launch, without those that are part of them."""
+        return [root.name for root in self._launch[0]]
+
+    def names_at_launch(self, without: Sequence[str]) -> list[str]:
+        """Who was there at the launch, robots and components, but for objects that have gone."""
+        gone = {node for root in self._launch[0] if root.name in without for node in root.walk()}
+        return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
+
+    def makers(self) -> dict[str, Callable[[], Any]]:
+        """The functions that made newcomers, by name; who was made by name of its kind is not among them."""
+        return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
+
+    def get_state(self) -> dict[str, Any]:
+        """Who came since the launch, and how; who has gone.
+
+        What a function of the process made is known by its name alone: it cannot be made again elsewhere.
+        """
+        present = {root.name for root in self._simulation.scene.roots}
+        return {
+            "came": [
+                [name, recipe.kind if isinstance(recipe.kind, str) else "", [*recipe.position], [*recipe.rotation]]
+                for name, recipe in self._recipes.items()
+            ],
+            "gone": [root.name for root in self._launch[0] if root.name not in present],
+        }
+
+    def set_state(self, state: dict[str, Any], makers: Mapping[str, Callable[[], Any]] = _NO_MAKERS) -> None:
+        """Let robots and things come and go until those of the state are there.
+
+        Args:
+            makers: see `makers`.
+
+        Raises:
+            StateError: one cannot be made again.
+        """
+        if state == self.get_state():
+            return
+        wanted = {
+            name: Recipe(kind or makers.get(name, ""), position, rotation)
+            for name, kind, position, rotation in state["came"]
+        }
+        for name in [name for name, recipe in self._recipes.items() if not recipe.gives(wanted.get(name))]:
+            self.delete(name)
+        self._bring_back([root for root in self._launch[0] if root.name not in state["gone"]])
+        for name in state["gone"]:
+            if self._simulation.scene.find(name) is not None:
+                self.delete(name)
+        for name, recipe in wanted.items():
+            if name in self._recipes:
+                continue
+            if not recipe.kind:
+                raise StateError(f"'{name}' was made by a function of a program: it cannot be made again here")
+            self.spawn(name, recipe.kind, recipe.position, recipe.rotation)
+        self._put_in_order(list(wanted))
+
+    def _put_in_order(self, names: list[str]) -> None:
+        """Let the newcomers stand in the scene in that order: the engine works on bodies in the order of the scene."""
+        if names == list(self._recipes):
+            return
+        simulation = self._simulation
+        scene = simulation.scene
+        self._recipes = {name: self._recipes[name] for name in names}
+        place = {name: number for number, name in enumerate(names)}
+
+        place |= {root: place[name] for name, recipe in self._recipes.items() for root in recipe.roots}
+
+        def order(name: str) -> int:
+            return place.get(name, -1)  # who was there at the launch comes first, as before
+
+        roots = sorted(scene.roots, key=lambda root: order(root.name))
+        components = sorted(scene.components, key=lambda declared: order(declared.robot.name))
+        simulation.context.world.arrange(roots, components, list(scene.zones))
+        by_declaration = {declared.name: number for number, declared in enumerate(components)}
+        for kept in (simulation.loaded.robots, simulation.loaded.actuators, simulation.loaded.sensors):
+            kept.sort(key=lambda component: by_declaration[component.name()])
+        for table in (simulation.context.robots, simulation.context.components):
+            ordered = sorted(table.items(), key=lambda item: by_declaration[item[0]])
+            table.clear()
+            table.update(ordered)
+        self._changed()
+
+    def _bring_back(self, roots: list[Node]) -> None:
+        """Robots and things of the launch that have gone."""
+        simulation = self._simulation
+        scene, context = simulation.scene, simulation.context
+        missing = {node for root in roots if root not in scene.roots for node in root.walk()}
+        if not missing:
+            return
+        came = [root for root in scene.roots if root not in self._launch[0]]
+        present = list(scene.components)
+        back = [d for d in self._launch[1] if d.node in missing]
+        components = [d for d in self._launch[1] if d in present or d in back]
+        components += [d for d in present if d not in self._launch[1]]
+        zones = [zone for zone in self._launch[2] if zone in scene.zones or zone.node in missing]
+        context.world.arrange([*roots, *came], components, zones)
+        with acting(context), scene.project:
+            loaded = load_components(context, back)
+            connect(context, loaded, back)
+        simulation.loaded.join(loaded)
+        self._changed()
+
+
+def check_newcomer(name: Any, kind: Any, position: Any, rotation: Any) -> None:
+    """Refuse what cannot be the name, the kind or the place of a newcomer.
+
+    Raises:
+        MorseBuilderError: naming it.
+    """
+    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME or name.split() != [name] or "." in name:
+        raise MorseBuilderError(
+            f"the name of an object is a word of up to {_LONGEST_NAME} letters without dots, not {shown(name)}"
+        )
+    if not isinstance(kind, str) and not callable(kind):
+        raise MorseBuilderError(
+            f"the kind of '{name}' is the name of a robot or of a model, or a function, not {shown(kind)}"
+        )
+    for what, numbers in (("position", position), ("rotation", rotation)):
+        if len(numbers) != 3 or not all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers):
+            raise MorseBuilderError(f"the {what} of '{name}' is 3 numbers, not {shown(numbers)}")

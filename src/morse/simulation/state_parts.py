@@ -1,0 +1,149 @@
+"""The parts of a simulation, and the variables of its project, by the names that states have for them."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from enum import Enum
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any
+
+from morse.core.object import Object
+from morse.core.state import StateError
+from morse.physics import GameObject
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.simulation.running import Running
+
+_PLAIN = (type(None), bool, int, float, complex, str, bytes, tuple, frozenset, ModuleType, Enum)
+
+
+class StateParts:
+    """See `morse.core.state.References`."""
+
+    def __init__(self, simulation: Running) -> None:
+        self._simulation = simulation
+        self._classes: dict[str, type[Any]] = {}
+        self._globals: dict[int, str] = {}
+        self._by_name: dict[str, Any] = {}
+
+    def look_up(self) -> None:
+        """Find out what the variables of the project hold now."""
+        self._by_name = dict(self._variables())
+        self._globals = {id(value): name for name, value in reversed(self._by_name.items())}
+
+    # -- the simulation --------------------------------------------------------------------
+
+    def _fixed(self) -> dict[str, Any]:
+        context = self._simulation.context
+        return {
+            "context": context,
+            "clock": context.clock,
+            "world": context.world,
+            "scene": context.scene,
+            "services": context.services,
+        }
+
+    def name_of(self, value: Any) -> str | None:
+        """The name of a part, or None."""
+        if isinstance(value, GameObject):
+            return f"object {value.name}"
+        if isinstance(value, Object):
+            return f"component {value.name()}"
+        return next((name for name, part in self._fixed().items() if part is value), None)
+
+    def find(self, name: str) -> Any:
+        """The part of that name."""
+        kind, _, rest = name.partition(" ")
+        context = self._simulation.context
+        found = None
+        if kind == "object":
+            found = context.world.objects_by_name.get(rest)
+        elif kind == "component":
+            found = context.component(rest)
+        else:
+            found = self._fixed().get(name)
+        if found is None:
+            raise StateError(f"there is no {name!r:.80}")
+        return found
+
+    # -- the project -----------------------------------------------------------------------
+
+    def met_class(self, cls: type[Any]) -> None:
+        """Remember a class whose objects are in the simulation."""
+        self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
+
+    def global_name(self, value: Any) -> str | None:
+        """``module:NAME``, or ``module:Class.NAME``, of what a variable of the project holds."""
+        return self._globals.get(id(value))
+
+    def find_global(self, name: str) -> Any:
+        """What a variable of the project holds."""
+        if name not in self._by_name:
+            raise StateError(f"the project has no variable {name!r:.80}")
+        return self._by_name[name]
+
+    def find_class(self, path: str) -> type[Any] | None:
+        """A class of MORSE, of the user's project, or of a module beside one that brings components of the scene."""
+        module_name, _, name = path.partition(":")
+        found: Any = self._module(module_name)
+        for word in name.split("."):
+            found = vars(found).get(word) if isinstance(found, (type, ModuleType)) else None
+        # not what a module has imported from elsewhere
+        if isinstance(found, type) and (found.__module__, found.__qualname__) == (module_name, name):
+            return found
+        return self._classes.get(path)
+
+    def _module(self, name: str) -> ModuleType | None:
+        own = getattr(self._simulation.scene.project, "module", lambda _name: None)(name)
+        if isinstance(own, ModuleType):
+            return own
+        module = sys.modules.get(name)
+        if name.startswith("morse.") or module is None:
+            return module
+        folder = _folder_of(module)
+        return module if folder is not None and folder in {_folder_of(m) for m in self._component_modules()} else None
+
+    def _component_modules(self) -> list[ModuleType]:
+        """The modules from which the components of the user come."""
+        context = self._simulation.context
+        project = getattr(self._simulation.scene.project, "module", lambda _name: None)
+        parts: list[Any] = [*context.robots.values(), *context.components.values(), *context.overlays.values()]
+        parts += self._simulation.loaded.modifier_objects
+        names = {cls.__module__ for part in parts for cls in type(part).__mro__}
+        users = sorted(name for name in names if not name.startswith("morse.") and name not in sys.stdlib_module_names)
+        found = [project(name) or sys.modules.get(name) for name in users]
+        return [module for module in found if module is not None]
+
+    def _variables(self) -> Iterator[tuple[str, Any]]:
+        """Objects and functions that are variables of modules and classes of the project."""
+        own = list(getattr(self._simulation.scene.project, "own_modules", dict)().values())
+        modules = {id(module): module for module in [*own, *self._component_modules()]}
+        for module in modules.values():
+            for name, value in list(vars(module).items()):
+                if name.startswith("__") or isinstance(value, _PLAIN):
+                    continue
+                if isinstance(value, type):
+                    if value.__module__ == module.__name__:
+                        yield from _constants(value)
+                elif isinstance(value, FunctionType):
+                    if value.__module__ == module.__name__:
+                        yield f"{module.__name__}:{name}", value
+                elif not inspect.isroutine(value):
+                    yield f"{module.__name__}:{name}", value
+
+
+def _constants(cls: type[Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in list(vars(cls).items()):
+        if name.startswith("__") or isinstance(value, (*_PLAIN, type, property, staticmethod, classmethod)):
+            continue
+        if not inspect.isroutine(value) and not inspect.isdatadescriptor(value):
+            yield f"{cls.__module__}:{cls.__qualname__}.{name}", value
+
+
+def _folder_of(module: ModuleType) -> Path | None:
+    file = getattr(module, "__file__", None)
+    return Path(file).parent if isinstance(file, str) else None

@@ -1,0 +1,193 @@
+"""The order of a tick."""
+
+from __future__ import annotations
+
+import logging
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from morse.core.context import acting
+from morse.core.realism import Realism
+from morse.core.requests import serve
+from morse.core.sensor import Sensor
+from morse.simulation.faults import describe
+from morse.simulation.schedule import Schedule
+from morse.simulation.together import Together, arranged, phase_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.core.observer import Observer
+    from morse.core.robot import Robot
+    from morse.simulation.loader import Loaded
+    from morse.simulation.profile import Profile
+    from morse.simulation.stepping import Stepping
+
+logger = logging.getLogger(__name__)
+
+
+class Ticker:
+    """Does the work of a tick: input, services, actuators, physics, rays, sensors, output.
+
+    Attributes:
+        observers: told before and after each tick, in their order.
+        profiles: measure what takes the time; a tick without any is not measured.
+        drag: called before the physics of each tick, for what pulls bodies.
+    """
+
+    def __init__(self, context: Context, stepping: Stepping) -> None:
+        self._context = context
+        self._clock = context.clock
+        self._stepping = stepping
+        self.observers: list[Observer] = []
+        self.profiles: list[Profile] = []
+        self.component_profiles: list[Profile] = []
+        self.before_physics: list[Callable[[], object]] = []
+        self._acting = acting(context)
+        self._groups: list[Together] = []
+        self._looks = (("input", self._take_input), ("services", self._serve))
+        self._works = (
+            ("actuators", self._actuate),
+            ("physics", self._move),
+            ("rays", self._answer_sensors),
+            ("sensors", self._sense),
+            ("output", self._show),
+        )
+
+    def schedule(self, loaded: Loaded) -> None:
+        """Take the components of the simulation, which are new ones."""
+        frequency = self._clock.frequency
+        self._robots = loaded.robots
+        self._robot_attributes = [vars(robot) for robot in loaded.robots]
+        self._watched = -1
+        self.separate()
+        self._actuators: Schedule[Any] = Schedule(arranged(loaded.actuators, self._act_alone), frequency)
+        self._sensors: Schedule[Any] = Schedule(arranged(loaded.sensors, self._act_alone), frequency, _phase)
+        self._groups = [
+            unit for units in (self._actuators, self._sensors) for unit in units if isinstance(unit, Together)
+        ]
+        sensors = [sensor for sensor in loaded.sensors if isinstance(sensor, Sensor)]
+        self._asking_actuators = Schedule([a for a in loaded.actuators if a.requests], frequency)
+        self._asking_sensors = Schedule([s for s in loaded.sensors if s.requests], frequency, _phase)
+        self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
+
+    def separate(self) -> None:
+        """Nobody acts together any more until the next tick."""
+        for group in self._groups:
+            group.dissolve()
+
+    def tick(self) -> bool:
+        """One tick.
+
+        Returns:
+            False if the input has stopped time, so that no time passed.
+        """
+        with self._acting:
+            profiles = self.profiles
+            for profile in profiles:
+                profile.begin()
+            for name, phase in self._looks:
+                phase()
+                for profile in profiles:
+                    profile.mark(name)
+            if self._stepping.halted:
+                # paused, or started anew while paused: what somebody reads or does next is to find that very state
+                return False
+            for name, phase in self._works:
+                phase()
+                for profile in profiles:
+                    profile.mark(name)
+        return True
+
+    def look(self) -> None:
+        """Take input and answer services while no time passes."""
+        with self._acting:
+            for observer in self.observers:
+                observer.before_tick()
+            self._context.services.process()
+            for observer in self.observers:
+                observer.after_tick()
+
+    # -- the phases ------------------------------------------------------------------------
+
+    def _take_input(self) -> None:
+        for observer in self.observers:
+            observer.before_tick()
+        self._clock.observe()
+
+    def _serve(self) -> None:
+        for obj in self._context.service_objects:
+            obj.action()
+        self._context.services.process()
+
+    def _actuate(self) -> None:
+        self._due = self._clock.tick
+        self._act(self._busy_robots())
+        serve(self._asking_actuators.due(self._due))
+        self._act(self._actuators.due(self._due))
+
+    def _move(self) -> None:
+        for push in self.before_physics:
+            push()
+        self._context.world.step()
+        self._clock.advance()
+        for robot in self._busy:
+            robot.update_pose()
+
+    def _answer_sensors(self) -> None:
+        """Cast the rays of all sensors that are due in one call; that costs little more than one of them alone."""
+        serve(self._asking_sensors.due(self._due))
+
+    def _sense(self) -> None:
+        self._act(self._sensors.due(self._due))
+        for realism in self._delayed:
+            realism.release()
+
+    def _show(self) -> None:
+        for observer in self.observers:
+            observer.after_tick()
+
+    # -- components ------------------------------------------------------------------------
+
+    def _busy_robots(self) -> Sequence[Robot]:
+        """Those that have something to do; a robot that gets an attribute may have got an action of its own."""
+        size = sum(map(len, self._robot_attributes))
+        if size != self._watched:
+            self._watched = size
+            self._busy = [robot for robot in self._robots if not robot.is_idle]
+        return self._busy
+
+    def _act(self, components: Sequence[Any]) -> None:
+        for component in components:
+            if type(component) is Together:
+                (self._measured if self.component_profiles else _plainly)(component)
+            else:
+                self._act_alone(component)
+
+    def _act_alone(self, component: Object) -> None:
+        try:
+            if self.component_profiles:
+                self._measured(component)
+            else:
+                component.action()
+        except Exception as error:
+            component.active = False
+            self._context.failed.add(component.name())
+            logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
+
+    def _measured(self, component: Any) -> None:
+        begin = perf_counter()
+        component.action()
+        end = perf_counter()
+        for profile in self.component_profiles:
+            profile.component(component.name(), begin, end)
+
+
+def _plainly(component: Any) -> None:
+    component.action()
+
+
+def _phase(component: Any) -> float:
+    return component.phase if type(component) is Together else phase_of(component)

@@ -1,0 +1,221 @@
+"""Runs components that act together, and finds out which ones do."""
+
+from __future__ import annotations
+
+import logging
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.group import Group
+from morse.core.joining import are_allowed, has_group_action, may_join
+from morse.core.realism import Realism
+from morse.simulation.faults import describe
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Sequence
+
+    from morse.core.object import Object
+
+logger = logging.getLogger(__name__)
+
+#: fewer members act one by one: that takes less time
+_LEAST = 4
+#: ticks after which it is found out anew whether somebody can join
+_LOOK = 64
+
+
+class Together:
+    """Components of one class that are due in the same ticks.
+
+    Those of them that can act together do so, first; the others act one by one, after them, in their order. Nothing
+    but the time it takes depends on which of them do.
+
+    Attributes:
+        members: all of them.
+        frequency: Hz.
+    """
+
+    def __init__(self, members: Sequence[Object], act: Callable[[Object], None]) -> None:
+        self.members = tuple(members)
+        self.frequency = members[0].frequency
+        self._act = act
+        self._allowed = are_allowed()
+        self._class: Any = type(members[0])
+        self._commands = issubclass(self._class, Actuator)
+        self._group: Group | None = None
+        self._alone: Sequence[Object] = ()
+        self._failed = False
+        self._is_small = len(members) < _LEAST
+        self._error: Exception | None = None
+        self._ticks = 0
+        self._form()
+
+    @property
+    def phase(self) -> float:
+        """Seconds after the start at which they act first."""
+        return phase_of(self.members[0])
+
+    def name(self) -> str:
+        """What profiles call it."""
+        return f"{len(self.members)} x {self._class.__name__}"
+
+    # -- who acts together -------------------------------------------------------------------
+
+    def _form(self) -> None:
+        self.dissolve()
+        joining = self._allowed and not self._failed and not self._is_small
+        together = [member for member in self.members if joining and may_join(member)]
+        chosen = {id(member) for member in together}
+        self._alone = [member for member in self.members if id(member) not in chosen]
+        if not together:
+            return
+        inward = self._commands
+        self._hooks = [m.input_functions if inward else m.output_functions for m in together]
+        self._known = list(chain.from_iterable(self._hooks))
+        self._modifiers = [m.input_modifiers if inward else m.output_modifiers for m in together]
+        self._always: list[tuple[Object, Any]] = []
+        self._sometimes: list[tuple[Object, Any]] = []
+        self._signs: list[Collection[Any]] = []
+        for member in together:
+            for function in member.input_functions if self._commands else member.output_functions:
+                sign = getattr(getattr(function, "__self__", None), "waiting", None)
+                if sign is None:
+                    self._always.append((member, function))
+                else:
+                    self._sometimes.append((member, function))
+                    self._signs.append(sign)
+        self._group = Group(together)
+        for row, member in enumerate(together):
+            member.group = self._group
+            member.position_3d.follow(self._group, row)
+        self._group.take_stock()
+
+    def _has_changed(self, group: Group | None) -> bool:
+        """Whether it is to be found out anew who acts together."""
+        if group is not None and (
+            group.is_changed or any(self._modifiers) or list(chain.from_iterable(self._hooks)) != self._known
+        ):
+            return True
+        looks = self._ticks % _LOOK == 0 and self._allowed and not self._failed
+        return bool(looks) and any(may_join(member) for member in self._alone)
+
+    def dissolve(self) -> None:
+        """Every member has all that is its own; the next time, it is found out anew who acts together."""
+        group, self._group = self._group, None
+        if group is None:
+            return
+        group.release()
+        for member in group.members:
+            member.position_3d.stay()
+            member.group = None
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def action(self) -> None:
+        """The members act."""
+        if self._is_small:
+            for member in self.members:
+                self._act(member)
+            return
+        group = self._group
+        self._ticks += 1
+        if self._has_changed(group):
+            self._form()
+        group = self._group
+        if group is None or (self._command(group) if self._commands else self._measure(group)):
+            for member in self._alone:
+                self._act(member)
+            return
+        # somebody has changed, or is wrong: one by one it is found out who
+        error, self._error = self._error, None
+        acting = [member for member in self.members if member.active]
+        self._form()
+        for member in self.members:
+            self._act(member)
+        if error is not None and all(member.active for member in acting):
+            self._failed = True
+            self.dissolve()
+            self._alone = self.members
+            logger.error(
+                "[ERROR][MORSE] act_together of %s failed, while none of its components does alone: they act one by "
+                "one from now on: %s",
+                self._class.__name__,
+                describe(error),
+            )
+
+    def _command(self, group: Group) -> bool:
+        group.begin_command()
+        if group.is_changed:
+            return False
+        for member in self._having_something():
+            self._try(member, member.take_input)  # type: ignore[attr-defined]
+        return not group.is_changed and self._together(group)
+
+    def _measure(self, group: Group) -> bool:
+        held = group.begin_measurement()
+        if group.is_changed or not self._together(group):
+            group.undo()
+            return False
+        for row in held:
+            group.fill(row)
+        for member, publish in self._publishing():
+            self._try(member, publish, member)
+        return True
+
+    def _together(self, group: Group) -> bool:
+        try:
+            self._class.act_together(group)
+        except Exception as error:
+            self._error = error
+            return False
+        return True
+
+    def _publishing(self) -> list[tuple[Object, Any]]:
+        busy = self._always
+        if any(self._signs):
+            busy = [*busy, *(pair for pair, sign in zip(self._sometimes, self._signs, strict=True) if sign)]
+        return busy
+
+    def _having_something(self) -> list[Object]:
+        if not self._always and not any(self._signs):
+            return []
+        return list({id(member): member for member, _ in self._publishing()}.values())
+
+    def _try(self, member: Object, function: Callable[..., object], *arguments: Any) -> None:
+        try:
+            function(*arguments)
+        except Exception as error:
+            member.active = False
+            member.context.failed.add(member.name())
+            logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", member.name(), describe(error))
+
+
+def phase_of(component: Any) -> float:
+    """Seconds after the start at which a component acts first."""
+    realism = getattr(component, "realism", None)
+    return realism.phase if isinstance(realism, Realism) else 0.0
+
+
+def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> list[Any]:
+    """Components in the order in which they act: those of one class that can act together are one of them.
+
+    Of the actuators of a robot that has several, the last one wins: they stay where they are.
+    """
+    carriers: dict[int, int] = {}
+    for component in components:
+        carriers[id(component.robot_parent)] = carriers.get(id(component.robot_parent), 0) + 1
+    order: list[Any] = []
+    gathered: dict[tuple[Any, float, float], list[Object]] = {}
+    for component in components:
+        if not has_group_action(type(component)) or (
+            isinstance(component, Actuator) and carriers[id(component.robot_parent)] > 1
+        ):
+            order.append(component)
+            continue
+        key = (type(component), component.frequency, phase_of(component))
+        if key not in gathered:
+            gathered[key] = []
+            order.append(gathered[key])
+        gathered[key].append(component)
+    return [Together(entry, act) if isinstance(entry, list) else entry for entry in order]

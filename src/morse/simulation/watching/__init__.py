@@ -1,0 +1,1 @@
+"""Models and components that are edited while a simulation runs."""

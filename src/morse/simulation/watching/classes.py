@@ -1,0 +1,177 @@
+"""The file of a component was saved: its class is exchanged, its state stays."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.context import acting
+from morse.core.datastream import AbstractDatastream
+from morse.core.exceptions import MorseError
+from morse.core.project_imports import ProjectImports
+from morse.simulation.loader import check_kinds, make_component, make_modifier
+from morse.simulation.state_parts import StateParts
+from morse.simulation.watching.dependents import to_renew
+from morse.simulation.watching.inheritance import Inheritance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from morse.core.object import Object
+    from morse.scene import ComponentDeclaration
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+
+def exchange(simulation: Simulation, files: list[str]) -> list[str]:
+    """Import files of the project anew, and exchange the components and modifiers whose classes depend on them.
+
+    Returns:
+        The names of the components that were exchanged or whose modifiers were.
+
+    Raises:
+        Exception: whatever is wrong with the files or the new classes; nothing has changed then.
+    """
+    project = simulation.scene.project
+    if not isinstance(project, ProjectImports):
+        return []
+    sources = project.sources()
+    changed = [name for name, file in sources.items() if file in files]
+    return _Exchange(simulation, project).run(changed, sources)
+
+
+class _Exchange:
+    def __init__(self, simulation: Simulation, project: ProjectImports) -> None:
+        self._simulation = simulation
+        self._project = project
+        self._context = simulation.context
+        self._old: dict[str, Object] = {}
+        self._new: dict[str, Object] = {}
+        #: name of the component, number of the modifier, and the new one
+        self._modifiers: list[tuple[str, int, Any]] = []
+
+    def run(self, changed: list[str], sources: dict[str, str]) -> list[str]:
+        present = list(self._present())
+        running = {module for _, component in present for module in _modules(component)}
+        running |= {module for d, c in present for modifier in _modifiers(d, c) for module in _modules(modifier)}
+        renewed = to_renew(changed, running, sources)
+        if not renewed:
+            return []
+        try:
+            with acting(self._context), self._project.renewed(renewed):
+                self._make(present, renewed)
+                self._inherit()
+        except BaseException:
+            for part in [*self._new.values(), *(modifier for _, _, modifier in self._modifiers)]:
+                self._simulation.finalize_one(part)
+            raise
+        with acting(self._context), self._project:
+            for declaration, _ in present:
+                self._put_in(declaration)
+        self._simulation.schedule()
+        return [d.name for d, _ in present if d.name in self._new or any(d.name == n for n, _, _ in self._modifiers)]
+
+    def _present(self) -> Iterator[tuple[ComponentDeclaration, Object]]:
+        """The components, robots first."""
+        declarations = self._simulation.scene.components
+        for declaration in sorted(declarations, key=lambda declared: declared.kind != "robot"):
+            component = self._context.component(declaration.name)
+            if component is not None:
+                yield declaration, component
+
+    def _make(self, present: list[tuple[ComponentDeclaration, Object]], renewed: set[str]) -> None:
+        robots = {d.node: component for d, component in present if d.kind == "robot"}
+        for declaration, component in present:
+            new = component
+            if renewed & _modules(component):
+                robot = None if declaration.kind == "robot" else robots[declaration.robot]
+                self._old[declaration.name] = component
+                new = self._new[declaration.name] = make_component(self._context, declaration, robot)  # type: ignore[arg-type]
+                if declaration.kind == "robot":
+                    robots[declaration.node] = new
+            for number, modifier in enumerate(_modifiers(declaration, component)):
+                if renewed & _modules(modifier):
+                    made = make_modifier(new, declaration, declaration.modifiers[number])
+                    self._modifiers.append((declaration.name, number, made))
+
+    def _inherit(self) -> None:
+        inheritance = Inheritance(StateParts(self._simulation), self._new)
+        for name, new in self._new.items():
+            inheritance.component(name, self._old[name], new)
+        for name, number, modifier in self._modifiers:
+            declaration = next(d for d in self._simulation.scene.components if d.name == name)
+            component = self._context.component(name)
+            assert component is not None
+            inheritance.modifier(f"{name}, modifier {number}", _modifiers(declaration, component)[number], modifier)
+        check_kinds([(d, self._new[d.name]) for d in self._simulation.scene.components if d.name in self._new])
+
+    # -- from here on nothing is taken back ------------------------------------------------
+
+    def _put_in(self, declaration: ComponentDeclaration) -> None:
+        name = declaration.name
+        if name in self._new:
+            self._replace(declaration, self._old[name], self._new[name])
+        component = self._context.component(name)
+        assert component is not None
+        present = _modifiers(declaration, component)
+        for owner, number, modifier in self._modifiers:
+            if owner == name:
+                objects = self._simulation.loaded.modifier_objects
+                before = present[number]
+                objects[:] = [modifier if one is before else one for one in objects]
+                present[number] = modifier
+                self._simulation.finalize_one(before)
+
+    def _replace(self, declaration: ComponentDeclaration, old: Object, new: Object) -> None:
+        context, loaded, name = self._context, self._simulation.loaded, declaration.name
+        tables: list[dict[str, Any]] = [context.robots, context.components]
+        for table in tables:
+            if table.get(name) is old:
+                table[name] = new
+        kept: list[list[Any]] = [loaded.robots, loaded.actuators, loaded.sensors]
+        for components in kept:
+            components[:] = [new if one is old else one for one in components]
+        for carried in context.components.values():
+            if carried.robot_parent is old:
+                carried.robot_parent = new
+        new.input_modifiers, new.output_modifiers = old.input_modifiers, old.output_modifiers
+        for modifier in [*new.input_modifiers, *new.output_modifiers]:
+            modifier.component_instance = new
+        self._connect(declaration, old, new)
+        context.failed.discard(name)
+        self._simulation.finalize_one(old)
+
+    def _connect(self, declaration: ComponentDeclaration, old: Object, new: Object) -> None:
+        context, name = self._context, declaration.name
+        streams = [stream for manager in context.stream_managers.values() for stream in manager.streams.get(name, ())]
+        for stream in declaration.streams:
+            manager = context.stream_managers.get(stream.manager)
+            try:
+                if manager is not None:
+                    manager.connect(new, stream)
+            except MorseError as error:
+                logger.error("[ERROR][MORSE] %s: a stream does not fit the new class: %s", name, error)
+        new.input_functions += [call for call in old.input_functions if not _is_stream(call, streams)]
+        new.output_functions += [call for call in old.output_functions if not _is_stream(call, streams)]
+        context.services.replace(name, old, new)
+        for overlay in context.overlays.values():
+            if overlay.overlaid_object is old:
+                overlay.overlaid_object = new
+                context.services.register_object(overlay.name(), overlay)
+        self._simulation.component_replaced(old, new)
+
+
+def _modules(part: Any) -> set[str]:
+    """The modules of the class of an object and of its bases."""
+    return {cls.__module__ for cls in type(part).__mro__}
+
+
+def _modifiers(declaration: ComponentDeclaration, component: Object) -> list[Any]:
+    """The modifiers of a component, in the order of the scene script."""
+    return component.output_modifiers if declaration.kind == "sensor" else component.input_modifiers
+
+
+def _is_stream(call: Callable[..., Any], streams: list[Any]) -> bool:
+    owner = getattr(call, "__self__", None)
+    return isinstance(owner, AbstractDatastream) or any(owner is stream for stream in streams)

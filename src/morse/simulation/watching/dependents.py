@@ -1,0 +1,52 @@
+"""Which modules of a project have to be imported anew when some of them have changed."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+
+def to_renew(changed: Iterable[str], running: Iterable[str], sources: Mapping[str, str]) -> set[str]:
+    """The modules that changed and those that import them, as far as running classes need them.
+
+    Args:
+        changed: names of modules.
+        running: the modules of the classes that run.
+        sources: the modules of the project, and their files.
+
+    Raises:
+        SyntaxError: a file is no Python.
+        OSError: a file cannot be read.
+    """
+    imported = {name: set(_imports(name, Path(file), sources)) for name, file in sources.items()}
+    importers = {name: {other for other in imported if name in imported[other]} for name in sources}
+    return _reached(changed, importers) & _reached(running, imported)
+
+
+def _reached(first: Iterable[str], ways: Mapping[str, set[str]]) -> set[str]:
+    reached: set[str] = set()
+    waiting = [name for name in first if name in ways]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting += ways[name]
+    return reached
+
+
+def _imports(module: str, path: Path, known: Mapping[str, str]) -> Iterator[str]:
+    """The known modules that a file names in its imports, wherever they stand in it."""
+    package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
+    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            names = [base, *(f"{base}.{alias.name}" for alias in node.names)]
+        yield from (name for name in names if name in known and name != module)

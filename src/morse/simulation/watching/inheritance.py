@@ -1,0 +1,132 @@
+"""What a component of a class that was edited takes over from the one in whose place it comes."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any
+
+from morse.assets.merging import same
+from morse.core.declarations import data_fields, properties
+from morse.core.state import Reader, References, StateError, Writer
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import DataField
+    from morse.core.object import Object
+
+_MISSING: Any = object()
+_COMPONENT = "component "
+
+
+class _Replaced:
+    """The parts of a simulation in which some components have been replaced; see `References`."""
+
+    def __init__(self, parts: References, components: Mapping[str, Object]) -> None:
+        self._parts = parts
+        self._components = components
+
+    def name_of(self, value: Any) -> str | None:
+        return self._parts.name_of(value)
+
+    def find(self, name: str) -> Any:
+        if name.startswith(_COMPONENT) and name.removeprefix(_COMPONENT) in self._components:
+            return self._components[name.removeprefix(_COMPONENT)]
+        return self._parts.find(name)
+
+    def find_class(self, path: str) -> type[Any] | None:
+        return self._parts.find_class(path)
+
+    def met_class(self, cls: type[Any]) -> None:
+        self._parts.met_class(cls)
+
+    def global_name(self, value: Any) -> str | None:
+        return self._parts.global_name(value)
+
+    def find_global(self, name: str) -> Any:
+        return self._parts.find_global(name)
+
+
+class Inheritance:
+    """Hands the state of objects on to those that replace them.
+
+    Args:
+        parts: of the simulation, by name.
+        components: those that replace others, by name.
+    """
+
+    def __init__(self, parts: References, components: Mapping[str, Object]) -> None:
+        references = _Replaced(parts, components)
+        self._writer = Writer(references)
+        self._reader = Reader(references)
+
+    def component(self, name: str, old: Object, new: Object) -> None:
+        """Let a component go on where the old one has stopped.
+
+        What a property or a field of the data is by default is taken from the new class, where nobody has set it; so is
+        what the old component did not have.
+
+        Raises:
+            StateError: the state does not fit the new class.
+        """
+        fields = dict.copy(new.local_data)
+        values = {python_name: deepcopy(getattr(new, python_name)) for python_name in properties(type(new))}
+        requests = list(new.requests)
+        state = self._state(name, old, new)
+        if isinstance(state, dict):
+            state["requests"] = requests
+            if isinstance(state.get("local_data"), dict):
+                _adapt_fields(state["local_data"], fields, data_fields(type(old)), data_fields(type(new)))
+            for python_name in _new_defaults(old, new):
+                state[python_name] = values[python_name]
+        new.set_state(state)
+        new.on_completion = old.on_completion
+        if name in new.context.failed:
+            new.active = True
+
+    def modifier(self, name: str, old: Any, new: Any) -> None:
+        """Let a modifier go on where the old one has stopped.
+
+        Raises:
+            StateError: the state does not fit the new class.
+        """
+        new.set_state(self._state(name, old, new))
+
+    def _state(self, name: str, old: Any, new: Any) -> Any:
+        before, own = old.get_state(), new.get_state()
+        state = self._reader.part(name, self._writer.part(name, before), new.get_state())
+        if not isinstance(own, dict):
+            return state
+        if not isinstance(state, dict):
+            raise StateError(f"{name}: the state of the old class is no dictionary, that of the new one is")
+        # threads and open files cannot be handed on
+        kept = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
+        return {**own, **kept}
+
+
+def _adapt_fields(
+    data: dict[str, Any], fresh: dict[str, Any], before: Mapping[str, DataField], after: Mapping[str, DataField]
+) -> None:
+    """Let data have the fields of the new class, in their order; fields that others have added stay."""
+    kept = {name: value for name, value in dict.items(data) if name not in before or name in after}
+    for name in fresh:
+        if name in before and name in after and _kind(before[name]) != _kind(after[name]):
+            kept.pop(name, None)
+    data.clear()
+    data.update({**fresh, **kept})
+
+
+def _kind(field: DataField) -> tuple[Any, ...]:
+    return field.type, field.shape, field.dtype, field.angle, field.quaternion
+
+
+def _new_defaults(old: Object, new: Object) -> list[str]:
+    """The properties whose values are those of the new class."""
+    before = properties(type(old))
+    names = []
+    for python_name, prop in properties(type(new)).items():
+        known = before.get(python_name)
+        unset = known is not None and same(getattr(old, python_name, _MISSING), known.default)
+        if known is None or known.type != prop.type or (unset and not same(known.default, prop.default)):
+            names.append(python_name)
+    return names

@@ -1,0 +1,105 @@
+"""A model file was saved: the scene follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from morse.assets import load
+from morse.assets.following import follow, resolve
+from morse.builder.assembly.selection import take
+from morse.physics.bottom import bottom_of
+
+if TYPE_CHECKING:
+    from morse.assets.following import Revision
+    from morse.physics.scene_change import SceneChange
+    from morse.scene import ModelUse, Node
+    from morse.simulation.simulation import Simulation
+
+
+@dataclass
+class ModelEdit:
+    """What a saved file changes; worked out beside the simulation, and carried out between two ticks.
+
+    Attributes:
+        arrangement: see `morse.physics.World`; the edit is for the scene as it was then.
+        latest: the uses of the file, and their records afterwards.
+    """
+
+    path: str
+    arrangement: int
+    latest: list[tuple[ModelUse, Revision]] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def summary(self) -> str:
+        """What it changes, for people."""
+        revisions = [revision for _, revision in self.latest]
+        counts = (
+            (sum(len(revision.replaced) for revision in revisions), "changed"),
+            (sum(len(revision.come) for revision in revisions), "new"),
+            (sum(len(revision.gone) for revision in revisions), "gone"),
+        )
+        return ", ".join(f"{count} {word}" for count, word in counts if count) or "nothing that shows"
+
+
+def prepare(simulation: Simulation, path: str) -> ModelEdit:
+    """Read a file and work out what it changes; for another thread than that of the simulation.
+
+    Raises:
+        OSError: the file cannot be read.
+        ValueError: the file is damaged.
+        LookupError: none of the objects that the scene takes from the file is in it any more.
+    """
+    scene = simulation.scene
+    edit = ModelEdit(path, simulation.world.arrangement)
+    library = load(path)
+    for use in [use for use in scene.models if use.path == path]:
+        roots, latest = take(library, use.choice)
+        if not roots:
+            raise LookupError("none of the objects that the scene takes from it is in it any more")
+        revision = follow(scene, use, roots, latest)
+        edit.latest.append((use, revision))
+        edit.warnings += revision.warnings
+    edit.warnings += resolve([revision for _, revision in edit.latest])
+    return edit
+
+
+def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
+    """Put the new nodes into the scene that runs.
+
+    Raises:
+        ValueError: the engine refuses a shape; nothing has changed then.
+    """
+    revisions = [revision for _, revision in edit.latest]
+    replaced = [pair for revision in revisions for pair in revision.replaced]
+    come: list[Node] = [root for revision in revisions for root in revision.come]
+    gone: list[Node] = [node for revision in revisions for node in revision.gone]
+
+    def rebuild(change: SceneChange) -> None:
+        for revision in revisions:
+            for node, place in revision.moved:
+                change.move(node, place)
+        for now, after in replaced:
+            change.replace(now, after)
+        change.remove(gone)
+        change.add(come, ())
+
+    if replaced or come or gone:
+        world = simulation.world
+        bottoms = {now.name: bottom_of(world, now) for now, _ in replaced if world.object_of(now).is_dynamic}
+        world.rebuild(rebuild)
+        for _, after in replaced:
+            _lift(simulation, after, bottoms.get(after.name))
+        simulation.population.edited(replaced, come, gone)
+    records = {id(use): revision.use for use, revision in edit.latest}
+    models = simulation.scene.models
+    models[:] = [records.get(id(use), use) for use in models]
+
+
+def _lift(simulation: Simulation, node: Node, bottom: float | None) -> None:
+    """Raise a body whose new model reaches deeper than the old one did: it would be shot out of the ground."""
+    reaches = bottom_of(simulation.world, node)
+    if bottom is not None and reaches is not None and reaches < bottom:
+        body = simulation.world.object_of(node)
+        x, y, z = body.worldPosition
+        body.worldPosition = (x, y, z + bottom - reaches)

@@ -1,0 +1,139 @@
+"""Lets a simulation follow the files that it came from, while it runs."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import deque
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseError
+from morse.core.journal import EDIT
+from morse.core.observer import Observer
+from morse.core.project_imports import ProjectImports
+from morse.simulation.faults import describe
+from morse.simulation.watching import models
+from morse.simulation.watching.classes import exchange
+from morse.simulation.watching.files import SavedFiles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger(__name__)
+
+#: wall-clock seconds between two looks at the files
+_INTERVAL = 0.2
+#: wall-clock seconds after which a file that cannot be read is not one that is being written
+_PATIENCE = 1.0
+
+
+class Watch(Observer):
+    """Shows a model that was saved, and runs a component that was saved, within a second or so.
+
+    A thread looks at the files and reads the models; the simulation changes between two ticks.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._files = SavedFiles()
+        self._ready: deque[Callable[[], None]] = deque()
+        self._unread: dict[str, float] = {}
+        self._stop = threading.Event()
+        self._files.look(self._watched())
+        self._thread = threading.Thread(target=self._run, name="morse watch", daemon=True)
+        self._thread.start()
+
+    def before_tick(self) -> None:
+        """Carry out what has been prepared."""
+        while self._ready:
+            self._ready.popleft()()
+
+    def close(self) -> None:
+        """Look no longer."""
+        self._stop.set()
+        self._thread.join()
+
+    # -- beside the simulation ---------------------------------------------------------------
+
+    def _watched(self) -> list[str]:
+        project = self._simulation.scene.project
+        sources = project.sources().values() if isinstance(project, ProjectImports) else ()
+        return list(dict.fromkeys([*(use.path for use in list(self._simulation.scene.models)), *sources]))
+
+    def _run(self) -> None:
+        while not self._stop.wait(_INTERVAL):
+            saved = self._files.look(self._watched())
+            modules = [path for path in saved if path.endswith(".py")]
+            if modules:
+                self._ready.append(lambda files=modules: self._exchange(files))  # type: ignore[misc]
+            now = time.monotonic()
+            for path in saved:
+                if not path.endswith(".py"):
+                    self._unread[path] = now
+            for path, since in list(self._unread.items()):
+                self._read(path, last_try=now - since > _PATIENCE)
+
+    def _read(self, path: str, *, last_try: bool) -> None:
+        try:
+            edit = models.prepare(self._simulation, path)
+        except Exception as error:
+            # it may be half written, or the scene has changed meanwhile
+            if last_try:
+                del self._unread[path]
+                reason = describe(error)
+                self._ready.append(lambda: self._refuse(path, reason))
+            return
+        del self._unread[path]
+        self._ready.append(lambda: self._show(edit))
+
+    # -- between two ticks -------------------------------------------------------------------
+
+    def _show(self, edit: models.ModelEdit) -> None:
+        simulation = self._simulation
+        if edit.arrangement != simulation.world.arrangement:
+            self._unread[edit.path] = time.monotonic()
+            return
+        try:
+            models.carry_out(simulation, edit)
+        except Exception as error:
+            self._refuse(edit.path, describe(error))
+            return
+        logger.info("%s was saved: %s", Path(edit.path).name, edit.summary())
+        for warning in edit.warnings:
+            logger.warning("%s: %s", Path(edit.path).name, warning)
+        self._changed(edit.path, "model")
+
+    def _exchange(self, files: list[str]) -> None:
+        try:
+            names = exchange(self._simulation, files)
+        except SystemExit as error:
+            self._refuse(files[0], f"it ends the program (SystemExit: {error})")
+        except SyntaxError as error:
+            path = error.filename or files[0]
+            place = f'\n  File "{path}", line {error.lineno}' if error.lineno else ""
+            self._refuse(path, f"{type(error).__name__}: {error.msg}{place}")
+        except Exception as error:
+            self._refuse(files[0], str(error) if isinstance(error, MorseError) else describe(error))
+        else:
+            if not names:
+                logger.info("%s was saved: it takes effect when the simulation is started again", files[0])
+            for name in names:
+                logger.info("%s runs %s as it was saved now", name, ", ".join(Path(file).name for file in files))
+            if names:
+                self._changed(files[0], "class")
+
+    def _changed(self, path: str, what: str) -> None:
+        simulation = self._simulation
+        simulation.journal.note(EDIT, path, what)
+        for observer in list(simulation.observers):
+            observer.edited()
+            observer.rearranged()
+
+    def _refuse(self, path: str, reason: str) -> None:
+        logger.error(
+            "[ERROR][MORSE] %s was saved, but the simulation goes on with what it had before: %s", path, reason
+        )

@@ -1,0 +1,60 @@
+"""Objects that start inside each other are named, once."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import pytest
+
+import morse
+
+ENVIRONMENTS = Path(morse.__file__).parent / "data" / "environments"
+
+
+def warnings_of(tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str) -> list[str]:
+    script = tmp_path / "scene.py"
+    script.write_text("from morse.builder import *\n" + text)
+    with caplog.at_level(logging.WARNING):
+        morse.load(script).close()
+    return [record.getMessage() for record in caplog.records if "inside each other" in record.getMessage()]
+
+
+def test_robots_that_start_inside_each_other_and_in_a_box_are_named(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (text,) = warnings_of(
+        tmp_path,
+        caplog,
+        """
+first = ATRV()
+first.translate(5, 5, 0)
+second = ATRV()
+second.translate(5.3, 5, 0)
+third = Morsy()
+third.translate(-7.5, 0.6, 0)
+wheeled = SegwayRMP400()
+wheeled.translate(0, 0, -0.2)
+env = Environment("indoors-1/boxes")
+""",
+    )
+    assert "'first' and 'second'" in text or "'second' and 'first'" in text
+    assert "'RedBox'" in text
+    assert "'third'" in text
+    assert "'wheeled'" in text
+    assert "'Ground'" in text
+
+
+@pytest.mark.parametrize("robot", ["ATRV", "Morsy", "B21", "Pioneer3DX", "SegwayRMP400", "PatrolBot"])
+def test_robots_at_their_own_place_overlap_with_nothing(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, robot: str
+) -> None:
+    for world in ("empty", "sandbox", "indoors-1/boxes"):
+        assert warnings_of(tmp_path, caplog, f"robot = {robot}()\nenv = Environment('{world}')") == []
+
+
+@pytest.mark.parametrize("path", sorted(ENVIRONMENTS.rglob("*.blend")), ids=lambda path: path.stem)
+def test_our_worlds_overlap_with_nothing(tmp_path: Path, caplog: pytest.LogCaptureFixture, path: Path) -> None:
+    name = path.relative_to(ENVIRONMENTS).with_suffix("").as_posix()
+    text = f"robot = FakeRobot()\nrobot.translate(z=99)\nenv = Environment('{name}')"
+    assert warnings_of(tmp_path, caplog, text) == []

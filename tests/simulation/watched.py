@@ -1,0 +1,65 @@
+"""A project in a folder whose files are edited while it is simulated."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import textwrap
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import morse
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+
+DATA = Path(morse.__file__).parent / "data"
+#: wall-clock seconds after which nothing is expected any more
+LIMIT = 30.0
+
+
+class Project:
+    """A scene with models and modules of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._ages = 0
+
+    def model(self, name: str, source: Path) -> Path:
+        """Save a model as Blender does: a new file takes the place of the old one."""
+        target = self.folder / "data" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = target.with_name(target.name + "@")
+        shutil.copyfile(source, temporary)
+        os.replace(temporary, target)
+        return target
+
+    def module(self, name: str, text: str) -> Path:
+        """Write a module in place, as many editors do."""
+        target = self.folder / "src" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(textwrap.dedent(text), encoding="utf-8")
+        return target
+
+    def load(self, text: str, **options: object) -> Simulation:
+        """Simulate a scene of the project."""
+        script = self.folder / "scene.py"
+        script.write_text("from morse.builder import *\n" + textwrap.dedent(text), encoding="utf-8")
+        return morse.load(script, **{"watch": True, **options})  # type: ignore[arg-type]
+
+
+def until(simulation: Simulation, condition: Callable[[], object]) -> None:
+    """Let time pass until something is so.
+
+    Raises:
+        TimeoutError: it is not so after `LIMIT`.
+    """
+    end = time.monotonic() + LIMIT
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError("nothing has happened")
+        simulation.step()
+        time.sleep(0.002)
