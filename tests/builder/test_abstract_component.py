@@ -213,7 +213,7 @@ def test_declared_property_gives_no_warning(caplog: pytest.LogCaptureFixture) ->
 
 
 def test_a_number_is_no_word() -> None:
-    with pytest.raises(TypeError, match="'Speed' of Keyboard takes a float"):
+    with pytest.raises(TypeError, match="'Speed' of Keyboard is 'fast', expected a number"):
         Keyboard().properties(Speed="fast")
 
 
@@ -260,7 +260,7 @@ def test_profile_is_for_sensors(caplog: pytest.LogCaptureFixture) -> None:
     motion.profile()
     assert pose._declaration(pose).profile
     assert not motion._declaration(motion).profile
-    assert "no sensor" in caplog.text
+    assert "is not a sensor" in caplog.text
 
 
 # --- exportable, morseable -----------------------------------------------------------------------

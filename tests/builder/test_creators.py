@@ -14,8 +14,8 @@ from morse.builder import (
     MorseBuilderNoComponentError,
     Pose,
     SensorCreator,
-    catalog,
 )
+from morse.builder.names import catalog
 from morse.core.actuator import Actuator
 from morse.core.sensor import Sensor
 from morse.scene import NodeKind, PhysicsType
@@ -46,6 +46,15 @@ def test_the_marker_has_the_declared_size() -> None:
     assert marker.kind is NodeKind.MESH
     assert marker.scale == [0.04, 0.04, 0.02]
     assert marker.name == "PoseMesh"
+
+
+def test_products_of_one_class_differ_as_it_declares() -> None:
+    sick, ldmrs = morse.builder.Sick(), morse.builder.SickLDMRS()
+    assert sick.classpath == ldmrs.classpath == "morse.sensors.laserscanner.LaserScanner"
+    assert (sick.property_value("frequency"), ldmrs.property_value("frequency")) == (10.0, 4.0)
+    assert (sick.property_value("layers"), ldmrs.property_value("layers")) == (None, 4)
+    assert [node.plain_name for node in sick.scene_node.children] == ["SickMesh"]
+    assert "SICK LD-MRS" in str(morse.builder.SickLDMRS.__doc__)
 
 
 def test_a_component_of_a_project(sonar: Any) -> None:
@@ -175,13 +184,17 @@ def test_class_paths_that_lead_nowhere(classpath: str, answer: str) -> None:
     ],
 )
 def test_every_component_of_morse_can_be_put_on_a_robot(package: str, base: type, name: str) -> None:
-    robot, component = morse.builder.FakeRobot(), getattr(morse.builder, name)()
+    # a compound sensor is made of its members
+    arguments = ([morse.builder.Pose()],) if name == "CompoundSensor" else ()
+    robot, component = morse.builder.FakeRobot(), getattr(morse.builder, name)(*arguments)
     robot.append(component)
     cls = component.component_class()
     declared = component._declaration(robot)
     assert issubclass(cls, base), f"a class in {package}"
     assert declared.kind == {Sensor: "sensor", Actuator: "actuator"}[base]
     assert declared.frequency > 0.0
-    assert {node.body.type for node in component.own_nodes()} == {PhysicsType.NO_COLLISION}
+    # the palm of the gripper is solid, as that of 1.4 was, and shapes that feel stop nothing
+    bodies = {"Gripper": {PhysicsType.STATIC}, "Collision": {PhysicsType.SENSOR}, "Bumper": {PhysicsType.SENSOR}}
+    assert {node.body.type for node in component.own_nodes()} - bodies.get(name, set()) <= {PhysicsType.NO_COLLISION}
     component.add_interface("socket")
     assert bool(component._declaration(robot).streams) == component.is_exportable()

@@ -20,7 +20,7 @@ from morse.builder import (
     TimeStrategies,
     workspace,
 )
-from morse.builder.finalise import build_scene
+from morse.builder.assembly.finalise import build_scene
 from morse.scene import Mist
 
 if TYPE_CHECKING:
@@ -211,7 +211,8 @@ def test_one_of_two_time_scales(env: Environment) -> None:
     lambda e: e.use_vsync("MAYBE"), lambda e: e.use_relative_time("no"), lambda e: e.set_seed(-1),
     lambda e: e.set_camera_location([1, 2]), lambda e: e.set_camera_location([1, 2, math.nan]),
     lambda e: e.set_camera_location(5), lambda e: e.set_camera_rotation("abc"), lambda e: e.set_camera_rotation(None),
-    lambda e: e.set_camera_clip(10, 1), lambda e: e.set_camera_clip(0, 1), lambda e: e.set_camera_speed(0),
+    lambda e: e.set_camera_clip(10, 1), lambda e: e.set_camera_clip(0, 1), lambda e: e.set_camera_clip(1, 1),
+    lambda e: e.set_camera_speed(0),
     lambda e: e.set_camera_focal_length(math.nan), lambda e: e.set_horizon_color((0, 0, 300)),
     lambda e: e.set_ambient_color((0, 0)), lambda e: e.show_physics("yes"), lambda e: e.fullscreen(2),
     lambda e: e.set_material_mode("PRETTY"), lambda e: e.set_stereo("CROSSED"), lambda e: e.create(3),

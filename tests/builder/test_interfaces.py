@@ -7,17 +7,19 @@ import pytest
 
 from morse.builder import (
     Cube,
+    Environment,
     FakeRobot,
     Keyboard,
     MorseBuilderError,
     MorseBuilderUnexportableError,
+    MorseError,
     MorseMiddlewareError,
     Morsy,
     MotionVW,
     Pose,
-    catalog,
 )
-from morse.builder.catalog import Entry
+from morse.builder.names import catalog
+from morse.builder.names.catalog import Entry
 from morse.middleware import registry
 from morse.middleware.registry import Middleware
 
@@ -124,26 +126,8 @@ def test_overlays() -> None:
     assert overlay.options == {"a": 1, "namespace": "base"}
 
 
-def test_subclasses_and_levels_have_their_own_streams(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Camera:
-        pass
-
-    class Depth(Camera):
-        pass
-
-    class Blind(Camera):
-        pass
-
-    picture = Middleware(
-        "picture",
-        stream_manager="picture.Manager",
-        streams={"Camera": {"all": ("picture.Rgb", "picture.Grey"), "far": ("picture.Far",)}, "Blind": {"all": ()}},
-    )
-    assert picture.streams_of(Camera, None, "OUT") == ("picture.Rgb", "picture.Grey")
-    assert picture.streams_of(Depth, "near", "OUT") == ("picture.Rgb", "picture.Grey")
-    assert picture.streams_of(Depth, "far", "OUT") == ("picture.Far",)
-    assert picture.streams_of(Blind, None, "OUT") == ()
-    assert picture.streams_of(object, None, "OUT") == ()
+def test_what_a_middleware_cannot_carry_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    picture = Middleware("picture", stream_manager="picture.Manager", not_carried=("Pose",))
     monkeypatch.setattr(registry, "installed", lambda: {"picture": picture})
     with pytest.raises(MorseBuilderUnexportableError, match="'picture' cannot carry the data of Pose"):
         Pose().add_stream("picture")
@@ -154,14 +138,20 @@ def test_subclasses_and_levels_have_their_own_streams(monkeypatch: pytest.Monkey
     assert declaration(pose).streams == []
 
 
-def test_the_cameras_of_the_socket_have_their_own_publishers() -> None:
+def test_a_middleware_that_maps_kinds_carries_every_component(monkeypatch: pytest.MonkeyPatch) -> None:
+    everything = Middleware("everything", stream_manager="everything.Manager")
+    monkeypatch.setattr(registry, "installed", lambda: {"everything": everything})
+    for component in (Pose(), MotionVW()):
+        component.add_stream("everything")
+        (stream,) = declaration(component).streams
+        assert (stream.manager, stream.stream) == ("everything.Manager", "morse.core.kind_stream.KindStream")
+
+
+def test_components_of_the_socket_that_have_no_stream() -> None:
     socket = registry.middleware("socket")
-    for name, publisher in (
-        ("VideoCamera", "morse.middleware.sockets.video_camera.VideoPublisher"),
-        ("DepthCamera", "morse.middleware.sockets.depth_camera.DepthCameraPublisher"),
-    ):
-        assert socket.streams_of(type(name, (), {}), None, "OUT") == (publisher,)
-    assert socket.streams_of(type("StereoUnit", (), {}), None, "OUT") == ()
+    assert socket.stream_of(type("StereoUnit", (), {}), "OUT") is None
+    assert socket.stream_of(object, "OUT") == "morse.middleware.socket_datastream.SocketPublisher"
+    assert socket.stream_of(object, "IN") == "morse.middleware.socket_datastream.SocketReader"
 
 
 def test_default_interface(load: Callable[..., Any]) -> None:
@@ -260,3 +250,61 @@ def test_the_catalogue_reads_files_without_running_them(tmp_path: Path, monkeypa
         "LaserScanner": ("zoo.eye.Lidar", "Scans."),
     }
     assert "zoo.eye" not in sys.modules
+
+
+# --- options --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "answer"),
+    [
+        ({"prot": 3}, r"a stream of socket has no option 'prot'; did you mean 'port'\?"),
+        ({"port": "abc"}, r"option 'port' of a stream of socket is 'abc', expected an integer"),
+        ({"port": 70000}, r"is 70000, expected an integer from 0 to 65535"),
+        ({"port": True}, r"is True, expected an integer"),
+    ],
+)
+def test_options_of_streams_are_checked(options: dict[str, Any], answer: str) -> None:
+    with pytest.raises(MorseError, match=answer):
+        Pose().add_stream("socket", **options)
+
+
+def test_options_of_other_middlewares_are_left_out(caplog: pytest.LogCaptureFixture) -> None:
+    pose = Pose()
+    pose.add_stream("socket", port=60100, topic="/pose")
+    assert pose._declaration(pose).streams[0].options == {"port": 60100}
+    assert "option 'topic' has no effect on socket" in caplog.text
+
+
+def test_a_stream_class_of_the_user_takes_any_option() -> None:
+    pose = Pose()
+    pose.add_stream("socket", classpath="my_sim.streams.Quiet", every=3)
+    assert pose._declaration(pose).streams[0].options == {"every": 3}
+
+
+@pytest.mark.parametrize(
+    ("options", "answer"),
+    [({"time_sink": True}, r"did you mean 'time_sync'"), ({"time_sync": "yes"}, r"'time_sync'.* is 'yes', expected")],
+)
+def test_options_of_stream_managers_are_checked(options: dict[str, Any], answer: str) -> None:
+    env = Environment("empty", fastmode=True)
+    with pytest.raises(MorseError, match=answer):
+        env.configure_stream_manager("socket", **options)
+
+
+def test_options_of_modifiers_are_checked_if_they_declare_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "fog.py").write_text(
+        "from morse.core.declarations import Option\nfrom morse.core.modifier import AbstractModifier\n"
+        "class Fog(AbstractModifier):\n    _options = {'density': Option(float, 0.1, low=0.0, high=1.0)}\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    pose = Pose()
+    pose.alter(classpath="fog.Fog", density=0.5)
+    for options, answer in (({"densty": 0.5}, "did you mean 'density'"), ({"density": 2.0}, r"from 0\.?0? to 1")):
+        with pytest.raises(MorseError, match=answer):
+            pose.alter(classpath="fog.Fog", **options)
+
+
+def test_control_types_are_checked_where_the_script_gives_them() -> None:
+    with pytest.raises(TypeError, match=r"'ControlType' of MotionVW is 'Velo', expected .*Velocity.*Position"):
+        MotionVW().properties(ControlType="Velo")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -252,11 +253,13 @@ def test_packages_of_the_project_come_first(load: Load, tmp_path: Path) -> None:
     (tmp_path / "src" / "colors_of_rovers.py").write_text("WHO = 'src'\n")
     (tmp_path / "colors_of_rovers.py").write_text("WHO = 'beside'\n")
     (tmp_path / "beside_only.py").write_text("X = 1\n")
+    before = list(sys.path), list(sys.argv), set(sys.modules)
     scene = load(
         HEAD + "import beside_only\nfrom colors_of_rovers import WHO\nr = FakeRobot(WHO)\n" + END, source="src"
     )
     assert scene.components[0].name == "src"
-    assert sys.path[0] == str(tmp_path / "src")
+    assert (sys.path, sys.argv) == before[:2]
+    assert not {"beside_only", "colors_of_rovers"} & (set(sys.modules) - before[2])
 
 
 def test_models_of_the_project_are_found(tmp_path: Path) -> None:
@@ -325,3 +328,85 @@ def test_damaged_scripts_give_a_scene_or_a_report(tmp_path: Path, start: int, le
         assert "Traceback" not in report
     finally:
         workspace.reset()
+
+
+@pytest.mark.parametrize(
+    ("text", "answers"),
+    [
+        ("sonar = Sonar()\n", ["no sensor Sonar yet", "Pose", "morse add sensor"]),
+        ("sonar = sonar()\n", ["no sensor Sonar yet"]),
+        ("from morse.builder import Winch\n", ["no actuator Winch yet", "MotionVW"]),
+        ("from morse.builder.sensors import Sonar\n", ["no sensor Sonar yet"]),
+        ("robot = Mule()\n", ["no robot Mule yet", "Morsy"]),
+        ("camera = Camera()\ncamera.add_stream('socket')\n", ["viewpoint", "no sensor", "VideoCamera() does"]),
+    ],
+)
+def test_what_this_version_lacks_is_said_plainly(
+    load: Callable[..., Scene], monkeypatch: pytest.MonkeyPatch, text: str, answers: list[str]
+) -> None:
+    from morse.builder.errors import missing
+
+    lacking = {"sensor": ("Sonar",), "actuator": ("Winch",), "robot": ("Mule",)}
+    monkeypatch.setattr(missing, "_OF_1_4", lacking)
+    with pytest.raises(ScriptError) as caught:
+        load(HEAD + text + END)
+    for answer in answers:
+        assert answer in caught.value.report()
+
+
+def test_a_modifier_that_is_not_there_is_said_with_those_that_are(load: Callable[..., Scene]) -> None:
+    with pytest.raises(ScriptError, match=r"no modifier 'NEDD' for Pose.*'NED'"):
+        load(HEAD + "pose = Pose()\npose.alter('NEDD')\n" + END)
+    with pytest.raises(ScriptError, match=r"no modifier 'Wobble' for Pose.*NED"):
+        load(HEAD + "pose = Pose()\npose.alter('Wobble')\n" + END)
+    with pytest.raises(ScriptError, match="the modifier 'OdometryNoise' is not for Pose"):
+        load(HEAD + "pose = Pose()\npose.alter('OdometryNoise')\n" + END)
+
+
+def test_nothing_that_exists_is_said_to_be_missing() -> None:
+    import morse.builder
+    from morse.builder.errors.missing import missing_component
+
+    assert [name for name in morse.builder.__all__ if missing_component(name) is not None] == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["robot.rotate(z=90)\n", "robot.rotate(-45.0)\n", "robot.rotation_euler = (0, 0, 180)\n"],
+)
+def test_angles_in_degrees_get_a_hint(load: Callable[..., Scene], text: str, caplog: pytest.LogCaptureFixture) -> None:
+    load(HEAD + "robot = FakeRobot()\n" + text + END)
+    (message,) = [record.getMessage() for record in caplog.records if "radians" in record.getMessage()]
+    assert "scene.py:3:" in message
+    assert "math.radians(" in message
+
+
+def test_angles_of_a_turn_get_no_hint(load: Callable[..., Scene], caplog: pytest.LogCaptureFixture) -> None:
+    load(HEAD + "robot = FakeRobot()\nrobot.rotate(math.pi, -2 * math.pi, 6)\n" + END)
+    assert "radians" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "answer"),
+    [
+        ("robot = Morsy('my robot')\n", 2, "write 'my_robot'"),
+        ("robot = Morsy('a\\tb')\n", 2, "write 'a_b'"),
+        ("pose = Pose()\npose.name = 'my pose'\n", 3, "write 'my_pose'"),
+        (END + "env.simulator_frequency(1e-9)\n", 3, "from 0.1 upward, got 1e-09"),
+        (END + "env.simulator_frequency(1e9)\n", 3, "up to 10000, got 1e+09"),
+        ("pose = Pose()\npose.frequency(1e9)\n", 3, "up to 10000, got 1e+09"),
+        (END + "env.set_camera_clip(5, 5)\n", 3, "greater than 5, got 5"),
+    ],
+)
+def test_values_that_cannot_be_are_refused_in_their_line(
+    load: Callable[..., Scene], text: str, line: int, answer: str
+) -> None:
+    with pytest.raises(ScriptError, match=re.escape(answer)) as caught:
+        load(HEAD + text + ("" if END in text else END))
+    assert caught.value.where is not None
+    assert caught.value.where.line == line
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_objects_may_have_blanks_in_their_names(load: Callable[..., Scene]) -> None:
+    assert load(HEAD + "Cube('my box')\n" + END).roots[0].name == "my box"

@@ -13,7 +13,6 @@ import math
 import os
 import pprint
 import sys
-from typing import TYPE_CHECKING, Any
 
 from morse import mathutils
 from morse.builder import actuators, bpymorse, robots, sensors
@@ -32,17 +31,20 @@ from morse.builder.blenderobjects import (
     Spot,
     Torus,
 )
-from morse.builder.component import Component
+from morse.builder.components.component import Component
+from morse.builder.components.passive import PassiveObject, Zone
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.data import Configuration
+from morse.builder.derive import installed_classes
 from morse.builder.environment import Environment
-from morse.builder.passive import PassiveObject, Zone
-from morse.builder.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.names.projects import ProjectFinder
 from morse.core.exceptions import (
     MorseBuilderBadSyntaxError,
     MorseBuilderError,
     MorseBuilderNoComponentError,
     MorseBuilderUnexportableError,
+    MorseDeclarationError,
     MorseEnvironmentError,
     MorseError,
     MorseMethodNotFoundError,
@@ -62,6 +64,14 @@ logger = logging.getLogger("morse.builder")
 for _module in (sensors, actuators, robots):
     globals().update({_name: getattr(_module, _name) for _name in _module.__all__})
 
+ProjectFinder().install()
+
+for _name, _class in installed_classes(__name__).items():
+    if _name in globals():
+        logger.warning("%s of an installed package is left out: MORSE has a class of that name", _name)
+    else:
+        globals()[_name] = _class
+
 # scripts of 1.4 use these modules without importing them
 _MODULES = ("bpymorse", "logging", "math", "mathutils", "os", "pprint", "sys")
 
@@ -69,10 +79,6 @@ __all__ = [
     name
     for name, value in list(globals().items())
     if not name.startswith("_")
-    and name not in ("Any", "TYPE_CHECKING", "annotations")
+    and name not in ("ProjectFinder", "annotations", "installed_classes")
     and (name in _MODULES or not isinstance(value, type(sys)))
 ]
-
-if TYPE_CHECKING:
-
-    def __getattr__(name: str) -> Any: ...

@@ -6,16 +6,19 @@ import itertools
 import logging
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from morse.builder import checks, naming, workspace
-from morse.builder.classes import load_class
+from morse.builder import workspace
+from morse.builder.blender.game import checked_property, timer
+from morse.builder.blender.objects import SceneObject
+from morse.builder.components.interfaces import Interfaces
+from morse.builder.components.models import Models
+from morse.builder.components.placement import Placement
 from morse.builder.data import Configuration
-from morse.builder.game import checked_property, timer
-from morse.builder.interfaces import Interfaces
-from morse.builder.models import Models
-from morse.builder.naming import Strength
-from morse.builder.objects import SceneObject, unknown_attribute
-from morse.builder.placement import Placement
-from morse.builder.properties import check_declared
+from morse.builder.errors import checks
+from morse.builder.errors.attributes import unknown_attribute
+from morse.builder.errors.properties import check_declared
+from morse.builder.names import frames, naming
+from morse.builder.names.classes import load_class
+from morse.builder.names.part import Part, Strength
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration
 
@@ -26,10 +29,13 @@ if TYPE_CHECKING:
 
 __all__ = ["AbstractComponent", "Configuration", "timer"]
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
+
+#: Hz; the tick of the simulation is at least as frequent as its fastest component
+HIGHEST_FREQUENCY = 10_000.0
 
 
-class AbstractComponent(Placement, Interfaces, Models):
+class AbstractComponent(Placement, Interfaces, Models, Part):
     """A robot, a sensor, an actuator or a thing of the scene.
 
     Attributes:
@@ -49,7 +55,7 @@ class AbstractComponent(Placement, Interfaces, Models):
         self.children: list[AbstractComponent] = []
         self.basename: str | None = None
         self.name_strength = Strength.NONE
-        self._where: SourceLine | None = naming.source_line(self)
+        self._where: SourceLine | None = frames.source_line(self)
         self._blendname = filename
         self._category = category
         self._frequency: float | None = None
@@ -59,18 +65,20 @@ class AbstractComponent(Placement, Interfaces, Models):
         if obj is not None:
             self.set_blender_object(obj)
 
-    def __getattr__(self, name: str) -> NoReturn:
-        if not self.is_complete:
-            # properties end up here, too, if the object that they look at is not there
-            raise AttributeError(
-                f"this {type(self).__name__} is not complete (no {name}): its __init__ has to call the __init__ of "
-                f"its base class, {type(self).__mro__[1].__name__}, first",
-                name=name,
-                obj=self,
-            )
-        if name.startswith("_"):
-            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
-        unknown_attribute(self, name)
+    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if not self.is_complete:
+                # properties end up here, too, if the object that they look at is not there
+                raise AttributeError(
+                    f"this {type(self).__name__} is not complete (no {name}): its __init__ has to call the __init__ of "
+                    f"its base class, {type(self).__mro__[1].__name__}, first",
+                    name=name,
+                    obj=self,
+                )
+            if name.startswith("_"):
+                raise AttributeError(f"{type(self).__name__} has no attribute '{name}'", name=name, obj=self)
+            unknown_attribute(self, name)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>" if self.is_complete else f"<{type(self).__name__}>"
@@ -114,20 +122,12 @@ class AbstractComponent(Placement, Interfaces, Models):
 
     @name.setter
     def name(self, value: str) -> None:
-        self.basename = naming.check_given_name(value)
+        checked = naming.check_given_name(value)
+        if self._kind:
+            naming.check_address(checked)
+        self.basename = checked
         self.name_strength = Strength.GIVEN
         self._bpy_object.name = value
-
-    @property
-    def plain_name(self) -> str:
-        """Its own name, without those of its parents."""
-        return self.basename or naming.without_copy_suffix(self.scene_node.name)
-
-    def suggest_name(self, name: str, strength: Strength) -> None:
-        """Take a name, unless it has got one from a stronger source."""
-        if strength > self.name_strength:
-            self.basename = name
-            self.name_strength = strength
 
     @staticmethod
     def close_context(level: int = 1) -> None:
@@ -139,7 +139,7 @@ class AbstractComponent(Placement, Interfaces, Models):
         Args:
             level: whose variables: 1 is the function that calls, 2 the one that called that, ...
         """
-        frame = naming.frame_above(checks.integer(level, "close_context(level)", minimum=1))
+        frame = frames.frame_above(checks.integer(level, "close_context(level)", minimum=1))
         if frame is not None:
             naming.name_unparented(frame.f_locals, Strength.VARIABLE)
 
@@ -159,7 +159,7 @@ class AbstractComponent(Placement, Interfaces, Models):
         if not isinstance(obj, AbstractComponent):
             raise TypeError(f"{type(self).__name__}.append takes a component such as Pose(), got {checks.shown(obj)}")
         mount = self._bpy_object if child is None else self._named_child(child)
-        frame = naming.frame_above(level)
+        frame = frames.frame_above(level)
         if frame is not None:
             if (found := naming.name_in_frame(obj, self, frame)) is not None:
                 obj.suggest_name(found, Strength.VARIABLE)
@@ -183,7 +183,7 @@ class AbstractComponent(Placement, Interfaces, Models):
     def get_child(
         self, name: str, objects: Iterable[SceneObject] | None = None, recursive: bool = True
     ) -> SceneObject | None:
-        """The object of that name below this one, else the first whose name begins so, else None.
+        """The object of that name below this one, else that with the shortest name that begins so, else None.
 
         Args:
             name: without the copy suffix that Blender adds (``left_eye`` for ``left_eye.001``).
@@ -195,7 +195,9 @@ class AbstractComponent(Placement, Interfaces, Models):
             pool = [SceneObject(node) for obj in pool for node in obj.node.walk()]
         exact = (obj for obj in pool if obj.node.name == name)
         plain = (obj for obj in pool if obj.node.plain_name == name)
-        prefixed = (obj for obj in pool if obj.node.plain_name.startswith(name))
+        prefixed = sorted(
+            (obj for obj in pool if obj.node.plain_name.startswith(name)), key=lambda obj: len(obj.node.plain_name)
+        )
         return next(itertools.chain(exact, plain, prefixed), None)
 
     def _walk(self) -> Iterator[AbstractComponent]:
@@ -217,8 +219,8 @@ class AbstractComponent(Placement, Interfaces, Models):
             self.frequency(kwargs["frequency"])
         if "classpath" in kwargs:
             self.classpath = kwargs["classpath"]
-        elif self._kind in ("sensor", "actuator"):
-            check_declared(self, kwargs)
+        elif self._kind in ("sensor", "actuator") and (cls := self.component_class()) is not None:
+            check_declared(cls, kwargs)
 
     def property_value(self, name: str) -> Any:
         """The value of a property, or None if it is not set."""
@@ -226,13 +228,14 @@ class AbstractComponent(Placement, Interfaces, Models):
 
     def frequency(self, frequency: float) -> None:
         """Act that many times per simulated second."""
-        self._frequency = checks.number(frequency, f"{type(self).__name__}.frequency(hz)", above=0.0)
+        what = f"{type(self).__name__}.frequency(hz)"
+        self._frequency = checks.number(frequency, what, above=0.0, maximum=HIGHEST_FREQUENCY)
         self.scene_node.properties["frequency"] = self._frequency
 
     def profile(self) -> None:
         """Show the share of time that a sensor takes, while the simulation runs."""
         if self._kind != "sensor":
-            logger.warning("%s is no sensor: profile() has no effect on it", self.name)
+            logger.warning("%s is not a sensor: profile() has no effect on it", self.name)
             return
         self._profiled = True
 
@@ -300,7 +303,7 @@ class AbstractComponent(Placement, Interfaces, Models):
         self._exportable = False
 
     def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
-        """What the simulation needs to know of this component, which ``robot`` carries."""
+        """The declaration of this component, which ``robot`` carries, for the simulation."""
         return ComponentDeclaration(
             node=self.scene_node,
             kind=self._scene_kind(),
@@ -321,5 +324,5 @@ class AbstractComponent(Placement, Interfaces, Models):
         return self._kind
 
     def _scene_options(self) -> dict[str, object]:
-        """What the simulation needs to know of this kind of component."""
+        """The part of the declaration that depends on the kind of component."""
         return {}

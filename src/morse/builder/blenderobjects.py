@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.builder import checks, shapes, workspace
+from morse.builder import workspace
 from morse.builder.abstractcomponent import AbstractComponent
-from morse.builder.objects import SceneObject
+from morse.builder.assembly import shapes
+from morse.builder.blender.objects import SceneObject
+from morse.builder.errors import checks
 from morse.scene import Camera as CameraLens
 from morse.scene import Light, Material, Node, NodeKind
 

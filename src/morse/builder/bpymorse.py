@@ -8,10 +8,12 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.builder import checks, naming, workspace
-from morse.builder.game import checked_property
-from morse.builder.named import NamedList
-from morse.builder.objects import ObjectMaterial, SceneObject, material_slots
+from morse.builder import workspace
+from morse.builder.blender.game import checked_property
+from morse.builder.blender.named import NamedList
+from morse.builder.blender.objects import ObjectMaterial, SceneObject, material_slots
+from morse.builder.errors import checks
+from morse.builder.names import frames
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 
 if TYPE_CHECKING:
@@ -31,7 +33,7 @@ __all__ = [
     "set_viewport",
 ]
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
 def get_object(name: str) -> SceneObject:
@@ -111,13 +113,13 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
 
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
     """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also before there is an env."""
-    logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", naming.source_line())
+    logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", frames.source_line())
     scene = workspace.current()
     speed = (fps or 60, logic_step_max or 20, physics_step_max or 20)
     if scene.environment is None:
         scene.speed = speed
     else:
-        scene.environment.simulator_frequency(*speed)
+        _environment("set_speed").simulator_frequency(*speed)
 
 
 def fullscreen(fullscreen: bool = True) -> None:

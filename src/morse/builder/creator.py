@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from morse.builder import checks, shapes, workspace
-from morse.builder.component import Component, new_object
-from morse.builder.objects import SceneObject
-from morse.builder.realism import RealisticSensor
+from morse.builder import workspace
+from morse.builder.assembly import shapes
+from morse.builder.blender.objects import SceneObject
+from morse.builder.components.component import Component, new_object
+from morse.builder.components.realism import RealisticSensor
+from morse.builder.errors import checks
 from morse.core import declarations
-from morse.core.declarations import BuilderDefaults
+from morse.core.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.scene import Material, Node, NodeKind
 
 if TYPE_CHECKING:
-    from morse.core.declarations import Visual
+    from morse.core.builder_defaults import Visual
+    from morse.scene import Mesh
 
 _SHAPES = {"cube": shapes.cube, "sphere": shapes.sphere, "cylinder": shapes.cylinder}
 
@@ -34,6 +37,7 @@ class ComponentCreator(Component):
     Attributes:
         _classpath: the class that runs; subclasses set it.
         _blendname: the name of the model, if ``blendfile`` is not given; subclasses may set it.
+        _product: which of the products that the class simulates this is, or None for the class itself.
     """
 
     APPEND_EMPTY = "APPEND_EMPTY"
@@ -42,6 +46,7 @@ class ComponentCreator(Component):
 
     _classpath: str | None = None
     _blendname: str = ""
+    _product: str | None = None
     _role = "casing"
 
     def __init__(
@@ -90,21 +95,28 @@ class ComponentCreator(Component):
         if make_morseable and not self.is_morseable():
             self.morseable()
         cls = self.component_class()
-        defaults = getattr(cls, "_builder", None) or BuilderDefaults()
+        defaults = BuilderDefaults() if cls is None else builder_defaults(cls, type(self)._product)
         self.frequency(defaults.frequency)
-        if cls is not None and not declarations.data_fields(cls):
+        if cls is not None and (not declarations.data_fields(cls) or declarations.says_nothing(cls)):
             self.mark_unexportable()
         self.properties(**defaults.properties)
         if defaults.visual is not None:
             self._add_marker(defaults.visual)
         if defaults.model is not None:
-            workspace.current().attach(self.scene_node, self.append_model(defaults.model).node)
+            for body in self._bodies(defaults.model, defaults.part):
+                workspace.current().attach(self.scene_node, body.node)
+
+    def _bodies(self, model: str, part: str | None) -> list[SceneObject]:
+        return [self.append_model(model)] if part is None else self.append_meshes([part], model)
+
+    def _marker(self, visual: Visual) -> tuple[Mesh, list[Material | None]]:
+        shape = _SHAPES[checks.choice(visual.shape, _SHAPES, f"Visual(shape) of {self.classpath}")]
+        return shape(), [Material(f"{type(self).__name__}Mesh", (*visual.color, 1.0))]
 
     def _add_marker(self, visual: Visual) -> None:
-        shape = _SHAPES[checks.choice(visual.shape, _SHAPES, f"Visual(shape) of {self.classpath}")]
-        marker = Node(f"{type(self).__name__}Mesh", kind=NodeKind.MESH, mesh=shape())
+        mesh, materials = self._marker(visual)
+        marker = Node(f"{type(self).__name__}Mesh", kind=NodeKind.MESH, mesh=mesh, materials=materials)
         marker.scale = list(visual.scale)
-        marker.materials = [Material(marker.name, (*visual.color, 1.0))]
         workspace.current().add(marker)
         workspace.current().attach(self.scene_node, marker)
 
@@ -139,19 +151,3 @@ class ActuatorCreator(ComponentCreator):
         make_morseable: bool = True,
     ) -> None:
         super().__init__(name, "actuators", action, blendfile, blendobject, make_morseable)
-
-
-def derived_classes(package: str, base: type[ComponentCreator], module: str) -> dict[str, Any]:
-    """A builder class for each component of a package that needs no methods of its own.
-
-    Args:
-        package: ``morse.sensors`` or ``morse.actuators``.
-        base: `SensorCreator` or `ActuatorCreator`.
-        module: where the classes will live.
-    """
-    from morse.builder import catalog
-
-    return {
-        name: type(name, (base,), {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module})
-        for name, entry in catalog.components(package).items()
-    }

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from morse.assets.search import MORSE_COMPONENTS, resource_dirs
 from morse.builder import workspace
+from morse.builder.components.interfaces import Interfaces
 from morse.middleware import registry
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 __all__ = [
     "MORSE_COMPONENTS",
@@ -30,9 +35,10 @@ MORSE_SERVICE_DICT = MappingProxyType(
     {name: m.request_manager for name, m in registry.installed().items() if m.request_manager is not None}
 )
 
-#: name of a middleware to component to level (``all`` for every level) to the classes that carry
-#: its data; components that are not listed have the general form of the middleware
-MORSE_DATASTREAM_DICT = MappingProxyType({name: m.streams for name, m in registry.installed().items()})
+#: name of a middleware to the classes that carry data, by direction; a middleware maps message kinds, not components
+MORSE_DATASTREAM_DICT = MappingProxyType(
+    {name: {"OUT": m.default_publisher, "IN": m.default_reader} for name, m in registry.installed().items()}
+)
 
 
 class Configuration:
@@ -42,30 +48,24 @@ class Configuration:
     def datastreams() -> dict[str, list[tuple[str, str, str, dict[str, object]]]]:
         """Streams: stream manager, class, direction, options."""
         return {
-            c.name: [(s.manager, s.stream, s.direction, s.options) for s in c._streams]
-            for c in workspace.current().components
-            if c._streams
+            c.name: [(s.manager, s.stream, s.direction, s.options) for s in c._streams] for c in _all() if c._streams
         }
 
     @staticmethod
     def services() -> dict[str, list[str]]:
         """Class paths of the request managers."""
-        return {c.name: list(c._managers) for c in workspace.current().components if c._managers}
+        return {c.name: list(c._managers) for c in _all() if c._managers}
 
     @staticmethod
     def modifiers() -> dict[str, list[tuple[str, dict[str, object]]]]:
         """Modifiers: class path, options."""
-        return {
-            c.name: [(m.classpath, m.options) for m in c._modifiers]
-            for c in workspace.current().components
-            if c._modifiers
-        }
+        return {c.name: [(m.classpath, m.options) for m in c._modifiers] for c in _all() if c._modifiers}
 
     @staticmethod
     def overlays() -> dict[str, list[tuple[str, str, dict[str, object]]]]:
         """Overlays: request manager, class path, options."""
-        return {
-            c.name: [(o.manager, o.classpath, o.options) for o in c._overlays]
-            for c in workspace.current().components
-            if c._overlays
-        }
+        return {c.name: [(o.manager, o.classpath, o.options) for o in c._overlays] for c in _all() if c._overlays}
+
+
+def _all() -> Iterator[Interfaces]:
+    return (part for part in workspace.current().components if isinstance(part, Interfaces))

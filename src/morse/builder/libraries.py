@@ -18,19 +18,13 @@ class LibrariesFirst:
     A script ``random.py`` or ``rich.py`` would else be run again, in place of the library, wherever one is imported.
 
     Args:
-        script: name of the scene script, without suffix: nobody imports it.
+        script: name of the scene script, without suffix; it is never imported.
         directories: whose files give way to the standard library, too.
     """
 
     def __init__(self, script: str, directories: Iterable[str]) -> None:
         self._script = script
         self._directories = list(directories)
-
-    def install(self) -> None:
-        """Ask this finder before the one that follows the path, in place of one that was installed before."""
-        finders = sys.meta_path
-        finders[:] = [finder for finder in finders if not isinstance(finder, LibrariesFirst)]
-        finders.insert(finders.index(PathFinder) if PathFinder in finders else len(finders), self)
 
     def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
         """See `importlib.abc.MetaPathFinder`."""

@@ -1,9 +1,9 @@
 """The kinds of components, under the module name that scripts of MORSE 1.4 import them from."""
 
-from morse.builder.component import Component
+from morse.builder.components.component import Component
+from morse.builder.components.passive import PassiveObject, Zone
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.environment import Environment
-from morse.builder.passive import PassiveObject, Zone
-from morse.builder.robot import GroundRobot, Robot, WheeledRobot
 from morse.builder.robots import FakeRobot
 
 __all__ = [

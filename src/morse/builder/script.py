@@ -1,9 +1,11 @@
-"""Runs a scene script."""
+"""Runs a scene script, or a function that builds a scene."""
 
 from __future__ import annotations
 
 import importlib.util
 import sys
+import threading
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -12,17 +14,22 @@ from morse import mathutils
 from morse.assets import search
 from morse.assets.formats import SUFFIXES
 from morse.builder import workspace
+from morse.builder.assembly.finalise import build_scene
 from morse.builder.errors import ScriptError
-from morse.builder.explain import explain
-from morse.builder.finalise import build_scene
+from morse.builder.errors.explain import explain
 from morse.builder.libraries import LibrariesFirst
+from morse.core.project_imports import ProjectImports
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
 
-__all__ = ["ScriptError", "is_loading", "load_scene"]
+__all__ = ["ScriptError", "build", "is_loading", "load_scene"]
 
+#: scenes are described one at a time: the builder knows one that is being described
+_describing = threading.RLock()
 _loading = False
 
 
@@ -31,60 +38,81 @@ def is_loading() -> bool:
     return _loading
 
 
-def _offer_mathutils() -> None:
-    """Scripts and components of 1.4 import ``mathutils``, which came with the Blender that ran them."""
-    spec = importlib.util.find_spec("mathutils")
-    # a folder of that name on the path is no module
-    if spec is None or spec.origin is None:
-        sys.modules["mathutils"] = mathutils
-
-
 def load_scene(options: RunOptions) -> Scene:
     """Run a scene script and return the scene that it describes.
 
-    ``sys.path`` and ``sys.argv`` are set for the script, and stay so for the components that it
-    names.
+    The script, and the components that it names, have a ``sys.path``, a ``sys.argv`` and modules of their own: see
+    `morse.core.project_imports`. They go with the scene, as its attribute ``project``.
 
     Raises:
-        ScriptError: whatever is wrong with the script.
+        ScriptError: the script has an error.
     """
-    global _loading
     script = Path(options.script).absolute()
-    search.set_project_dirs(options.resource_paths)
-    directories = [*options.source_paths, str(script.parent)]
-    _extend_path(directories)
-    LibrariesFirst(script.stem, directories).install()
-    sys.argv[:] = [str(script), *options.arguments]
-    _offer_mathutils()
-    workspace.reset()
-    _loading = True
-    try:
+    directories = list(dict.fromkeys([*options.source_paths, str(script.parent)]))
+    libraries = LibrariesFirst(script.stem, directories)
+    project = ProjectImports(directories, [str(script), *options.arguments], [libraries])
+    if _lacks_mathutils():
+        project.offer("mathutils", mathutils)
+
+    def describe() -> None:
         if script.suffix.lower() in SUFFIXES:
             _make_environment(script)
         else:
-            _run(script)
-        return build_scene(workspace.current())
-    except ScriptError as error:
-        error.script = error.script or str(script)
-        raise
-    except Exception as error:
-        raise explain(error, str(script)) from error
-    finally:
-        _loading = False
+            _run(script, project)
+
+    with project:
+        scene = build(describe, str(script), options.resource_paths)
+    scene.project = project
+    return scene
 
 
-def _extend_path(directories: list[str]) -> None:
-    for directory in reversed(directories):
-        if directory in sys.path:
-            sys.path.remove(directory)
-        sys.path.insert(0, directory)
+def build(describe: Callable[[], object], script: str = "", resource_paths: list[str] | None = None) -> Scene:
+    """The scene that a function describes in terms of `morse.builder`.
+
+    Args:
+        script: named in errors.
+        resource_paths: searched for models before ``MORSE_RESOURCE_PATH``.
+
+    Raises:
+        ScriptError: the script has an error.
+    """
+    global _loading
+    with _describing, search.project_dirs(resource_paths or []), workspace.described() as described:
+        before, _loading = _loading, True
+        try:
+            describe()
+            scene = build_scene(described)
+        except ScriptError as error:
+            error.script = error.script or script
+            raise
+        except Exception as error:
+            raise explain(error, script) from error
+        finally:
+            _loading = before
+    scene.resource_paths = list(resource_paths or [])
+    return scene
 
 
-def _run(script: Path) -> None:
+@contextmanager
+def describing(resource_paths: list[str]) -> Iterator[None]:
+    """Within the block, a part of a scene may be described, with the models of a project."""
+    with _describing, search.project_dirs(resource_paths):
+        yield
+
+
+def _lacks_mathutils() -> bool:
+    """Scripts and components of 1.4 import ``mathutils``, which came with the Blender that ran them."""
+    spec = importlib.util.find_spec("mathutils")
+    # a folder of that name on the path is no module
+    return spec is None or spec.origin is None
+
+
+def _run(script: Path, project: ProjectImports) -> None:
     source = script.read_bytes()
     code = compile(source, str(script), "exec", dont_inherit=True)
     module = ModuleType("__main__")
     module.__file__ = str(script)
+    project.prepare(module)
     before = sys.modules["__main__"]
     # classes of the script look their module up by name
     sys.modules["__main__"] = module

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from types import ModuleType
 
-    from morse.builder.abstractcomponent import AbstractComponent
-    from morse.builder.environment import Environment
-    from morse.scene import Node
+    from morse.builder.assembly.description import EnvironmentDescription
+    from morse.builder.names.part import Part
+    from morse.scene import ModelUse, Node
 
 _SUFFIX = re.compile(r"\.\d{3,}$")
 
@@ -22,6 +23,7 @@ class Workspace:
     Attributes:
         roots: nodes without a parent, in the order in which they were made.
         components: robots, sensors, things, ... in the order in which they were made.
+        models: the model files that nodes came from.
         environment: the environment, once the script has made it.
         selected: the node that was selected last.
         speed: what ``bpymorse.set_speed`` asked the environment for before there was one.
@@ -30,8 +32,9 @@ class Workspace:
 
     def __init__(self) -> None:
         self.roots: list[Node] = []
-        self.components: list[AbstractComponent] = []
-        self.environment: Environment | None = None
+        self.components: list[Part] = []
+        self.models: list[ModelUse] = []
+        self.environment: EnvironmentDescription | None = None
         self.selected: Node | None = None
         self.speed: tuple[float, int, int] | None = None
         self.script: ModuleType | None = None
@@ -44,6 +47,17 @@ class Workspace:
             node.name = self._unique(node.name)
             self._nodes[node.name] = node
         self.roots.append(root)
+
+    def add_model(self, roots: Iterable[Node], use: ModelUse) -> None:
+        """Put nodes of a model file into the scene."""
+        for root in roots:
+            self.add(root)
+        self.models.append(use)
+
+    def reserve(self, nodes: Iterable[Node]) -> None:
+        """Let no node get the name of one of these, which are not part of this scene."""
+        for node in nodes:
+            self._nodes[node.name] = node
 
     def attach(self, parent: Node, child: Node, *, keep_world_pose: bool = False) -> None:
         """Make a node the child of another one.
@@ -119,6 +133,7 @@ class Workspace:
 
 
 _current = Workspace()
+_described = 0
 
 
 def current() -> Workspace:
@@ -131,3 +146,21 @@ def reset() -> Workspace:
     global _current
     _current = Workspace()
     return _current
+
+
+@contextmanager
+def described() -> Iterator[Workspace]:
+    """An empty scene, which is the current one within the block."""
+    global _current, _described
+    before, _current = _current, Workspace()
+    _described += 1
+    try:
+        yield _current
+    finally:
+        _current = before
+        _described -= 1
+
+
+def is_being_described() -> bool:
+    """True while a scene script runs."""
+    return _described > 0

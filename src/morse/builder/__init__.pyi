@@ -1,0 +1,272 @@
+# Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.
+
+from morse import mathutils as mathutils
+from morse.builder import actuators as actuators
+from morse.builder import bpymorse as bpymorse
+from morse.builder import robots as robots
+from morse.builder import sensors as sensors
+from morse.builder.abstractcomponent import AbstractComponent as AbstractComponent
+from morse.builder.actuators import Arucomarker as Arucomarker
+from morse.builder.actuators import Destination as Destination
+from morse.builder.actuators import Drag as Drag
+from morse.builder.actuators import ExternalForce as ExternalForce
+from morse.builder.actuators import ForceTorque as ForceTorque
+from morse.builder.actuators import Gripper as Gripper
+from morse.builder.actuators import Keyboard as Keyboard
+from morse.builder.actuators import MotionVW as MotionVW
+from morse.builder.actuators import MotionVWDiff as MotionVWDiff
+from morse.builder.actuators import MotionXYW as MotionXYW
+from morse.builder.actuators import Orientation as Orientation
+from morse.builder.actuators import QuadrotorDynamicControl as QuadrotorDynamicControl
+from morse.builder.actuators import RotorcraftAttitude as RotorcraftAttitude
+from morse.builder.actuators import RotorcraftVelocity as RotorcraftVelocity
+from morse.builder.actuators import RotorcraftWaypoint as RotorcraftWaypoint
+from morse.builder.actuators import StabilizedQuadrotor as StabilizedQuadrotor
+from morse.builder.actuators import SteerForce as SteerForce
+from morse.builder.actuators import Teleport as Teleport
+from morse.builder.actuators import Waypoint as Waypoint
+from morse.builder.blenderobjects import Camera as Camera
+from morse.builder.blenderobjects import Cone as Cone
+from morse.builder.blenderobjects import Coordsys as Coordsys
+from morse.builder.blenderobjects import Cube as Cube
+from morse.builder.blenderobjects import Cylinder as Cylinder
+from morse.builder.blenderobjects import Empty as Empty
+from morse.builder.blenderobjects import IcoSphere as IcoSphere
+from morse.builder.blenderobjects import Mesh as Mesh
+from morse.builder.blenderobjects import Plane as Plane
+from morse.builder.blenderobjects import Sphere as Sphere
+from morse.builder.blenderobjects import Spot as Spot
+from morse.builder.blenderobjects import Torus as Torus
+from morse.builder.components.cameras import Kinect as Kinect
+from morse.builder.components.cameras import VLP16_180 as VLP16_180
+from morse.builder.components.component import Component as Component
+from morse.builder.components.compound import CompoundSensor as CompoundSensor
+from morse.builder.components.furnished import LedArray as LedArray
+from morse.builder.components.furnished import Light as Light
+from morse.builder.components.furnished import PTU as PTU
+from morse.builder.components.furnished import Sound as Sound
+from morse.builder.components.joystick import Joystick as Joystick
+from morse.builder.components.morsy import Morsy as Morsy
+from morse.builder.components.passive import PassiveObject as PassiveObject
+from morse.builder.components.passive import Zone as Zone
+from morse.builder.components.robot import GroundRobot as GroundRobot
+from morse.builder.components.robot import Robot as Robot
+from morse.builder.components.robot import WheeledRobot as WheeledRobot
+from morse.builder.creator import ActuatorCreator as ActuatorCreator
+from morse.builder.creator import ComponentCreator as ComponentCreator
+from morse.builder.creator import SensorCreator as SensorCreator
+from morse.builder.data import Configuration as Configuration
+from morse.builder.environment.environment import Environment as Environment
+from morse.builder.robots import ATRV as ATRV
+from morse.builder.robots import B21 as B21
+from morse.builder.robots import FakeRobot as FakeRobot
+from morse.builder.robots import Hummer as Hummer
+from morse.builder.robots import Jido as Jido
+from morse.builder.robots import PatrolBot as PatrolBot
+from morse.builder.robots import Pioneer3DX as Pioneer3DX
+from morse.builder.robots import QUAD2012 as QUAD2012
+from morse.builder.robots import Quadrotor as Quadrotor
+from morse.builder.robots import RMax as RMax
+from morse.builder.robots import SegwayRMP400 as SegwayRMP400
+from morse.builder.robots import Submarine as Submarine
+from morse.builder.robots import Victim as Victim
+from morse.builder.sensors import ADIS16448 as ADIS16448
+from morse.builder.sensors import Accelerometer as Accelerometer
+from morse.builder.sensors import Airspeed as Airspeed
+from morse.builder.sensors import Attitude as Attitude
+from morse.builder.sensors import BMI088 as BMI088
+from morse.builder.sensors import Barometer as Barometer
+from morse.builder.sensors import Battery as Battery
+from morse.builder.sensors import Bumper as Bumper
+from morse.builder.sensors import Clock as Clock
+from morse.builder.sensors import Collision as Collision
+from morse.builder.sensors import DepthCamera as DepthCamera
+from morse.builder.sensors import DepthCameraAggregator as DepthCameraAggregator
+from morse.builder.sensors import DepthCameraRotationZ as DepthCameraRotationZ
+from morse.builder.sensors import DepthVideoCamera as DepthVideoCamera
+from morse.builder.sensors import GPS as GPS
+from morse.builder.sensors import Gyroscope as Gyroscope
+from morse.builder.sensors import Hokuyo as Hokuyo
+from morse.builder.sensors import IMU as IMU
+from morse.builder.sensors import Infrared as Infrared
+from morse.builder.sensors import LaserScanner as LaserScanner
+from morse.builder.sensors import Magnetometer as Magnetometer
+from morse.builder.sensors import Odometry as Odometry
+from morse.builder.sensors import PTUPosture as PTUPosture
+from morse.builder.sensors import Pose as Pose
+from morse.builder.sensors import Proximity as Proximity
+from morse.builder.sensors import RadarAltimeter as RadarAltimeter
+from morse.builder.sensors import RangeFinder as RangeFinder
+from morse.builder.sensors import RawImage as RawImage
+from morse.builder.sensors import SearchAndRescue as SearchAndRescue
+from morse.builder.sensors import SemanticCamera as SemanticCamera
+from morse.builder.sensors import Sick as Sick
+from morse.builder.sensors import SickLDMRS as SickLDMRS
+from morse.builder.sensors import StereoUnit as StereoUnit
+from morse.builder.sensors import Thermometer as Thermometer
+from morse.builder.sensors import UltrasonicRangeFinder as UltrasonicRangeFinder
+from morse.builder.sensors import VN100 as VN100
+from morse.builder.sensors import Velocity as Velocity
+from morse.builder.sensors import Velodyne as Velodyne
+from morse.builder.sensors import VelodyneRayCast as VelodyneRayCast
+from morse.builder.sensors import VelodyneZB as VelodyneZB
+from morse.builder.sensors import VideoCamera as VideoCamera
+from morse.builder.sensors import WheelEncoders as WheelEncoders
+from morse.core.exceptions import MorseBuilderBadSyntaxError as MorseBuilderBadSyntaxError
+from morse.core.exceptions import MorseBuilderError as MorseBuilderError
+from morse.core.exceptions import MorseBuilderNoComponentError as MorseBuilderNoComponentError
+from morse.core.exceptions import MorseBuilderUnexportableError as MorseBuilderUnexportableError
+from morse.core.exceptions import MorseDeclarationError as MorseDeclarationError
+from morse.core.exceptions import MorseEnvironmentError as MorseEnvironmentError
+from morse.core.exceptions import MorseError as MorseError
+from morse.core.exceptions import MorseMethodNotFoundError as MorseMethodNotFoundError
+from morse.core.exceptions import MorseMiddlewareError as MorseMiddlewareError
+from morse.core.exceptions import MorseMultinodeError as MorseMultinodeError
+from morse.core.exceptions import MorseRPCInvokationError as MorseRPCInvokationError
+from morse.core.exceptions import MorseRPCNbArgsError as MorseRPCNbArgsError
+from morse.core.exceptions import MorseRPCTypeError as MorseRPCTypeError
+from morse.core.exceptions import MorseServiceAlreadyRunningError as MorseServiceAlreadyRunningError
+from morse.core.exceptions import MorseServiceError as MorseServiceError
+from morse.core.exceptions import MorseWrongArgsError as MorseWrongArgsError
+from morse.scene.settings import TimeStrategies as TimeStrategies
+import logging as logging
+import math as math
+import os as os
+import pprint as pprint
+import sys as sys
+
+__all__ = [
+    "ADIS16448",
+    "ATRV",
+    "AbstractComponent",
+    "Accelerometer",
+    "ActuatorCreator",
+    "Airspeed",
+    "Arucomarker",
+    "Attitude",
+    "B21",
+    "BMI088",
+    "Barometer",
+    "Battery",
+    "Bumper",
+    "Camera",
+    "Clock",
+    "Collision",
+    "Component",
+    "ComponentCreator",
+    "CompoundSensor",
+    "Cone",
+    "Configuration",
+    "Coordsys",
+    "Cube",
+    "Cylinder",
+    "DepthCamera",
+    "DepthCameraAggregator",
+    "DepthCameraRotationZ",
+    "DepthVideoCamera",
+    "Destination",
+    "Drag",
+    "Empty",
+    "Environment",
+    "ExternalForce",
+    "FakeRobot",
+    "ForceTorque",
+    "GPS",
+    "Gripper",
+    "GroundRobot",
+    "Gyroscope",
+    "Hokuyo",
+    "Hummer",
+    "IMU",
+    "IcoSphere",
+    "Infrared",
+    "Jido",
+    "Joystick",
+    "Keyboard",
+    "Kinect",
+    "LaserScanner",
+    "LedArray",
+    "Light",
+    "Magnetometer",
+    "Mesh",
+    "MorseBuilderBadSyntaxError",
+    "MorseBuilderError",
+    "MorseBuilderNoComponentError",
+    "MorseBuilderUnexportableError",
+    "MorseDeclarationError",
+    "MorseEnvironmentError",
+    "MorseError",
+    "MorseMethodNotFoundError",
+    "MorseMiddlewareError",
+    "MorseMultinodeError",
+    "MorseRPCInvokationError",
+    "MorseRPCNbArgsError",
+    "MorseRPCTypeError",
+    "MorseServiceAlreadyRunningError",
+    "MorseServiceError",
+    "MorseWrongArgsError",
+    "Morsy",
+    "MotionVW",
+    "MotionVWDiff",
+    "MotionXYW",
+    "Odometry",
+    "Orientation",
+    "PTU",
+    "PTUPosture",
+    "PassiveObject",
+    "PatrolBot",
+    "Pioneer3DX",
+    "Plane",
+    "Pose",
+    "Proximity",
+    "QUAD2012",
+    "Quadrotor",
+    "QuadrotorDynamicControl",
+    "RMax",
+    "RadarAltimeter",
+    "RangeFinder",
+    "RawImage",
+    "Robot",
+    "RotorcraftAttitude",
+    "RotorcraftVelocity",
+    "RotorcraftWaypoint",
+    "SearchAndRescue",
+    "SegwayRMP400",
+    "SemanticCamera",
+    "SensorCreator",
+    "Sick",
+    "SickLDMRS",
+    "Sound",
+    "Sphere",
+    "Spot",
+    "StabilizedQuadrotor",
+    "SteerForce",
+    "StereoUnit",
+    "Submarine",
+    "Teleport",
+    "Thermometer",
+    "TimeStrategies",
+    "Torus",
+    "UltrasonicRangeFinder",
+    "VLP16_180",
+    "VN100",
+    "Velocity",
+    "Velodyne",
+    "VelodyneRayCast",
+    "VelodyneZB",
+    "Victim",
+    "VideoCamera",
+    "Waypoint",
+    "WheelEncoders",
+    "WheeledRobot",
+    "Zone",
+    "bpymorse",
+    "logger",
+    "logging",
+    "math",
+    "mathutils",
+    "os",
+    "pprint",
+    "sys",
+]
+logger: logging.Logger

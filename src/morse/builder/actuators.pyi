@@ -1,0 +1,190 @@
+# Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.
+
+from typing import Any, Literal
+from morse.builder.components.furnished import LedArray as LedArray
+from morse.builder.components.furnished import Light as Light
+from morse.builder.components.furnished import PTU as PTU
+from morse.builder.components.furnished import Sound as Sound
+from morse.builder.components.joystick import Joystick as Joystick
+from morse.builder.creator import ActuatorCreator as ActuatorCreator
+
+__all__ = [
+    "ActuatorCreator",
+    "Arucomarker",
+    "Destination",
+    "Drag",
+    "ExternalForce",
+    "ForceTorque",
+    "Gripper",
+    "Joystick",
+    "Keyboard",
+    "LedArray",
+    "Light",
+    "MotionVW",
+    "MotionVWDiff",
+    "MotionXYW",
+    "Orientation",
+    "PTU",
+    "QuadrotorDynamicControl",
+    "RotorcraftAttitude",
+    "RotorcraftVelocity",
+    "RotorcraftWaypoint",
+    "Sound",
+    "StabilizedQuadrotor",
+    "SteerForce",
+    "Teleport",
+    "Waypoint",
+]
+
+class Arucomarker(ActuatorCreator):
+    """A marker for cameras that can be put somewhere"""
+    def properties(
+        self, *, xoffset: float = ..., yoffset: float = ..., zoffset: float = ..., **kwargs: Any
+    ) -> None: ...
+
+class Destination(ActuatorCreator):
+    """Motion controller which moves the robot on a straight line to a place"""
+    def properties(
+        self,
+        *,
+        ControlType: Literal["Velocity", "Position"] = ...,
+        RemainAtDestination: bool = ...,
+        Tolerance: float = ...,
+        Speed: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class Drag(ActuatorCreator):
+    """Applies the resistance of air or water to the robot"""
+    def properties(
+        self, *, DragCoeffX: float = ..., DragCoeffY: float = ..., DragCoeffZ: float = ..., **kwargs: Any
+    ) -> None: ...
+
+class ExternalForce(ActuatorCreator):
+    """Applies forces of the surroundings, such as wind, to the robot"""
+
+class ForceTorque(ActuatorCreator):
+    """Motion controller using force and torque to move a robot"""
+    def properties(self, *, RobotFrame: bool = ..., **kwargs: Any) -> None: ...
+
+class Gripper(ActuatorCreator):
+    """Takes things that can be grasped and lets them go"""
+    def properties(self, *, Angle: float = ..., Distance: float = ..., **kwargs: Any) -> None: ...
+
+class Keyboard(ActuatorCreator):
+    """Drives the robot by the keyboard of the live view"""
+    def properties(
+        self, *, ControlType: Literal["Position", "Velocity", "Differential"] = ..., Speed: float = ..., **kwargs: Any
+    ) -> None: ...
+
+class MotionVW(ActuatorCreator):
+    """Motion controller using linear and angular speeds"""
+    def properties(self, *, ControlType: Literal["Velocity", "Position"] = ..., **kwargs: Any) -> None: ...
+
+class MotionVWDiff(ActuatorCreator):
+    """Motion controller using linear and angular speeds, by the wheels"""
+
+class MotionXYW(ActuatorCreator):
+    """Motion controller using linear (Vx, Vy) and angular speeds"""
+    def properties(self, *, ControlType: Literal["Velocity", "Position"] = ..., **kwargs: Any) -> None: ...
+
+class Orientation(ActuatorCreator):
+    """Motion controller which changes the orientation of the robot"""
+    def properties(
+        self,
+        *,
+        speed: float = ...,
+        tolerance: float = ...,
+        ControlType: Literal["Velocity", "Position"] = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class QuadrotorDynamicControl(ActuatorCreator):
+    """Motion controller using the speeds of the rotors of a quadrotor"""
+    def properties(
+        self,
+        *,
+        ThrustFactor: float = ...,
+        DragFactor: float = ...,
+        Lever: float = ...,
+        Configuration: Literal["+", "x"] = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class RotorcraftAttitude(ActuatorCreator):
+    """Motion controller using force and torque to hold the attitude of a rotorcraft"""
+    def properties(
+        self,
+        *,
+        RollPitchPgain: float = ...,
+        RollPitchDgain: float = ...,
+        YawPgain: float = ...,
+        YawDgain: float = ...,
+        ThrustFactor: float = ...,
+        LinearThrust: bool = ...,
+        YawRateControl: bool = ...,
+        UseAngleAgainstNorth: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class RotorcraftVelocity(ActuatorCreator):
+    """Motion controller using force and torque to fly a rotorcraft at a velocity"""
+    def properties(
+        self,
+        *,
+        HorizontalPgain: float = ...,
+        HorizontalDgain: float = ...,
+        VerticalPgain: float = ...,
+        YawPgain: float = ...,
+        RollPitchPgain: float = ...,
+        RollPitchDgain: float = ...,
+        MaxBankAngle: float = ...,
+        VerticalDgain: float = ...,
+        YawDgain: float = ...,
+        MaxVelocity: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class RotorcraftWaypoint(ActuatorCreator):
+    """Motion controller using force and torque to fly a rotorcraft to a place"""
+    def properties(
+        self,
+        *,
+        HorizontalPgain: float = ...,
+        HorizontalDgain: float = ...,
+        VerticalPgain: float = ...,
+        YawPgain: float = ...,
+        RollPitchPgain: float = ...,
+        RollPitchDgain: float = ...,
+        MaxBankAngle: float = ...,
+        VerticalDgain: float = ...,
+        YawDgain: float = ...,
+        RemainAtDestination: bool = ...,
+        Target: str = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class StabilizedQuadrotor(ActuatorCreator):
+    """Motion controller which moves a quadrotor with an autopilot, without forces"""
+
+class SteerForce(ActuatorCreator):
+    """Motion controller using steering, engine force and brakes of a car"""
+
+class Teleport(ActuatorCreator):
+    """Motion controller which changes instantly the pose of the robot"""
+
+class Waypoint(ActuatorCreator):
+    """Motion controller which drives the robot to a place"""
+    def properties(
+        self,
+        *,
+        ControlType: Literal["Velocity", "Position"] = ...,
+        RemainAtDestination: bool = ...,
+        ObstacleAvoidance: bool = ...,
+        FreeZ: bool = ...,
+        AngleTolerance: float = ...,
+        Speed: float = ...,
+        Target: str = ...,
+        Ignore: str = ...,
+        **kwargs: Any,
+    ) -> None: ...

@@ -1,0 +1,1 @@
+"""From what a script has made to the scene that is simulated."""

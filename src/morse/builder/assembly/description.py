@@ -1,0 +1,31 @@
+"""The environment as the script has described it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.builder.names.part import Part
+    from morse.scene import Settings, SourceLine
+
+
+class EnvironmentDescription:
+    """What `Environment` hands on to the scene.
+
+    Attributes:
+        where: the line of the script that made it.
+        filename: name of its model.
+        settings: of time, physics and view.
+        environment_properties: position on the Earth, temperature, ...
+    """
+
+    where: SourceLine | None
+    filename: str
+    settings: Settings
+    environment_properties: dict[str, object]
+    _auto_tune: bool
+    _display_camera: Part | None
+    _simulation_managers: list[str]
+    _manager_options: dict[str, dict[str, object]]
+    _multinode: dict[str, object] | None
+    _log_levels: dict[str, str]

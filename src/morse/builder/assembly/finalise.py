@@ -1,0 +1,81 @@
+"""From what a script has made to the scene that is simulated."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.components.passive import Zone as ZoneComponent
+from morse.builder.errors import ScriptError, Step
+from morse.core.exceptions import MorseBuilderError
+from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
+
+if TYPE_CHECKING:
+    from morse.builder.workspace import Workspace
+
+
+def build_scene(workspace: Workspace) -> Scene:
+    """The scene that a script has described.
+
+    Raises:
+        ScriptError: there is no environment, or a component cannot run.
+    """
+    environment = workspace.environment
+    if environment is None:
+        raise ScriptError(
+            "the script makes no Environment",
+            mend="Write at its end: env = Environment('sandbox') (or 'empty', 'indoors-1/boxes', ...)",
+        )
+    settings = environment.settings
+    components = [
+        declare(part) for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()
+    ]
+    fastest = max((c.frequency for c in components if c.frequency is not None), default=0.0)
+    if environment._auto_tune and settings.time_strategy is TimeStrategies.BestEffort:
+        settings.frequency = max(settings.frequency, fastest)
+    camera = environment._display_camera
+    settings.view.display_camera = None if camera is None else camera.name
+    _check_poses(workspace)
+    return Scene(
+        environment=environment.filename,
+        roots=list(workspace.roots),
+        components=components,
+        zones=[Zone(c.scene_node, c.type) for c in workspace.components if isinstance(c, ZoneComponent)],
+        models=list(workspace.models),
+        settings=settings,
+        properties=dict(environment.environment_properties),
+        manager_options=environment._manager_options,
+        simulation_managers=environment._simulation_managers,
+        log_levels=environment._log_levels,
+        multinode=environment._multinode,
+    )
+
+
+def declare(component: AbstractComponent) -> ComponentDeclaration:
+    """The declaration of a component for the simulation.
+
+    Raises:
+        ScriptError: it is on no robot, or its class cannot be loaded.
+    """
+    try:
+        component.component_class()
+    except MorseBuilderError as error:
+        raise _error(component, str(error)) from error
+    robot = component
+    while not robot.is_robot:
+        if robot.parent is None:
+            message = f"'{component.name}' ({type(component).__name__}) is on no robot"
+            raise _error(component, message, f"Put it on one: robot.append({component.plain_name})")
+        robot = robot.parent
+    return component._declaration(robot)
+
+
+def _check_poses(workspace: Workspace) -> None:
+    for node in workspace.nodes():
+        if not all(math.isfinite(x) for x in (*node.location, *node.rotation_euler, *node.scale)):
+            raise ScriptError(f"the pose of '{node.name}' is not finite: {node.location}, {node.rotation_euler}")
+
+
+def _error(component: AbstractComponent, message: str, mend: str = "") -> ScriptError:
+    return ScriptError(message, [Step(component._where)] if component._where else [], mend)

@@ -1,0 +1,123 @@
+"""Which objects of a model file go into the scene, as copies with their physics settled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets import instantiate
+from morse.mathutils import Matrix
+from morse.scene import Choice, ModelUse, PhysicsType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from morse.scene import Library, Node, Role
+
+
+#: the camera in the file of a world that says from where the live view shows the world first
+_VIEWPOINT = "CameraFP"
+
+
+def viewpoint_of(library: Library) -> Node | None:
+    """The camera ``CameraFP`` of a world, which is not an object of the scene."""
+    return next((root for root in library.roots if root.name == _VIEWPOINT and root.camera is not None), None)
+
+
+def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
+    """Copies of objects of a library, and the record of where they came from.
+
+    Returns:
+        The copies without a parent, empty if nothing matches; and their `ModelUse`.
+
+    Raises:
+        AssetError: a whole component is wanted, and there is no object in the file.
+    """
+    if choice.whole:
+        roots = [whole_component(library, choice.role)]
+    else:
+        roots = pick(library, choice.role, choice.names, choice.prefix)
+    originals = {node.name: node for root in roots for node in instantiate(root).walk()}
+    nodes = {node.name: node for root in roots for node in root.walk()}
+    return roots, ModelUse(str(Path(library.path).absolute()), choice, nodes, originals)
+
+
+def whole_component(library: Library, role: Role = "component") -> Node:
+    """All objects of a file as one: the root of a robot, sensor or actuator.
+
+    Raises:
+        AssetError: there is no object in the file.
+    """
+    from morse.assets.rules import gather_under_root
+
+    root = gather_under_root(replace(library, roots=[instantiate(root) for root in library.roots]))
+    _settle_physics([root], role)
+    return root
+
+
+def _settle_physics(roots: list[Node], role: Role) -> None:
+    from morse.assets.rules import resolve_auto
+
+    if role != "casing":
+        resolve_auto(roots, role=role)
+        return
+    for root in roots:
+        for node in root.walk():
+            if node.body.type is PhysicsType.AUTO:
+                node.body.type = PhysicsType.NO_COLLISION
+
+
+def pick(
+    library: Library,
+    role: Role,
+    names: Sequence[str] | None = None,
+    prefix: str | None = None,
+) -> list[Node]:
+    """Copies of objects of a library, each with all below it.
+
+    Objects whose names begin with ``_`` are left out, with all below them.
+
+    Args:
+        library: the content of the file; it stays as it is.
+        role: what they will be.
+        names: only these.
+        prefix: only those whose names begin so; if there are none, those in the collection of
+            that name.
+
+    Returns:
+        The copies without a parent, in the order of the file; empty if nothing matches.
+    """
+    if names is not None:
+        wanted = [node for node in library.nodes() if node.name in names]
+    elif prefix is not None:
+        named = [node for node in library.nodes() if node.name.startswith(prefix)]
+        members = set(library.collections.get(prefix, ()))
+        wanted = named or [node for node in library.nodes() if node.name in members]
+    else:
+        viewpoint = viewpoint_of(library) if role == "environment" else None
+        wanted = [root for root in library.roots if root.name not in library.outside_scene and root is not viewpoint]
+    roots = [_copy(node) for node in _topmost(wanted) if not node.name.startswith("_")]
+    _settle_physics(roots, role)
+    return roots
+
+
+def _topmost(nodes: Iterable[Node]) -> list[Node]:
+    chosen = dict.fromkeys(nodes)
+    return [node for node in chosen if not any(ancestor in chosen for ancestor in node.ancestors())]
+
+
+def _copy(original: Node) -> Node:
+    copy = instantiate(original)
+    if original.parent is not None:
+        # the part stays where it was in the file
+        copy.parent_inverse = original.parent.world_matrix() @ parent_inverse_of(original)
+    for node in list(copy.walk()):
+        if node.name.startswith("_"):
+            node.detach()
+    return copy
+
+
+def parent_inverse_of(node: Node) -> Matrix:
+    """The 4x4 matrix between a node's own pose and its parent."""
+    return Matrix.Identity(4) if node.parent_inverse is None else node.parent_inverse

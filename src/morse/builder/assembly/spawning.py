@@ -1,0 +1,102 @@
+"""Describes a robot or a thing that comes into a scene which runs already."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import workspace
+from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.assembly.finalise import declare
+from morse.builder.components.passive import PassiveObject
+from morse.builder.components.robot import Robot, WheeledRobot
+from morse.builder.environment.environment import connect_by_default
+from morse.builder.errors import checks
+from morse.builder.names import naming
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from morse.scene import ComponentDeclaration, ModelUse, Node
+
+
+@dataclass(frozen=True)
+class Newcomer:
+    """What comes into a scene.
+
+    Attributes:
+        roots: its nodes without a parent.
+        components: what runs of it: a robot and what the robot carries.
+        models: the model files that the nodes came from.
+    """
+
+    roots: list[Node] = field(default_factory=list)
+    components: list[ComponentDeclaration] = field(default_factory=list)
+    models: list[ModelUse] = field(default_factory=list)
+
+
+def describe_newcomer(
+    name: str,
+    make: Callable[[], Any],
+    position: Sequence[float],
+    rotation: Sequence[float],
+    taken: Iterable[Node],
+    interfaces: Iterable[str],
+) -> Newcomer:
+    """What a function of the builder describes, under a name and at a place.
+
+    Args:
+        make: returns a robot or a thing, e.g. a class of the builder.
+        position: metres in the world.
+        rotation: roll, pitch, yaw, radians.
+        taken: nodes of the scene that runs; those that come get other names.
+        interfaces: names of the middlewares by which a robot is reached.
+
+    Raises:
+        MorseBuilderError: it returns nothing that can come into a scene, or the name is taken.
+    """
+    with workspace.described() as described:
+        described.reserve(taken)
+        made = make()
+        if not isinstance(made, AbstractComponent):
+            raise MorseBuilderError(
+                f"a robot or a thing of morse.builder is expected, such as ATRV(), not {checks.shown(made)}"
+            )
+        made.name = name
+        made.location = list(position)
+        made.rotation_euler = list(rotation)
+        if isinstance(made, WheeledRobot):
+            made.unparent_wheels()
+        naming.rename_all()
+        if isinstance(made, Robot):
+            for interface in interfaces:
+                made.add_default_interface(interface)
+            connect_by_default(made)
+        if made.name != name:
+            raise MorseBuilderError(f"there is an object '{name}' in the scene already")
+        parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
+        return Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
+
+
+def maker_of(kind: str) -> Callable[[], Any]:
+    """What makes a thing of a kind: the name of a class of `morse.builder`, or the name of a model.
+
+    Raises:
+        MorseBuilderNoComponentError: there is neither.
+    """
+    import morse.builder
+
+    found = getattr(morse.builder, kind, None) if kind in morse.builder.__all__ else None
+    if isinstance(found, type) and issubclass(found, Robot):
+        return found
+    if "/" in kind or "." in kind:
+        return lambda: PassiveObject(kind)
+    robots = [
+        name
+        for name in morse.builder.__all__
+        if isinstance(value := getattr(morse.builder, name), type) and issubclass(value, Robot)
+    ]
+    raise MorseBuilderNoComponentError(
+        f"there is no robot '{kind}'{checks.suggestion(kind, robots)}; for a thing, give its model, e.g. props/crates"
+    )

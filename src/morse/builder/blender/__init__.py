@@ -1,0 +1,1 @@
+"""Nodes of the scene under the names of Blender, for scripts that know them."""

@@ -1,0 +1,1 @@
+"""What users call: robots, sensors, actuators and things, and their methods."""

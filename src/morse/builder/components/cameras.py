@@ -1,0 +1,127 @@
+"""Cameras: their axes are those of pictures, not those of the robot."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.builder import workspace
+from morse.builder.assembly import shapes
+from morse.builder.creator import ComponentCreator, SensorCreator
+from morse.mathutils import Euler, Vector
+from morse.scene import Material, Node, NodeKind
+
+#: a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
+MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
+
+
+class CameraCreator(SensorCreator):
+    """A camera that looks along the X axis of what carries it.
+
+    Its own axes are those of a picture: X to the right, Y down, Z forward.
+    """
+
+    def __init__(
+        self,
+        name: str | None = None,
+        action: str = ComponentCreator.APPEND_EMPTY,
+        blendfile: str | None = None,
+        blendobject: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        super().__init__(name, action, blendfile, blendobject, make_morseable)
+        if action != self.APPEND_EMPTY:
+            return
+        self.scene_node.rotation_euler[:] = MOUNTED
+        back = Euler(MOUNTED).to_matrix().transposed()
+        for body in self.scene_node.children:
+            # the body stays upright
+            body.location[:] = back @ Vector(body.location)
+            body.rotation_euler[:] = (back @ Euler(body.rotation_euler).to_matrix()).to_euler()
+
+    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Add radians to its direction.
+
+        As in MORSE 1.4, the angles do not belong to the axes of their names: x turns it about the vertical axis, to
+        the left, y turns it up, and z turns it about the direction in which it looks, clockwise.
+        """
+        super().rotate(x=y, y=z, z=x)
+
+
+class _Colors(CameraCreator):
+    _classpath = "morse.sensors.video_camera.VideoCamera"
+
+
+class _Depths(CameraCreator):
+    _classpath = "morse.sensors.depth_camera.DepthVideoCamera"
+
+
+class _Clouds(CameraCreator):
+    _classpath = "morse.sensors.depth_camera.DepthCamera"
+
+
+class VLP16_180(SensorCreator):  # noqa: N801 (its name in MORSE 1.4)
+    """Three depth cameras ``cam1``, ``cam2`` and ``cam3`` side by side, of whose pictures 16 rows are kept."""
+
+    _classpath = "morse.sensors.vlp16.VLP16_180"
+    _ROWS = (1, 17, 34, 51, 68, 85, 102, 120, 137, 154, 171, 188, 205, 222, 239, 255)
+
+    def __init__(self, name: str | None = None) -> None:
+        super().__init__(name)
+        for number, angle in enumerate((-60.0, 0.0, 60.0), 1):
+            camera = _Clouds(f"cam{number}")
+            camera.properties(cam_width=512, cam_height=256, cam_focal=27.7, cam_near=0.1, cam_far=100.0)
+            camera.properties(keep_list=str(list(self._ROWS)))
+            camera.rotate(x=math.radians(angle))
+            self.append(camera)
+        self.properties(master_camera="cam1")
+        self.frequency(10.0)
+
+    def frequency(self, frequency: float) -> None:
+        """Take that many clouds per simulated second, with all cameras."""
+        super().frequency(frequency)
+        for camera in self.children:
+            camera.frequency(frequency)
+
+
+class Kinect(SensorCreator):
+    """A colour camera ``rgb`` and a depth camera ``depth`` side by side, 128 x 128 pixels each."""
+
+    _classpath = "morse.sensors.kinect.Kinect"
+
+    def __init__(self, name: str | None = "Kinect") -> None:
+        super().__init__(name)
+        self.mark_unexportable()
+        casing = Node("KinectMesh", kind=NodeKind.MESH, mesh=shapes.cube())
+        casing.scale, casing.location = [0.02, 0.1, 0.02], [0.03, 0.0, 0.04]
+        casing.materials = [Material(casing.name, (0.05, 0.05, 0.05, 1.0))]
+        workspace.current().add(casing)
+        workspace.current().attach(self.scene_node, casing)
+        self.video_camera, self.depth_camera = (
+            self._camera(_Colors, "rgb"),
+            self._camera(_Depths, "depth"),
+        )
+        self.video_camera.translate(0.06, -0.08, 0.04)
+        self.depth_camera.translate(0.06, 0.08, 0.04)
+
+    def _camera(self, kind: type[CameraCreator], name: str) -> CameraCreator:
+        camera = kind(name)
+        camera.properties(cam_width=128, cam_height=128)
+        self.append(camera)
+        return camera
+
+    def add_stream(self, *args: Any, **kwargs: Any) -> None:
+        """Give both cameras a stream; see `morse.builder.components.interfaces.Interfaces`."""
+        self.video_camera.add_stream(*args, **kwargs)
+        self.depth_camera.add_stream(*args, **kwargs)
+
+    def frequency(self, frequency: float) -> None:
+        """Take that many pictures per simulated second, with both cameras."""
+        super().frequency(frequency)
+        for camera in self.children:
+            camera.frequency(frequency)
+
+    def profile(self) -> None:
+        """Show the share of time that both cameras take."""
+        self.video_camera.profile()
+        self.depth_camera.profile()

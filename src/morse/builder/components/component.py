@@ -1,0 +1,65 @@
+"""Components that come from a model file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.builder import workspace
+from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.blender.objects import SceneObject
+from morse.builder.errors import checks
+from morse.scene import Node
+
+if TYPE_CHECKING:
+    from morse.scene import Role
+
+_KINDS = {"robots": "robot", "sensors": "sensor", "actuators": "actuator"}
+
+
+class Component(AbstractComponent):
+    """A component with the body of a model file.
+
+    Args:
+        category: folder of the model: ``robots``, ``sensors``, ``actuators``, ``props`` ...
+        filename: name of the model (see `morse.assets.find`); empty for an object without a body.
+        blender_object_name: the object of the file that is the root; None for the one without a
+            parent.
+        make_morseable: let a robot, sensor or actuator run, if its class is known.
+
+    Raises:
+        FileNotFoundError: there is no such model.
+        MorseBuilderNoComponentError: there is no such object in it.
+    """
+
+    _role: Role = "component"
+
+    def __init__(
+        self,
+        category: str = "",
+        filename: str = "",
+        blender_object_name: str | None = None,
+        make_morseable: bool = True,
+    ) -> None:
+        if not isinstance(filename, str):
+            raise TypeError(f"the model of a {type(self).__name__} is given by its name, got {checks.shown(filename)}")
+        super().__init__(filename=filename, category=category)
+        self._kind = self._kind or _KINDS.get(category, "")
+        if filename:
+            self.set_blender_object(self._load(blender_object_name))
+        else:
+            self.set_blender_object(new_object(type(self).__name__))
+        if make_morseable and self._kind and not self.is_morseable() and getattr(type(self), "_classpath", None):
+            self.morseable()
+
+    def _load(self, root_name: str | None) -> SceneObject:
+        if root_name is not None:
+            found = self.append_meshes(objects=[root_name])
+            return found[0]
+        return self.append_model()
+
+
+def new_object(name: str) -> SceneObject:
+    """A new object without a body."""
+    node = Node(name)
+    workspace.current().add(node)
+    return SceneObject(node)

@@ -1,0 +1,25 @@
+"""Sensors that feel what touches them: their marker is what they feel with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.builder.creator import SensorCreator
+from morse.scene import NodeKind, PhysicsType
+
+if TYPE_CHECKING:
+    from morse.core.builder_defaults import Visual
+
+
+class ContactSensor(SensorCreator):
+    """A sensor that feels with its own body, which stops nothing.
+
+    ``scale`` is half the size of that body along each axis, m.
+    """
+
+    def _add_marker(self, visual: Visual) -> None:
+        node = self.scene_node
+        node.kind = NodeKind.MESH
+        node.mesh, node.materials = self._marker(visual)
+        node.scale[:] = visual.scale
+        node.body.type = PhysicsType.SENSOR

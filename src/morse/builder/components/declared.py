@@ -1,0 +1,48 @@
+"""Robots that are made as their class declares."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.assets import search
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.names.classes import load_class
+from morse.core.builder_defaults import RobotDefaults
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: what ``RobotDefaults.drive`` says to the class that knows how
+DRIVES: Mapping[str, type[Robot]] = {"free": Robot, "ground": GroundRobot, "wheels": WheeledRobot}
+
+
+def robot_defaults(cls: type) -> RobotDefaults:
+    """What a robot class declares for its builder class; else a ground robot with the model of the same name."""
+    declared = getattr(cls, "_builder", None)
+    if isinstance(declared, RobotDefaults):
+        return declared
+    project, _, file = cls.__module__.rpartition(".robots.")
+    own = f"{project}/robots/{file}.blend"
+    try:
+        search.find(own, "robots")
+    except FileNotFoundError:
+        own = ""
+    wheeled = any(base.__name__ == "PhysicsDifferentialRobot" for base in cls.__mro__)
+    return RobotDefaults(own or None, drive="wheels" if wheeled else "ground")
+
+
+class DeclaredRobot(Robot):
+    """A robot whose model and properties come from the `RobotDefaults` of the class that runs.
+
+    Args:
+        name: its name, if not that of the variable that holds it.
+    """
+
+    def __init__(self, name: str | None = None) -> None:
+        defaults = robot_defaults(load_class(self._classpath))
+        super().__init__(defaults.model or "", name)
+        if defaults.rigid_body:
+            self.set_rigid_body()
+        if not defaults.collides:
+            self.set_no_collision()
+        self.properties(**defaults.properties)

@@ -1,0 +1,102 @@
+"""Actuators with parts or arguments of their own."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.builder import workspace
+from morse.builder.assembly import shapes
+from morse.builder.creator import ActuatorCreator
+from morse.builder.errors import checks
+from morse.core.exceptions import MorseBuilderError
+from morse.scene import Light as Lamp
+from morse.scene import Material, Node, NodeKind
+
+if TYPE_CHECKING:
+    from morse.builder.abstractcomponent import AbstractComponent
+
+_MOST_LEDS = 4096
+
+
+class Light(ActuatorCreator):
+    """A lamp along the X axis; `morse.actuators.light.Light` runs."""
+
+    _classpath = "morse.actuators.light.Light"
+
+    def __init__(self, name: str | None = None) -> None:
+        super().__init__(name)
+        lamp = Node("Lamp", kind=NodeKind.LIGHT, light=Lamp("SPOT"))
+        # lamps shine along -Z
+        lamp.rotation_euler = [0.0, -math.pi / 2.0, 0.0]
+        workspace.current().add(lamp)
+        workspace.current().attach(self.scene_node, lamp)
+
+
+class Sound(ActuatorCreator):
+    """A loudspeaker; `morse.actuators.sound.Sound` runs."""
+
+    _classpath = "morse.actuators.sound.Sound"
+
+    def open(self, path: str) -> None:
+        """Take a sound from a file.
+
+        Args:
+            path: of the file; relative to the folder in which the simulation starts.
+
+        Raises:
+            MorseBuilderError: there is no such file.
+        """
+        file = Path(path).expanduser()
+        if not file.is_file():
+            raise MorseBuilderError(f"Sound.open(path): there is no file {str(path)!r}")
+        self.properties(file=str(file.resolve()))
+
+
+class PTU(ActuatorCreator):
+    """A pan-tilt unit; `morse.actuators.ptu.PTU` runs."""
+
+    _classpath = "morse.actuators.ptu.PTU"
+
+    def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
+        """Put a component on the part that pans and tilts.
+
+        Args:
+            obj: the component; its pose is from now on in the frame of that part.
+            child: name of another part to put it on.
+            level: whose variables are searched for the name: 1 for those of the caller.
+        """
+        super().append(obj, "TiltBase" if child is None else child, level + 1)
+
+
+class LedArray(ActuatorCreator):
+    """Rows of lights, in the YZ plane, seen from before; `morse.actuators.led_array.LedArray` runs.
+
+    Args:
+        name: its name, if not that of the variable that holds it.
+        rows: number of rows, the first one at the top.
+        columns: number of lights in a row, the first one at the left of who looks at it.
+        pitch: distance of two lights, m.
+    """
+
+    _classpath = "morse.actuators.led_array.LedArray"
+
+    def __init__(self, name: str | None = None, rows: int = 8, columns: int = 8, pitch: float = 0.03) -> None:
+        super().__init__(name)
+        rows = checks.integer(rows, "LedArray(rows)", minimum=1)
+        columns = checks.integer(columns, "LedArray(columns)", minimum=1)
+        pitch = checks.number(pitch, "LedArray(pitch)", above=0.0)
+        if rows * columns > _MOST_LEDS:
+            raise MorseBuilderError(f"LedArray: {rows} x {columns} are more than {_MOST_LEDS} lights")
+        body = shapes.cube()
+        material = Material("Led", (0.02, 0.02, 0.02, 1.0), shadeless=True)
+        for row in range(rows):
+            for column in range(columns):
+                led = Node("Led", kind=NodeKind.MESH, mesh=body, materials=[material])
+                # who looks at it sees the Y axis point to the right
+                led.location = [0.0, (column - 0.5 * (columns - 1)) * pitch, (0.5 * (rows - 1) - row) * pitch]
+                led.scale = [0.2 * pitch, 0.4 * pitch, 0.4 * pitch]
+                led.properties.update(LedRow=row, LedColumn=column)
+                workspace.current().add(led)
+                workspace.current().attach(self.scene_node, led)

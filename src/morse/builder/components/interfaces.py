@@ -1,0 +1,234 @@
+"""How a component is reached: streams, services, overlays, modifiers, levels."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from morse.builder.errors import checks
+from morse.builder.errors.options import modifier_options, stream_options
+from morse.builder.names import frames
+from morse.builder.names.modifiers import find_modifier
+from morse.core import declarations
+from morse.core.exceptions import MorseBuilderError, MorseBuilderUnexportableError
+from morse.middleware import registry
+from morse.scene import ModifierDeclaration, OverlayDeclaration, StreamDeclaration
+
+logger = logging.getLogger(__name__)
+
+_DIRECTIONS = ("IN", "OUT")
+
+
+class Interfaces:
+    """The part of `AbstractComponent` that connects it with the world outside."""
+
+    _kind: str
+    _exportable: bool
+    name: str
+
+    def _init_interfaces(self) -> None:
+        self._level: str | None = None
+        self._streams: list[StreamDeclaration] = []
+        self._managers: list[str] = []
+        self._modifiers: list[ModifierDeclaration] = []
+        self._overlays: list[OverlayDeclaration] = []
+
+    def component_class(self) -> type[Any] | None:
+        """The class that runs."""
+        raise NotImplementedError
+
+    # --- data -------------------------------------------------------------------------------
+
+    def add_stream(
+        self,
+        datastream: str,
+        method: str | None = None,
+        path: str | None = None,
+        classpath: str | None = None,
+        direction: str | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Stream the data of this component.
+
+        Args:
+            datastream: name of a middleware, or class path of a stream manager.
+            method: class that publishes or reads, if not the default one of the middleware.
+            path: module of that class, if ``method`` is its name alone.
+            classpath: class path of that class, instead of ``method`` and ``path``.
+            direction: ``OUT`` (default for sensors) or ``IN`` (default for actuators).
+            **kwargs: options of the stream: ``topic``, ``port``, ``frame_id``, ...
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+            MorseBuilderUnexportableError: the component has no data, or the middleware cannot
+                carry it.
+            OptionError: the middleware has no such option, or the option takes another value.
+        """
+        manager = registry.stream_manager(checks.text(datastream, "add_stream(datastream)"))
+        if not self._exportable:
+            raise MorseBuilderUnexportableError(
+                f"{type(self).__name__} has no data to stream; add_service('{datastream}') offers its services"
+            )
+        way = self._direction(direction)
+        chosen = classpath or (f"{path}.{method}" if path and method else method)
+        options = dict(kwargs)
+        if chosen is None:
+            chosen = self._default_stream(manager, datastream, way)
+        if chosen.startswith("morse."):
+            # a class of the user's own may take options of its own
+            options = stream_options(manager, kwargs)
+        stream = StreamDeclaration(manager, chosen, way, options, frames.source_line())
+        self._streams.append(stream)
+
+    def _direction(self, direction: str | None) -> str:
+        if direction is not None:
+            return checks.choice(direction, _DIRECTIONS, "add_stream(direction)")
+        if self._kind in ("sensor", "actuator"):
+            return "OUT" if self._kind == "sensor" else "IN"
+        if type(self).__name__ == "Camera":
+            raise MorseBuilderUnexportableError(
+                "Camera() is a viewpoint in the scene and no sensor: it gives no images; VideoCamera() does"
+            )
+        raise MorseBuilderUnexportableError(
+            f"{type(self).__name__} is neither a sensor nor an actuator: streams belong to those; "
+            "for everything that a robot carries there is robot.add_default_interface('socket')"
+        )
+
+    def _default_stream(self, manager: str, datastream: str, direction: str) -> str:
+        middleware = registry.middleware_of_stream_manager(manager)
+        if middleware is None:
+            raise MorseBuilderError(
+                f"add_stream('{datastream}') needs the class that publishes or reads: add_stream('{datastream}', "
+                "classpath='my_sim.streams.MyPublisher')"
+            )
+        cls = self.component_class() or object
+        stream = middleware.stream_of(cls, direction)
+        if stream is None:
+            raise MorseBuilderUnexportableError(
+                f"the middleware '{middleware.name}' cannot carry the data of {type(self).__name__}; "
+                "give the class that can: classpath='my_sim.streams.MyPublisher'"
+            )
+        return stream
+
+    # --- services ---------------------------------------------------------------------------
+
+    def add_service(
+        self, interface: str, component: Interfaces | None = None, config: dict[str, Any] | None = None
+    ) -> None:
+        """Offer the services of this component.
+
+        Args:
+            interface: name of a middleware, or class path of a request manager.
+            component: offer those of this component instead.
+            config: accepted for old scripts; no request manager has options.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        target = self if component is None else component
+        if not isinstance(target, Interfaces):
+            raise TypeError(f"add_service(component) takes a component, got {checks.shown(component)}")
+        if config:
+            logger.warning("%s: request managers have no options: %s is ignored", frames.source_line(), config)
+        manager = registry.request_manager(checks.text(interface, "add_service(interface)"))
+        if manager not in target._managers:
+            target._managers.append(manager)
+
+    def add_interface(self, interface: str, **kwargs: Any) -> None:
+        """Offer the services and stream the data of this component.
+
+        Args:
+            interface: name of a middleware.
+            **kwargs: options of the stream.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        middleware = registry.middleware(checks.text(interface, "add_interface(interface)"))
+        if middleware.request_manager is not None:
+            self.add_service(interface)
+        if self._can_stream(middleware):
+            self.add_stream(interface, **kwargs)
+
+    def _can_stream(self, middleware: registry.Middleware) -> bool:
+        if middleware.stream_manager is None or not self._exportable or self._kind not in ("sensor", "actuator"):
+            return False
+        cls = self.component_class() or object
+        return middleware.stream_of(cls, self._direction(None)) is not None
+
+    def _add_missing_interface(self, interface: str) -> None:
+        """Offer the services on a middleware, and stream the data unless the script has said how."""
+        middleware = registry.middleware(interface)
+        if any(stream.manager == middleware.stream_manager for stream in self._streams):
+            if middleware.request_manager is not None:
+                self.add_service(interface)
+        else:
+            self.add_interface(interface)
+
+    def add_overlay(self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: Any) -> None:
+        """Offer services of another form than those of the component.
+
+        Args:
+            datastream: name of a middleware, or class path of a request manager.
+            overlay: class path of the overlay.
+            config: options of the overlay.
+            **kwargs: more options of the overlay.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        manager = registry.request_manager(checks.text(datastream, "add_overlay(datastream)"))
+        classpath = checks.text(overlay, "add_overlay(overlay)")
+        options = {**(config or {}), **kwargs}
+        self._overlays.append(OverlayDeclaration(manager, classpath, options, frames.source_line()))
+
+    # --- what the data are like ---------------------------------------------------------------
+
+    def alter(
+        self,
+        modifier_name: str | None = None,
+        classpath: str | None = None,
+        direction: str | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Change the data: after a sensor has measured, before an actuator acts.
+
+        Args:
+            modifier_name: e.g. ``NED`` or ``Noise``.
+            classpath: class of a modifier, instead of a name.
+            direction: accepted for old scripts; it follows from the component.
+            **kwargs: options of the modifier.
+
+        Raises:
+            MorseBuilderError: no such modifier for this component.
+            OptionError: the modifier has no such option, or the option takes another value.
+        """
+        if direction is not None:
+            checks.choice(direction, _DIRECTIONS, "alter(direction)")
+        if classpath is None:
+            if modifier_name is None:
+                raise TypeError("alter takes the name of a modifier such as 'NED', or the classpath of one")
+            classpath = find_modifier(checks.text(modifier_name, "alter(modifier_name)"), self.component_class())
+        options = modifier_options(classpath, kwargs)
+        self._modifiers.append(ModifierDeclaration(classpath, options, frames.source_line()))
+
+    def level(self, level: str) -> None:
+        """Choose how realistic the component is.
+
+        Args:
+            level: one of the abstraction levels that it declares, or ``default``.
+
+        Raises:
+            MorseBuilderError: it declares no such level.
+        """
+        wanted = checks.text(level, "level(name)")
+        cls = self.component_class()
+        declared = declarations.levels(cls) if cls is not None else {}
+        if wanted == "default" and declared:
+            wanted = next((name for name, entry in declared.items() if entry.default), next(iter(declared)))
+        if wanted not in declared:
+            known = f"has {', '.join(declared)}" if declared else "has no abstraction levels"
+            near = checks.closest(wanted, declared)
+            hint = f"; did you mean '{near}'?" if near else ""
+            raise MorseBuilderError(f"no level '{wanted}': {type(self).__name__} {known}{hint}")
+        self._level = wanted

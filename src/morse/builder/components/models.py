@@ -1,0 +1,99 @@
+"""Loading of models into the scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.assets import find, load
+from morse.assets.formats import UnsupportedFormatError
+from morse.builder import workspace
+from morse.builder.assembly.selection import take
+from morse.builder.blender.objects import SceneObject
+from morse.builder.errors import checks
+from morse.core.exceptions import MorseBuilderNoComponentError
+from morse.scene import Choice
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.scene import Library, Node, Role
+
+
+class Models:
+    """The part of `AbstractComponent` that loads model files.
+
+    Objects whose names begin with ``_`` are not loaded.
+    """
+
+    _category: str
+    _blendname: str
+    _role: Role = "prop"
+
+    def _library(self, component: str | None = None) -> Library:
+        """The content of a model file.
+
+        Args:
+            component: its name (see `morse.assets.find`), if not that of this component.
+
+        Raises:
+            FileNotFoundError: there is no such model; the message says where it was looked for.
+        """
+        return load(find(component or self._blendname, self._category))
+
+    def append_meshes(
+        self, objects: Iterable[str] | None = None, component: str | None = None, prefix: str | None = None
+    ) -> list[SceneObject]:
+        """Put objects of a model file into the scene, and return those without a parent.
+
+        Args:
+            objects: names of objects, each with all below it; None for every object.
+            component: name of the model, if not that of this component.
+            prefix: only objects whose names begin so, or that are in the collection of that name.
+
+        Raises:
+            FileNotFoundError: there is no such model.
+            MorseBuilderNoComponentError: nothing in it has such a name.
+        """
+        library = self._library(component)
+        names = None if objects is None else tuple(objects)
+        roots = _into_scene(library, Choice(self._role, names=names, prefix=prefix))
+        if not roots:
+            wanted = prefix if prefix is not None else ", ".join(names or ())
+            known = [node.plain_name for node in library.nodes()] + list(library.collections)
+            what = f"'{wanted}'" if wanted else "object"
+            raise MorseBuilderNoComponentError(f"no {what} in {library.path}{checks.suggestion(wanted, known)}")
+        return [SceneObject(root) for root in roots]
+
+    def append_scenes(self, filename: str | None = None) -> list[SceneObject]:
+        """Put all objects of a model file into the scene, and return those without a parent.
+
+        Raises:
+            FileNotFoundError: there is no such model.
+        """
+        roots = _into_scene(self._library(filename), Choice(self._role))
+        return [SceneObject(root) for root in roots]
+
+    def append_model(self, component: str | None = None) -> SceneObject:
+        """Put a whole model file into the scene as one object, the root, with all else below it.
+
+        Raises:
+            FileNotFoundError: there is no such model.
+            AssetError: there is no object in it.
+        """
+        (root,) = _into_scene(self._library(component), Choice(self._role, whole=True))
+        return SceneObject(root)
+
+    def append_collada(self, component: str | None = None) -> list[SceneObject]:
+        """Refuse: COLLADA files cannot be read.
+
+        Raises:
+            UnsupportedFormatError: always; the message says what to do.
+        """
+        name = component or self._blendname
+        raise UnsupportedFormatError(f"'{name}': COLLADA files are not read; open it in Blender and save it as .blend")
+
+
+def _into_scene(library: Library, choice: Choice) -> list[Node]:
+    roots, use = take(library, choice)
+    workspace.current().add_model(roots, use)
+    return roots

@@ -1,0 +1,83 @@
+"""Things that robots meet, and zones that mean something."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, NoReturn
+
+from morse.builder.abstractcomponent import AbstractComponent
+from morse.builder.components.component import new_object
+from morse.builder.errors import checks
+from morse.core.exceptions import MorseBuilderError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.builder.blender.pose import LiveVector
+
+logger = logging.getLogger(__name__)
+
+
+class PassiveObject(AbstractComponent):
+    """Things from a model file.
+
+    Args:
+        filename: name of the model, e.g. ``props/objects`` (see `morse.assets.find`).
+        prefix: only the objects whose names begin so, or the collection of that name; None for all.
+        keep_pose: leave the first object where it is in the file; else it goes to the origin.
+
+    Raises:
+        FileNotFoundError: there is no such model.
+        MorseBuilderNoComponentError: nothing in it has such a name.
+    """
+
+    def __init__(self, filename: str = "props/objects", prefix: str | None = None, keep_pose: bool = False) -> None:
+        super().__init__(filename=checks.text(filename, "PassiveObject(filename)"))
+        if prefix is not None:
+            checks.text(prefix, "PassiveObject(prefix)")
+        self.set_blender_object(self.append_meshes(prefix=prefix)[0])
+        if not checks.boolean(keep_pose, "PassiveObject(keep_pose)"):
+            self.scene_node.parent_inverse = None
+            self.location = (0.0, 0.0, 0.0)
+            self.rotation_euler = (0.0, 0.0, 0.0)
+
+    def setgraspable(self) -> None:
+        """Let robots grasp it, and cameras recognise it, under its present name."""
+        self.properties(Object=True, Graspable=True, Label=self.name)
+
+
+class Zone(AbstractComponent):
+    """An invisible box with a meaning, e.g. a place to charge batteries; its sides follow the axes of the world.
+
+    Args:
+        type: what it means, e.g. ``Charging``.
+    """
+
+    def __init__(self, type: str) -> None:
+        super().__init__()
+        self.type = checks.text(type, "Zone(type)")
+        self.set_blender_object(new_object("Zone"))
+        self.scene_node.visible = False
+        self.properties(Zone_Tag=True, Type=self.type)
+
+    @property
+    def size(self) -> LiveVector:
+        """Half of its extent along each axis, m."""
+        return self.scale
+
+    @size.setter
+    def size(self, value: Iterable[float]) -> None:
+        extents = checks.triple(value, "Zone.size")
+        if min(extents) <= 0.0:
+            raise ValueError(f"Zone.size takes three half extents greater than 0, got {checks.shown(extents)}")
+        self.scale = extents
+
+    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NoReturn:
+        """Refuse: zones follow the axes of the world.
+
+        Raises:
+            MorseBuilderError: always.
+        """
+        raise MorseBuilderError(
+            "a Zone cannot be rotated: its sides follow the axes of the world; set its size instead"
+        )

@@ -1,0 +1,61 @@
+"""Where a component is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.errors import checks
+from morse.builder.errors.angles import hint_at_radians
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.builder.blender.objects import SceneObject
+    from morse.builder.blender.pose import LiveEuler, LiveVector
+
+
+class Placement:
+    """The part of `AbstractComponent` that is about its pose."""
+
+    _bpy_object: SceneObject
+
+    @property
+    def location(self) -> LiveVector:
+        """Metres, in the frame of what it is part of; can be changed in place."""
+        return self._bpy_object.location
+
+    @location.setter
+    def location(self, value: Iterable[float]) -> None:
+        self._bpy_object.location = value
+
+    @property
+    def rotation_euler(self) -> LiveEuler:
+        """Radians, XYZ order; can be changed in place."""
+        return self._bpy_object.rotation_euler
+
+    @rotation_euler.setter
+    def rotation_euler(self, value: Iterable[float]) -> None:
+        self._bpy_object.rotation_euler = value
+
+    @property
+    def scale(self) -> LiveVector:
+        """Factor along each axis; can be changed in place."""
+        return self._bpy_object.scale
+
+    @scale.setter
+    def scale(self, value: Iterable[float]) -> None:
+        self._bpy_object.scale = value
+
+    def translate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Move it by metres along the axes of what it is part of."""
+        self._add(self._bpy_object.node.location, (x, y, z), "translate")
+
+    def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
+        """Add radians to its roll, pitch and yaw."""
+        hint_at_radians(f"{type(self).__name__}.rotate", (x, y, z))
+        self._add(self._bpy_object.node.rotation_euler, (x, y, z), "rotate")
+
+    def _add(self, target: list[float], values: tuple[Any, Any, Any], method: str) -> None:
+        what = f"{type(self).__name__}.{method}"
+        steps = [checks.number(value, f"{what}({axis})") for axis, value in zip("xyz", values, strict=True)]
+        target[:] = [old + step for old, step in zip(target, steps, strict=True)]

@@ -1,0 +1,94 @@
+"""What makes a sensor as late and as wrong as a real one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.errors import checks
+from morse.core import declarations
+from morse.core.exceptions import MorseBuilderError
+from morse.scene.realism import NoiseModel, RealismModel, is_numeric
+
+
+class RealisticSensor:
+    """The part of a sensor's builder class that sets phase, delay and noise.
+
+    All errors are drawn from numbers that depend on the seed of the scene and the name of the sensor alone:
+    another robot in the scene does not change them.
+    """
+
+    _realism = RealismModel()
+
+    if TYPE_CHECKING:
+
+        def component_class(self) -> type[Any] | None:
+            """The class that runs."""
+
+    def phase(self, seconds: float) -> None:
+        """Measure for the first time that many simulated seconds after the start."""
+        what = f"{type(self).__name__}.phase(seconds)"
+        self._realism = replace(self._realism, phase=checks.number(seconds, what, minimum=0.0))
+
+    def delay(self, seconds: float) -> None:
+        """Show each measurement that many simulated seconds after it was taken.
+
+        Its time stamp remains that of the measurement.
+        """
+        what = f"{type(self).__name__}.delay(seconds)"
+        self._realism = replace(self._realism, delay=checks.number(seconds, what, minimum=0.0))
+
+    def noise(
+        self,
+        gaussian: float = 0.0,
+        bias_walk: float = 0.0,
+        quantization: float = 0.0,
+        dropout: float = 0.0,
+        field: str | None = None,
+    ) -> None:
+        """Measure with errors; call it again for other fields.
+
+        Args:
+            gaussian: standard deviation of white noise, in the unit of the field.
+            bias_walk: standard deviation that the bias gathers within a second.
+            quantization: the value is a multiple of that.
+            dropout: probability, 0..1, that a value is lost: it stays as it was; a beam of a scanner has no echo.
+            field: a data field; None for all that are numbers or vectors (of a scanner: the distances, which the
+                points follow).
+
+        Raises:
+            TypeError: a value is not a number.
+            ValueError: a number that is negative or not finite.
+            MorseBuilderError: the sensor has no such field, or the field is not numeric.
+        """
+        what = type(self).__name__ + ".noise"
+        given = {"gaussian": gaussian, "bias_walk": bias_walk, "quantization": quantization, "dropout": dropout}
+        values = {name: checks.number(value, f"{what}({name})", minimum=0.0) for name, value in given.items()}
+        if values["dropout"] > 1.0:
+            raise ValueError(f"{what}(dropout) takes a probability from 0 to 1, got {dropout:g}")
+        if field is not None:
+            self._check_field(checks.text(field, f"{what}(field)"), what)
+        noise = {**self._realism.noise, field or "": NoiseModel(**values)}
+        self._realism = replace(self._realism, noise=noise)
+
+    def _check_field(self, field: str, what: str) -> None:
+        cls = self.component_class()
+        fields = {} if cls is None else declarations.data_fields(cls)
+        measured = {name: entry for name, entry in fields.items() if name != "timestamp" and not entry.follows}
+        known = [name for name, entry in measured.items() if is_numeric(entry.default)]
+        if field in known or (cls is None):
+            return
+        if field in fields and fields[field].follows:
+            followed = ", ".join(map(repr, fields[field].follows))
+            raise MorseBuilderError(f"{what}(field): '{field}' follows {followed}, which can have noise")
+        if field in fields:
+            raise MorseBuilderError(
+                f"{what}(field): '{field}' is not a measured number{checks.suggestion(field, known)}"
+            )
+        raise MorseBuilderError(
+            f"{what}(field): {type(self).__name__} has no data field '{field}'{checks.suggestion(field, known)}"
+        )
+
+    def _scene_options(self) -> dict[str, object]:
+        """The part of the declaration that depends on the kind of component."""
+        return {} if self._realism == RealismModel() else {"realism": self._realism}

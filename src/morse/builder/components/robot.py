@@ -1,0 +1,212 @@
+"""Robots."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from morse.builder.blender.objects import material_slots
+from morse.builder.components.component import Component
+from morse.builder.errors import checks
+from morse.core.exceptions import MorseBuilderError
+from morse.middleware import registry
+from morse.scene import Bounds, PhysicsType
+
+if TYPE_CHECKING:
+    from morse.scene import Material, Node
+
+_PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
+
+
+class Robot(Component):
+    """A body that carries sensors and actuators.
+
+    Args:
+        filename: name of the model in ``robots`` (see `morse.assets.find`); empty for a robot
+            without a body.
+        name: its name, if not that of the variable that holds it.
+        blender_object_name: the object of the file that is the body; None for the one without a
+            parent.
+    """
+
+    _kind = "robot"
+    _classpath: str = "morse.core.robot.Robot"
+
+    def __init__(self, filename: str = "", name: str | None = None, blender_object_name: str | None = None) -> None:
+        super().__init__("robots", filename, blender_object_name, make_morseable=False)
+        self.default_interfaces: list[str] = []
+        self.is_external = False
+        self.records_animation = False
+        if not self.is_morseable():
+            self.morseable()
+        self.scene_node.properties.pop("Component_Tag", None)
+        self.scene_node.properties["Robot_Tag"] = True
+        if name is not None:
+            self.name = name
+
+    def add_default_interface(self, stream: str) -> None:
+        """Connect everything that the robot carries; data that are streamed over it already stay as they are.
+
+        Args:
+            stream: name of a middleware.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        name = registry.middleware(checks.text(stream, "add_default_interface(stream)")).name
+        if name not in self.default_interfaces:
+            self.default_interfaces.append(name)
+
+    # --- physics ----------------------------------------------------------------------------
+
+    def set_friction(self, friction: float = 0.0) -> None:
+        """Set the Coulomb friction coefficient of all that the robot touches things with."""
+        coefficient = checks.number(friction, "set_friction(friction)", minimum=0.0)
+        for node in self.own_nodes():
+            node.body.friction = coefficient
+
+    def set_mass(self, mass: float) -> None:
+        """Set the mass of the body, kg."""
+        self.scene_node.body.mass = checks.number(mass, "set_mass(mass)", above=0.0)
+
+    def set_physics_type(self, physics_type: str = "STATIC") -> None:
+        """Set how the body takes part in the physics.
+
+        Args:
+            physics_type: ``STATIC`` (stops others, never moves by itself), ``RIGID_BODY``,
+                ``DYNAMIC`` (does not turn), ``NO_COLLISION``, ``SENSOR``, ...
+        """
+        word = checks.choice(physics_type, _PHYSICS_TYPES, "set_physics_type(physics_type)")
+        self.scene_node.body.type = PhysicsType(word)
+
+    def set_rigid_body(self) -> None:
+        """Let the robot move and turn as forces say."""
+        self.set_physics_type("RIGID_BODY")
+        self.scene_node.body.actor = True
+
+    def set_dynamic(self) -> None:
+        """Let forces move the robot, but not turn it."""
+        self.set_physics_type("DYNAMIC")
+        self.scene_node.body.actor = True
+
+    def set_no_collision(self) -> None:
+        """Let nothing touch the robot, and no force move it."""
+        for node in self.own_nodes():
+            node.body.type = PhysicsType.NO_COLLISION
+
+    def set_collision_bounds(self) -> None:
+        """Collide as the convex hulls of all parts of the model, in one body."""
+        self.scene_node.body.bounds = Bounds.CONVEX_HULL
+        self.scene_node.body.compound = True
+
+    def make_ghost(self, alpha: float = 0.3) -> None:
+        """Make the robot transparent, and let nothing touch it.
+
+        Args:
+            alpha: opacity from 0 (invisible) to 1.
+        """
+        opacity = checks.number(alpha, "make_ghost(alpha)", minimum=0.0)
+        if opacity > 1.0:
+            raise ValueError(f"make_ghost(alpha) takes a number from 0 to 1, got {opacity:g}")
+        self.set_no_collision()
+        copies: dict[Material, Material] = {}
+        for node in self.own_nodes():
+            _set_opacity(node, opacity, copies)
+
+    # --- roles ------------------------------------------------------------------------------
+
+    def make_external(self) -> None:
+        """Leave the behaviour of the robot to another simulation node."""
+        self.is_external = True
+        self.scene_node.properties.pop("Robot_Tag", None)
+        self.scene_node.properties["External_Robot_Tag"] = True
+
+    def set_use_record_animation(self, record: bool = True) -> None:
+        """Record the motion of this robot, if the scene is recorded (``env.set_animation_record``)."""
+        self.records_animation = checks.boolean(record, "set_use_record_animation(record)")
+
+    def make_grasper(self, obj_name: str) -> None:
+        """Let a part of the robot grasp things.
+
+        Args:
+            obj_name: name of the object below the robot: its hand.
+
+        Raises:
+            MorseBuilderError: the robot has no such part.
+        """
+        found = self.get_child(checks.text(obj_name, "make_grasper(obj_name)"))
+        if found is None:
+            parts = [node.plain_name for node in self.own_nodes()]
+            raise MorseBuilderError(f"'{self.name}' has no part '{obj_name}'{checks.suggestion(obj_name, parts)}")
+        found.node.properties["Grasper"] = True
+
+    def _scene_kind(self) -> str:
+        return "external_robot" if self.is_external else "robot"
+
+    def _scene_options(self) -> dict[str, object]:
+        return {"record_animation": True} if self.records_animation else {}
+
+
+class GroundRobot(Robot):
+    """A robot on the ground: commands leave its vertical speed, roll and pitch to the physics."""
+
+    _classpath = "morse.robots.groundrobot.GroundRobot"
+
+    def __init__(self, filename: str = "", name: str | None = None, blender_object_name: str | None = None) -> None:
+        super().__init__(filename, name, blender_object_name)
+        self.scene_node.properties["GroundRobot"] = True
+
+
+#: parts with these words in their names stay on the ground when the body is raised
+_BELOW_THE_BODY = ("wheel", "caster", "swivel")
+
+
+class WheeledRobot(Robot):
+    """A robot whose wheels turn by themselves.
+
+    Wheels are the objects below the body whose names contain ``wheel``, but not ``caster``, and that collide.
+    """
+
+    _classpath = "morse.core.wheeled_robot.PhysicsDifferentialRobot"
+
+    def __init__(self, filename: str = "", name: str | None = None, blender_object_name: str | None = None) -> None:
+        super().__init__(filename, name, blender_object_name)
+        self._has_free_wheels = False
+
+    def unparent_wheels(self) -> None:
+        """Let the wheels turn on their axles, and raise the body by its ``RideHeight``; the environment calls it."""
+        self._has_free_wheels = True
+        height = self.property_value("RideHeight") or 0.0
+        if isinstance(height, (int, float)) and math.isfinite(height):
+            self.scene_node.location[2] += height
+            for node in self.scene_node.children:
+                if any(word in node.plain_name.lower() for word in _BELOW_THE_BODY):
+                    node.location[2] -= height
+
+    def wheels(self) -> list[Node]:
+        """The wheels."""
+        return [
+            node
+            for node in self.own_nodes()
+            if node is not self.scene_node
+            and "wheel" in node.plain_name.lower()
+            and "caster" not in node.plain_name.lower()
+            and node.body.collides
+        ]
+
+    def _scene_options(self) -> dict[str, object]:
+        options = super()._scene_options()
+        if self._has_free_wheels:
+            options["wheels"] = [node.name for node in self.wheels()]
+        return options
+
+
+def _set_opacity(node: Node, alpha: float, copies: dict[Material, Material]) -> None:
+    if node.color is not None:
+        node.color = (*node.color[:3], alpha)
+    slots = material_slots(node)
+    for material in slots:
+        if material is not None and material not in copies:
+            copies[material] = replace(material, color=(*material.color[:3], alpha))
+    node.materials[:] = [None if material is None else copies[material] for material in slots]

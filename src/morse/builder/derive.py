@@ -1,0 +1,151 @@
+"""Builder classes that follow from what components declare."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.components import furnished
+from morse.builder.components.cameras import VLP16_180, CameraCreator, Kinect
+from morse.builder.components.compound import CompoundSensor
+from morse.builder.components.contact_sensors import ContactSensor
+from morse.builder.components.declared import DRIVES, DeclaredRobot, robot_defaults
+from morse.builder.components.joystick import Joystick
+from morse.builder.components.lasers import LaserSensorWithArc
+from morse.builder.components.morsy import Morsy
+from morse.builder.creator import ActuatorCreator, SensorCreator
+from morse.builder.names import catalog
+from morse.core.builder_defaults import builder_defaults
+from morse.core.exceptions import MorseBuilderNoComponentError
+from morse.core.plugins import entry_points
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.builder.components.component import Component
+    from morse.builder.names.catalog import Entry
+
+logger = logging.getLogger(__name__)
+
+_CREATORS: dict[str, type[Component]] = {"sensors": SensorCreator, "actuators": ActuatorCreator}
+
+#: the base classes of components; by their names, as scripts should not wait until they are imported
+_BASES = {
+    "morse.core.sensor.Sensor": "sensors",
+    "morse.core.actuator.Actuator": "actuators",
+    "morse.core.robot.Robot": "robots",
+}
+
+#: builder classes with methods or a body of their own, by the class that runs
+_WITH_METHODS: Mapping[str, type[Component]] = {
+    "morse.sensors.bumper.Bumper": ContactSensor,
+    "morse.sensors.collision.Collision": ContactSensor,
+    "morse.sensors.laserscanner.LaserScanner": LaserSensorWithArc,
+    "morse.sensors.laserscanner.LaserScannerRotationZ": LaserSensorWithArc,
+    "morse.sensors.camera.Camera": CameraCreator,
+    "morse.sensors.video_camera.VideoCamera": CameraCreator,
+    "morse.sensors.depth_camera.DepthCamera": CameraCreator,
+    "morse.sensors.depth_camera.DepthCameraRotationZ": CameraCreator,
+    "morse.sensors.depth_camera.DepthVideoCamera": CameraCreator,
+    "morse.sensors.depth_camera.RawImage": CameraCreator,
+    "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
+}
+
+#: builder classes that are written by hand
+_BY_HAND: Mapping[str, type[Component]] = {
+    "morse.actuators.joystick.Joystick": Joystick,
+    "morse.actuators.led_array.LedArray": furnished.LedArray,
+    "morse.actuators.light.Light": furnished.Light,
+    "morse.actuators.ptu.PTU": furnished.PTU,
+    "morse.actuators.sound.Sound": furnished.Sound,
+    "morse.robots.morsy.Morsy": Morsy,
+    "morse.sensors.compound.CompoundSensor": CompoundSensor,
+    "morse.sensors.kinect.Kinect": Kinect,
+    "morse.sensors.vlp16.VLP16_180": VLP16_180,
+}
+
+
+def derived_classes(package: str, module: str) -> dict[str, type[Component]]:
+    """A builder class for each component of a package.
+
+    Args:
+        package: e.g. ``morse.sensors``: its last word says what is in it.
+        module: where the classes will live.
+    """
+    kind = package.rpartition(".")[2]
+    return {
+        name: derived_class(entry, kind, module)
+        for name, entry in catalog.components(package).items()
+        # a robot class that declares no defaults is a base of others
+        if kind != "robots" or entry.defaults is not None
+    }
+
+
+def installed_classes(module: str) -> dict[str, type[Component]]:
+    """A builder class for each component of the packages that the entry points ``morse.components`` name.
+
+    Args:
+        module: where the classes will live.
+    """
+    found: dict[str, type[Component]] = {}
+    for point in entry_points("morse.components"):
+        try:
+            for kind in _CREATORS | {"robots": DeclaredRobot}:
+                found |= derived_classes(f"{point.value}.{kind}", module)
+        except Exception as error:
+            # an error in a third-party package must not prevent the scene from being built
+            logger.warning("the components of the installed package '%s' are left out: %r", point.value, error)
+    return found
+
+
+def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
+    """The builder class of a component.
+
+    Args:
+        entry: what the component declares.
+        kind: ``sensors``, ``actuators`` or ``robots``.
+        module: where the class will live.
+    """
+    if entry.classpath in _BY_HAND:
+        return _BY_HAND[entry.classpath]
+    bases: tuple[type[Component], ...]
+    if kind == "robots":
+        bases = (DeclaredRobot, DRIVES[(entry.defaults or {}).get("drive", "ground")])
+    else:
+        bases = (_WITH_METHODS.get(entry.classpath, _CREATORS[kind]),)
+    body: dict[str, Any] = {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module}
+    if kind != "robots":
+        body["_product"] = entry.product
+    return type(entry.name, bases, body)
+
+
+def builder_class(cls: type[Any], product: str | None = None, module: str | None = None) -> type[Component]:
+    """The builder class of a component that is loaded.
+
+    Args:
+        cls: the class that runs.
+        product: the name of one of its products, or None for itself.
+        module: where the class will live; None for the module of the component.
+
+    Raises:
+        MorseBuilderNoComponentError: it is neither a sensor, an actuator nor a robot.
+    """
+    paths = [f"{base.__module__}.{base.__qualname__}" for base in cls.__mro__]
+    kind = next((_BASES[path] for path in paths if path in _BASES), None)
+    if kind is None:
+        raise MorseBuilderNoComponentError(
+            f"{paths[0]} is not a component: its base has to be Sensor, Actuator or Robot"
+        )
+    if paths[0] in _BY_HAND and product is None:
+        return _BY_HAND[paths[0]]
+    declared = cls.__dict__.get("_builder")
+    name = product or getattr(declared, "name", None) or cls.__name__
+    doc = builder_defaults(cls, product).doc or cls.__dict__.get("_short_desc") or inspect.getdoc(cls) or ""
+    bases: tuple[type[Component], ...]
+    if kind == "robots":
+        bases = (DeclaredRobot, DRIVES[robot_defaults(cls).drive])
+    else:
+        bases = (next((_WITH_METHODS[path] for path in paths if path in _WITH_METHODS), _CREATORS[kind]),)
+    body = {"_classpath": paths[0], "_product": product, "__doc__": doc, "__module__": module or cls.__module__}
+    return type(name, bases, body)

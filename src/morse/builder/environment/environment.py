@@ -1,0 +1,172 @@
+"""The world around the robots: the last thing that a scene script makes."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from morse.assets import find, load
+from morse.builder import workspace
+from morse.builder.assembly.selection import take, viewpoint_of
+from morse.builder.blender.game import checked_property
+from morse.builder.components.robot import Robot, WheeledRobot
+from morse.builder.environment.time import TimeMethods
+from morse.builder.environment.view import ViewMethods
+from morse.builder.errors import checks
+from morse.builder.errors.attributes import unknown_attribute
+from morse.builder.names import frames, naming
+from morse.builder.names.part import Strength
+from morse.core.exceptions import MorseBuilderError
+from morse.scene import Choice, Mist, Settings
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    from morse.scene import Camera, Library, Node
+
+logger = logging.getLogger(__name__)
+
+
+class Environment(ViewMethods, TimeMethods):
+    """The world around the robots, and the settings of the simulation.
+
+    Make it after everything else: it gives every component its name.
+
+    Args:
+        filename: name of the model in ``environments`` (see `morse.assets.find`).
+        main_scene: accepted for old scripts: the whole file is taken.
+        fastmode: wireframe view, cameras give no image.
+        component_renaming: name components after variables (see `morse.builder.names.naming`).
+        auto_tune_time: raise the frequency of the simulation to that of the fastest component.
+
+    Raises:
+        FileNotFoundError: there is no such environment.
+        MorseBuilderError: there is an environment already.
+    """
+
+    def __init__(
+        self,
+        filename: str,
+        main_scene: str | None = None,
+        fastmode: bool = False,
+        component_renaming: bool = True,
+        auto_tune_time: bool = True,
+    ) -> None:
+        scene = workspace.current()
+        if scene.environment is not None:
+            raise MorseBuilderError(f"a scene has one Environment; the first was made at {scene.environment.where}")
+        self.where = frames.source_line(self)
+        self.filename = checks.text(filename, "Environment(filename)")
+        self.settings = Settings(fastmode=checks.boolean(fastmode, "Environment(fastmode)"))
+        self.environment_properties = {}
+        self._auto_tune = checks.boolean(auto_tune_time, "Environment(auto_tune_time)")
+        self._display_camera = None
+        self._init_time()
+        if scene.speed is not None:
+            self.simulator_frequency(*scene.speed)
+        renaming = checks.boolean(component_renaming, "Environment(component_renaming)")
+        library = load(find(self.filename, "environments"))
+        scene.environment = self
+        if renaming:
+            self._name_components()
+        self._load(library)
+        for component in scene.components:
+            if isinstance(component, Robot):
+                connect_by_default(component)
+            if isinstance(component, WheeledRobot):
+                component.unparent_wheels()
+
+    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+
+        def __getattr__(self, name: str) -> NoReturn:
+            unknown_attribute(self, name)
+
+    def _name_components(self) -> None:
+        frame: FrameType | None = sys._getframe(1)
+        # a subclass of Environment is not the script that holds the variables
+        while frame is not None and frame.f_locals.get("self") is self:
+            frame = frame.f_back
+        if frame is not None:
+            naming.name_unparented(frame.f_locals, Strength.VARIABLE)
+        for outer in frames.user_frames():
+            naming.name_unparented(outer.f_locals, Strength.VARIABLE)
+            naming.name_unparented(outer.f_globals, Strength.VARIABLE)
+        naming.rename_all()
+
+    def _load(self, library: Library) -> None:
+        workspace.current().add_model(*take(library, Choice("environment")))
+        viewpoint = viewpoint_of(library)
+        if viewpoint is not None and viewpoint.camera is not None:
+            self._look_from(viewpoint, viewpoint.camera)
+        view = self.settings.view
+        for name in ("horizon_color", "ambient_color"):
+            if name in library.world:
+                setattr(view, name, library.world[name])
+        mist, gravity = library.world.get("mist"), library.world.get("gravity")
+        if isinstance(mist, Mist):
+            view.mist = replace(mist)
+        if isinstance(gravity, float):
+            # files hold single precision: 9.81 reads as 9.8100004
+            self.settings.gravity = round(gravity, 5)
+
+    def _look_from(self, node: Node, lens: Camera) -> None:
+        view, pose = self.settings.view, node.world_matrix()
+        x, y, z = pose.to_translation()
+        turn_x, turn_y, turn_z = pose.to_3x3().to_euler()
+        view.camera_location, view.camera_rotation = (x, y, z), (turn_x, turn_y, turn_z)
+        view.camera_focal_length = lens.focal_length
+
+    # --- the script's end -------------------------------------------------------------------
+
+    def create(self, name: str | None = None) -> None:
+        """Say that the scene is complete; may be left out. Settings can still be changed.
+
+        Args:
+            name: of this simulation node.
+        """
+        if name is not None:
+            self.settings.node_name = checks.text(name, "env.create(name)")
+
+    def properties(self, **kwargs: Any) -> None:
+        """Set properties of the world.
+
+        Args:
+            **kwargs: ``longitude``, ``latitude`` (degrees), ``altitude`` (m),
+                ``angle_against_north`` (radians), ``UTMXOffset``, ``Temperature``, ...
+        """
+        for key, value in kwargs.items():
+            self.environment_properties[key] = checked_property(key, value)
+
+    # --- accepted for old scripts -----------------------------------------------------------
+
+    def set_background_scene(self, scene: Any = None) -> None:
+        """Do nothing: there is one scene."""
+        _without_effect("set_background_scene")
+
+    def set_debug(self, debug: bool = True) -> None:
+        """Log everything that MORSE says."""
+        if checks.boolean(debug, "env.set_debug(debug)"):
+            logging.getLogger("morse").setLevel(logging.DEBUG)
+
+    def set_animation_record(self, record: bool = True) -> None:
+        """Do nothing: motion is not recorded into model files."""
+        if checks.boolean(record, "env.set_animation_record(record)"):
+            _without_effect("set_animation_record")
+
+    def save(self, filepath: str | None = None, check_existing: bool = False) -> None:
+        """Do nothing: scenes are not written to model files."""
+        _without_effect("save")
+
+
+def connect_by_default(robot: Robot) -> None:
+    """Connect what a robot carries to its default interfaces, except what is connected already."""
+    for interface in robot.default_interfaces:
+        for component in robot._walk():
+            if component.is_morseable() and not component.is_robot:
+                component._add_missing_interface(interface)
+
+
+def _without_effect(method: str) -> None:
+    logger.warning("%s: env.%s has no effect", frames.source_line(), method)

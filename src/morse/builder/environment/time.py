@@ -1,0 +1,183 @@
+"""Simulated time, physics, middlewares and nodes of a scene."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.abstractcomponent import HIGHEST_FREQUENCY
+from morse.builder.assembly.description import EnvironmentDescription
+from morse.builder.components.interfaces import Interfaces
+from morse.builder.errors import checks
+from morse.builder.errors.options import manager_options
+from morse.builder.names import frames
+from morse.core.clock import SLOWEST
+from morse.middleware import registry
+from morse.scene import TimeStrategies
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+logger = logging.getLogger(__name__)
+
+_LOG_LEVELS = ("DEBUG", "INFO", "ENDSECTION", "SECTION", "WARNING", "ERROR", "CRITICAL")
+_VSYNC = ("ON", "OFF", "ADAPTIVE")
+_PROTOCOLS = ("socket", "hla")
+
+
+class TimeMethods(EnvironmentDescription):
+    """The part of `Environment` that is about time and physics."""
+
+    def set_gravity(self, gravity: float = 9.81) -> None:
+        """Set how fast things fall, m/s^2, along -Z."""
+        self.settings.gravity = checks.number(gravity, "env.set_gravity(gravity)", above=0.0)
+        self._gravity_given = True
+
+    def set_physics_step_sub(self, step_sub: int = 2) -> None:
+        """Take at least that many physics steps in each tick."""
+        self.settings.physics_steps = checks.integer(step_sub, "env.set_physics_step_sub(step_sub)", minimum=1)
+
+    def set_time_strategy(self, strategy: TimeStrategies) -> None:
+        """Choose how simulated time relates to the wall clock.
+
+        Args:
+            strategy: ``TimeStrategies.BestEffort`` or ``TimeStrategies.FixedSimulationStep``; the
+                latter keeps the frequency of the scene as it is.
+        """
+        if isinstance(strategy, bool) or strategy not in list(TimeStrategies):
+            names = ", ".join(f"TimeStrategies.{s.name}" for s in TimeStrategies)
+            raise ValueError(f"env.set_time_strategy takes one of {names}; got {checks.shown(strategy)}")
+        self.settings.time_strategy = TimeStrategies(strategy)
+
+    def set_time_scale(self, slowdown_by: float | None = None, accelerate_by: float | None = None) -> None:
+        """Run slower or faster than the wall clock: give one of the two factors.
+
+        Raises:
+            ValueError: none or both are given, or time would hardly pass.
+        """
+        if (slowdown_by is None) == (accelerate_by is None):
+            raise ValueError("env.set_time_scale takes either slowdown_by=... or accelerate_by=..., one of the two")
+        if slowdown_by is not None:
+            scale = 1.0 / checks.number(slowdown_by, "env.set_time_scale(slowdown_by)", above=0.0)
+        else:
+            scale = checks.number(accelerate_by, "env.set_time_scale(accelerate_by)", above=0.0)
+        if scale < SLOWEST:
+            raise ValueError(f"env.set_time_scale: at least {SLOWEST:g} times as fast as the wall clock, got {scale:g}")
+        self.settings.time_scale = scale
+
+    def simulator_frequency(
+        self, base_frequency: float = 60.0, logic_step_max: int = 20, physics_step_max: int = 20
+    ) -> None:
+        """Set the number of ticks per simulated second, independent of the frequencies of the components.
+
+        Args:
+            base_frequency: Hz, 0.1 to 10,000.
+            logic_step_max: accepted for old scripts: ticks have a fixed length.
+            physics_step_max: accepted for old scripts.
+        """
+        what = "env.simulator_frequency(base_frequency)"
+        # each tick of a slower simulation would take minutes: the steps of the physics stay short
+        self.settings.frequency = checks.number(base_frequency, what, minimum=0.1, maximum=HIGHEST_FREQUENCY)
+        checks.integer(logic_step_max, "env.simulator_frequency(logic_step_max)", minimum=1)
+        checks.integer(physics_step_max, "env.simulator_frequency(physics_step_max)", minimum=1)
+        self._auto_tune = False
+
+    def use_internal_syncer(self) -> None:
+        """Let an own clock set the pace instead of the screen."""
+        self.settings.internal_syncer = True
+
+    def use_vsync(self, vsync: str) -> None:
+        """Check the word and do nothing more: no screen sets the pace of the simulation."""
+        checks.choice(vsync, _VSYNC, "env.use_vsync(vsync)")
+
+    def use_relative_time(self, value: bool = True) -> None:
+        """Let simulated time begin at 0 instead of the time of day."""
+        self.settings.relative_time = checks.boolean(value, "env.use_relative_time(value)")
+
+    def set_seed(self, seed: int) -> None:
+        """Set the seed of all random numbers: the same seed gives the same run."""
+        self.settings.seed = checks.integer(seed, "env.set_seed(seed)", minimum=0)
+
+    def set_auto_start(self, value: bool = True) -> None:
+        """Start at once, or wait until a client or the live view starts the simulation."""
+        self.settings.auto_start = checks.boolean(value, "env.set_auto_start(value)")
+
+    # --- middlewares ------------------------------------------------------------------------
+
+    def add_service(self, datastream: str) -> None:
+        """Offer the services of the simulation on another middleware, too (the socket is always there).
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        manager = registry.request_manager(checks.text(datastream, "env.add_service(datastream)"))
+        if manager not in self._simulation_managers:
+            self._simulation_managers.append(manager)
+
+    def configure_service(self, datastream: str, component: Interfaces | None = None) -> None:
+        """Old name of `add_service`."""
+        logger.warning("%s: env.configure_service is an old name, write env.add_service", frames.source_line())
+        if component is None:
+            self.add_service(datastream)
+        elif isinstance(component, Interfaces):
+            component.add_service(datastream)
+        else:
+            raise TypeError(f"env.configure_service(component) takes a component, got {checks.shown(component)}")
+
+    def configure_stream_manager(self, stream_manager: str, **kwargs: Any) -> None:
+        """Set options of a middleware, e.g. ``configure_stream_manager('socket', time_sync=True, sync_port=5000)``.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+            OptionError: the middleware has no such option, or the option takes another value.
+        """
+        manager = registry.stream_manager(checks.text(stream_manager, "env.configure_stream_manager(stream_manager)"))
+        self._manager_options.setdefault(manager, {}).update(manager_options(manager, kwargs))
+
+    def configure_multinode(
+        self,
+        protocol: str = "socket",
+        server_address: str = "localhost",
+        server_port: str | int = "65000",
+        distribution: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
+        """Share the work between several simulation nodes.
+
+        Args:
+            protocol: ``socket`` or ``hla``.
+            server_address: where the multi-node server runs.
+            server_port: its TCP port.
+            distribution: name of a node to the names of the robots that it simulates.
+        """
+        what = "env.configure_multinode({})"
+        port = int(server_port) if isinstance(server_port, str) and server_port.isdecimal() else server_port
+        number = checks.integer(port, what.format("server_port"), minimum=1)
+        if number > 65535:
+            raise ValueError(f"{what.format('server_port')} takes a number from 1 to 65535, got {number}")
+        shares: dict[str, list[str]] = {}
+        for node, robots in dict(distribution or {}).items():
+            if isinstance(robots, str) or not all(isinstance(robot, str) for robot in robots):
+                raise TypeError(
+                    f"{what.format('distribution')} takes lists of names of robots, got {checks.shown(robots)}"
+                )
+            shares[checks.text(node, what.format("distribution"))] = list(robots)
+        self._multinode = {
+            "protocol": checks.choice(protocol, _PROTOCOLS, what.format("protocol")),
+            "server_address": checks.text(server_address, what.format("server_address")),
+            "server_port": number,
+            "distribution": shares,
+        }
+
+    def set_log_level(self, component: str, level: str) -> None:
+        """Set what is logged by ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
+        name = checks.text(component, "env.set_log_level(component)")
+        word = checks.text(level, "env.set_log_level(level)").upper()
+        self._log_levels[name] = checks.choice(word, _LOG_LEVELS, "env.set_log_level(level)")
+
+    def _init_time(self) -> None:
+        self._gravity_given = False
+        self._simulation_managers = [registry.request_manager("socket")]
+        self._manager_options = {}
+        self._multinode = None
+        self._log_levels = {}

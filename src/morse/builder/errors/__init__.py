@@ -1,0 +1,5 @@
+"""What is said of mistakes in scene scripts."""
+
+from morse.builder.errors.script_error import ScriptError, Step
+
+__all__ = ["ScriptError", "Step"]

@@ -1,0 +1,39 @@
+"""Angles that look like degrees."""
+
+from __future__ import annotations
+
+import logging
+import math
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.names import frames
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+logger = logging.getLogger(__name__)
+
+
+def hint_at_radians(what: str, angles: Iterable[Any]) -> None:
+    """Warn of more than a full turn: a script that gives so much most likely means degrees.
+
+    Args:
+        what: names the call in the message, e.g. ``Morsy.rotate``.
+        angles: as the script gives them; values that are not numbers are skipped.
+    """
+    for angle in angles:
+        if (
+            isinstance(angle, Real)
+            and not isinstance(angle, bool)
+            and 2.0 * math.pi + 1e-6 < abs(float(angle)) < math.inf
+        ):
+            logger.warning(
+                "%s: %s takes radians, and %g of them are %.3g turns; for degrees write math.radians(%g)",
+                frames.source_line() or "?",
+                what,
+                angle,
+                angle / (2.0 * math.pi),
+                angle,
+            )
+            return

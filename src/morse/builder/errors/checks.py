@@ -1,0 +1,143 @@
+"""Checks of what a scene script gives: they raise errors that name the argument and the mend."""
+
+from __future__ import annotations
+
+import math
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+from morse.core.hints import closest as closest
+from morse.core.hints import nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+def shown(value: object) -> str:
+    """A value as error messages show it: its representation, shortened."""
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def suggestion(word: str, known: Iterable[str], *, limit: int = 12) -> str:
+    """``; did you mean 'x'?`` for a near miss, else ``; there are: a, b, c`` (at most ``limit`` names)."""
+    return nearest(word, sorted(set(known)), say="there are", limit=limit)
+
+
+def number(
+    value: Any,
+    what: str,
+    *,
+    minimum: float | None = None,
+    above: float | None = None,
+    maximum: float | None = None,
+    infinite: bool = False,
+) -> float:
+    """A finite number as a float.
+
+    Args:
+        value: what the script gave.
+        what: names the argument in messages, e.g. ``set_gravity(gravity)``.
+        minimum: smallest value allowed.
+        above: the value has to be greater.
+        maximum: largest value allowed.
+        infinite: allow infinities.
+
+    Raises:
+        TypeError: not a number.
+        ValueError: NaN, infinite or out of range.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{what} takes a number, got {shown(value)}")
+    result = float(value)
+    if math.isnan(result) or (math.isinf(result) and not infinite):
+        raise ValueError(f"{what} takes a finite number, got {result}")
+    if minimum is not None and result < minimum:
+        raise ValueError(f"{what} takes a number from {minimum:g} upward, got {result:g}")
+    if maximum is not None and result > maximum:
+        raise ValueError(f"{what} takes a number up to {maximum:g}, got {result:g}")
+    if above is not None and result <= above:
+        raise ValueError(f"{what} takes a number greater than {above:g}, got {result:g}")
+    return result
+
+
+def integer(value: Any, what: str, *, minimum: int | None = None) -> int:
+    """A whole number (``2.0`` is one).
+
+    Raises:
+        TypeError: not a number.
+        ValueError: has a fraction, or is too small.
+    """
+    result = number(value, what, minimum=minimum)
+    if result != int(result):
+        raise ValueError(f"{what} takes a whole number, got {result:g}")
+    return int(result)
+
+
+def triple(value: Any, what: str) -> tuple[float, float, float]:
+    """Three finite numbers, e.g. a position or a colour.
+
+    Raises:
+        TypeError: not a sequence of numbers.
+        ValueError: another count than three, or a number is not finite.
+    """
+    if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
+        raise TypeError(f"{what} takes three numbers such as [1.0, 0.0, 0.5], got {shown(value)}")
+    items = list(value)
+    if len(items) != 3:
+        raise ValueError(f"{what} takes three numbers such as [1.0, 0.0, 0.5], got {len(items)}: {shown(items)}")
+    x, y, z = (number(item, f"{what}, item {index},") for index, item in enumerate(items))
+    return x, y, z
+
+
+def color(value: Any, what: str) -> tuple[float, float, float]:
+    """Red, green and blue, each 0..1.
+
+    Raises:
+        TypeError: not a sequence of numbers.
+        ValueError: another count than three, or out of range.
+    """
+    rgb = triple(value, what)
+    if not all(0.0 <= channel <= 1.0 for channel in rgb):
+        raise ValueError(f"{what} takes red, green and blue from 0 to 1, got {shown(rgb)}: divide 0..255 by 255")
+    return rgb
+
+
+def boolean(value: Any, what: str) -> bool:
+    """True or False (1 and 0 will do).
+
+    Raises:
+        TypeError: anything else.
+    """
+    if isinstance(value, bool) or (isinstance(value, int) and value in (0, 1)):
+        return bool(value)
+    raise TypeError(f"{what} takes True or False, got {shown(value)}")
+
+
+def text(value: Any, what: str) -> str:
+    """A string that is not empty.
+
+    Raises:
+        TypeError: not a string.
+        ValueError: empty.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{what} takes a string, got {shown(value)}")
+    if not value:
+        raise ValueError(f"{what} takes a string that is not empty")
+    return value
+
+
+def choice(value: Any, options: Iterable[str], what: str) -> str:
+    """One of several words.
+
+    Raises:
+        TypeError: not a string.
+        ValueError: another word.
+    """
+    words = list(options)
+    if text(value, what) in words:
+        return str(value)
+    near = closest(value, words)
+    hint = f"; did you mean '{near}'?" if near else ""
+    raise ValueError(f"{what} takes one of {', '.join(words)}; got '{value}'{hint}")

@@ -1,0 +1,146 @@
+"""Turns any exception of a scene script into a `ScriptError` that its author understands."""
+
+from __future__ import annotations
+
+import builtins
+import importlib.util
+import inspect
+import pkgutil
+import re
+import sys
+import traceback
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.errors import ScriptError, Step, checks
+from morse.builder.errors.missing import missing_component
+from morse.builder.names import frames
+from morse.builder.names.catalog import KINDS
+from morse.core.exceptions import MorseError
+from morse.scene import SourceLine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import FrameType, TracebackType
+
+_CALL = re.compile(r"^([\w.<>]+)\(\) (.*)$", re.DOTALL)
+_KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
+_IMPORTED = re.compile(r"^cannot import name '([^']+)'")
+
+#: what our own code raises with a message that says everything
+_OURS = (TypeError, ValueError, AttributeError, KeyError, OSError, SyntaxError, MorseError)
+
+
+def explain(error: BaseException, script: str) -> ScriptError:
+    """The error of a scene script, with the lines of the user's code that led to it."""
+    trace = list(_frames(error.__traceback__))
+    steps = [
+        Step(SourceLine(frame.f_code.co_filename, line), frame.f_code.co_name)
+        for frame, line in trace
+        if frames.is_users(frame.f_code) and not frames.is_library(frame.f_code)
+    ]
+    if isinstance(error, SyntaxError) and error.lineno is not None:
+        steps.append(Step(SourceLine(error.filename or script, error.lineno)))
+    by_us = bool(trace) and not frames.is_users(trace[-1][0].f_code)
+    frame = next((f for f, _ in reversed(trace) if frames.is_users(f.f_code)), None)
+    message, mend = _describe(error, by_us, frame)
+    return ScriptError(message, steps, mend, script)
+
+
+def _frames(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
+    yield from traceback.walk_tb(trace)
+
+
+def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tuple[str, str]:
+    """What happened, and the mend."""
+    match error:
+        case SyntaxError() if error.lineno is not None:
+            return f"{type(error).__name__}: {error.msg}", ""
+        case SystemExit():
+            return f"the script left by sys.exit({error.code!r})", "Let it run to its end: the simulation starts then."
+        case RecursionError():
+            return "a function of the script calls itself without end", ""
+        case NameError() if error.name is not None:
+            return _name_error(error.name, frame)
+        case ModuleNotFoundError() if error.name is not None:
+            return _no_module(error.name)
+        case ImportError() if (found := _IMPORTED.match(str(error))) is not None:
+            return _no_member(found[1], error)
+        case AttributeError() if not by_us and error.name is not None and error.obj is not None:
+            near = checks.closest(error.name, dir(error.obj))
+            return str(error), f"Did you mean '{near}'?" if near and near != error.name else ""
+        case TypeError() if (call := _CALL.match(str(error))) is not None:
+            return _bad_call(call[1], call[2])
+        case KeyError() if by_us and error.args:
+            return str(error.args[0]), ""
+        case _ if (by_us and isinstance(error, _OURS)) or isinstance(error, MorseError):
+            return str(error), ""
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__, ""
+
+
+def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
+    import morse.builder
+
+    if (missing := missing_component(name)) is not None:
+        return missing
+    ours = morse.builder.__all__
+    if name in ours:
+        return f"the name '{name}' is not defined", "Write at the top of the script: from morse.builder import *"
+    known = set(ours) | set(dir(builtins))
+    if frame is not None:
+        known |= set(frame.f_locals) | set(frame.f_globals)
+    near = checks.closest(name, known)
+    return f"the name '{name}' is not defined", f"Did you mean '{near}'?" if near else ""
+
+
+def _no_module(name: str) -> tuple[str, str]:
+    parent, _, last = name.rpartition(".")
+    try:
+        spec = importlib.util.find_spec(parent) if parent else None
+    except (ImportError, ValueError):
+        spec = None
+    paths = list(spec.submodule_search_locations or ()) if spec is not None else [] if parent else sys.path
+    derived = KINDS if parent.endswith(".builder") else ()
+    near = checks.closest(last, [*derived, *(info.name for info in pkgutil.iter_modules(paths))])
+    if near is not None:
+        return f"there is no module '{name}'", f"Did you mean '{f'{parent}.{near}' if parent else near}'?"
+    return (
+        f"there is no module '{name}'",
+        "The packages of a project are in its folder 'src'; others have to be installed.",
+    )
+
+
+def _no_member(name: str, error: ImportError) -> tuple[str, str]:
+    if (error.name or "").startswith("morse.builder") and (missing := missing_component(name)) is not None:
+        return missing
+    module = sys.modules.get(error.name or "")
+    near = checks.closest(name, dir(module)) if module is not None else None
+    return f"there is no '{name}' in '{error.name}'", f"Did you mean '{near}'?" if near else ""
+
+
+def _bad_call(qualified: str, problem: str) -> tuple[str, str]:
+    """A call with arguments that a function does not take."""
+    name = qualified.removesuffix(".__init__")
+    function = _function(qualified)
+    if function is None:
+        return f"{name}() {problem}", ""
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.name != "self"]
+    usage = f"{name}({', '.join(_shown(p) for p in parameters)})"
+    keyword = _KEYWORD.search(problem)
+    near = checks.closest(keyword[1], [p.name for p in parameters]) if keyword is not None else None
+    hint = f"Did you mean '{near}'? " if near else ""
+    return f"{name}() {problem}", f"{hint}Expected: {usage}"
+
+
+def _function(qualified: str) -> Any:
+    """The function of a class or module of the builder, or None."""
+    for module_name in [name for name in sys.modules if name.startswith("morse.builder")]:
+        found: Any = sys.modules[module_name]
+        for part in qualified.split("."):
+            found = getattr(found, part, None) if found is not None else None
+        if inspect.isfunction(found):
+            return found
+    return None
+
+
+def _shown(parameter: inspect.Parameter) -> str:
+    return str(parameter.replace(annotation=inspect.Parameter.empty))

@@ -1,0 +1,44 @@
+"""Components of MORSE 1.4 that this version does not have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: what scripts of 1.4 may ask for, by kind; what has come meanwhile may stay here
+_OF_1_4: Mapping[str, tuple[str, ...]] = {
+    "sensor": (
+        *("Accelerometer", "Airspeed", "ArmaturePose", "Attitude", "Barometer", "Battery", "Clock", "Collision"),
+        *("CompoundSensor", "DepthCamera", "DepthCameraAggregator", "DepthCameraRotationZ", "DepthVideoCamera", "GPS"),
+        *("Gyroscope", "HumanPosture", "IMU", "Kinect", "Magnetometer", "PTUPosture", "RawImage", "SearchAndRescue"),
+        *("SemanticCamera", "StereoUnit", "Thermometer", "Velocity", "Velodyne", "VelodyneZB", "VideoCamera"),
+    ),
+    "actuator": (
+        *("Arucomarker", "Armature", "Destination", "Drag", "ExternalForce", "ForceTorque", "Gripper", "KukaLWR"),
+        *("Light", "MocapControl", "Orientation", "PA10", "PTU", "QuadrotorDynamicControl", "RotorcraftAttitude"),
+        *("RotorcraftVelocity", "RotorcraftWaypoint", "Sound", "StabilizedQuadrotor", "SteerForce", "Waypoint"),
+    ),
+    "robot": ("BarePR2", "BasePR2", "Human", "LocalizedPR2", "NavPR2"),
+}
+
+
+def missing_component(name: str) -> tuple[str, str] | None:
+    """What to say of a name that is a component of 1.4 and not one of this version: what is wrong, and the mend.
+
+    Returns:
+        None for any other name.
+    """
+    import morse.builder
+
+    by_folded = {known.casefold(): (known, kind) for kind, names in _OF_1_4.items() for known in names}
+    known, kind = by_folded.get(name.casefold(), ("", ""))
+    if not known or hasattr(morse.builder, known):
+        return None
+    there = sorted(getattr(morse.builder, f"{kind}s").__all__)
+    listed = ", ".join(other for other in there if not other.endswith("Creator"))
+    return (
+        f"MORSE has no {kind} {known} yet (it was in MORSE 1.4)",
+        f"The {kind}s that there are: {listed}. One of your own takes one file: morse add {kind} NAME ENVIRONMENT",
+    )

@@ -1,0 +1,81 @@
+"""Options that a script gives by keyword, against those that middlewares and modifiers declare."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.names import frames
+from morse.builder.names.classes import load_class
+from morse.core.exceptions import MorseBuilderNoComponentError
+from morse.core.validation import checked_options
+from morse.middleware import registry
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
+
+logger = logging.getLogger(__name__)
+
+#: options of one middleware or another: a script that changes the middleware may leave them
+_OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
+
+
+def stream_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of a stream.
+
+    Args:
+        manager: class path of the stream manager.
+        given: by name.
+
+    Raises:
+        OptionError: there is no such option, or it takes another value.
+    """
+    middleware = registry.middleware_of_stream_manager(manager)
+    if middleware is None or middleware.stream_options is None:
+        return dict(given)
+    declared = middleware.stream_options
+    known = {}
+    for name, value in given.items():
+        if name in _OF_SOME_MIDDLEWARE and name not in declared:
+            logger.warning("%s: the option '%s' has no effect on %s", frames.source_line(), name, middleware.name)
+        else:
+            known[name] = value
+    return checked_options(f"a stream of {middleware.name}", declared, known)
+
+
+def manager_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of a stream manager.
+
+    Args:
+        manager: its class path.
+        given: by name.
+
+    Raises:
+        OptionError: there is no such option, or it takes another value.
+    """
+    middleware = registry.middleware_of_stream_manager(manager)
+    if middleware is None or middleware.manager_options is None:
+        return dict(given)
+    return checked_options(f"the stream manager of {middleware.name}", middleware.manager_options, given)
+
+
+def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The options of a modifier; a class that declares no ``_options`` takes any.
+
+    Args:
+        classpath: of the modifier.
+        given: by name.
+
+    Raises:
+        OptionError: there is no such option, or it takes another value.
+    """
+    if not given:
+        return {}
+    try:
+        cls = load_class(classpath)
+    except MorseBuilderNoComponentError:
+        return dict(given)  # said when the scene is loaded, as of a modifier without options
+    declared: Mapping[str, Option] | None = getattr(cls, "_options", None)
+    return dict(given) if declared is None else checked_options(f"the modifier {cls.__name__}", declared, given)

@@ -1,0 +1,41 @@
+"""Properties that a script sets, against those that the component declares."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.errors import checks
+from morse.builder.names import frames
+from morse.core import declarations
+from morse.core.validation import checked_value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+logger = logging.getLogger(__name__)
+
+#: read by MORSE itself, independent of the declarations of the component
+_GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
+
+
+def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
+    """Warn about properties that a component does not declare; refuse values that it cannot take.
+
+    Raises:
+        PropertyError: a value of another type, or outside the range or the choices that are declared.
+    """
+    declared = {p.name: p for p in declarations.properties(cls).values()}
+    for name, value in given.items():
+        if name in declared:
+            checked_value(cls.__name__, declared[name], value, script=True)
+        elif name not in _GENERAL:
+            logger.warning(
+                "%s: %s has no property '%s'%s (kept, but %s does not read it)",
+                frames.source_line() or "?",
+                cls.__name__,
+                name,
+                checks.suggestion(name, declared),
+                cls.__name__,
+            )

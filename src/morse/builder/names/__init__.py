@@ -1,0 +1,1 @@
+"""How names are found: of components after variables, of classes after files."""

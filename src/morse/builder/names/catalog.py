@@ -1,0 +1,97 @@
+"""Which components and modifiers MORSE has, read from their files without running them.
+
+A scene that uses three sensors should not wait until forty are loaded, nor fail because one of
+those is broken. A class counts if its body sets ``_name`` (components) or ``_names`` (modifiers).
+"""
+
+from __future__ import annotations
+
+import ast
+import logging
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.names import sources
+from morse.core.plugins import entry_points
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+logger = logging.getLogger(__name__)
+
+
+#: the folders of components
+KINDS = ("sensors", "actuators", "robots")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A class of the catalogue, or a product that such a class simulates.
+
+    Attributes:
+        name: as scene scripts know it.
+        classpath: where it is.
+        doc: one sentence on what it is.
+        attributes: the class attributes whose values are plain literals.
+        defaults: the plain literals among the arguments of its `BuilderDefaults` or `RobotDefaults`, or None if it
+            declares none.
+        product: the name of the product, or None for the class itself.
+    """
+
+    name: str
+    classpath: str
+    doc: str
+    attributes: dict[str, Any]
+    defaults: dict[str, Any] | None = None
+    product: str | None = None
+
+
+@cache
+def components(package: str) -> dict[str, Entry]:
+    """The components of ``morse.sensors``, ``morse.actuators`` or ``morse.robots`` by name, sorted."""
+    found = (entry for module, definition in sources.classes(package) for entry in entries(module, definition))
+    return {entry.name: entry for entry in sorted(found, key=lambda entry: entry.name)}
+
+
+def entries(module: str, definition: ast.ClassDef, *, named: bool = False) -> Iterator[Entry]:
+    """What scene scripts can make of a class: itself, and the products that it simulates.
+
+    Args:
+        module: where the class is.
+        definition: the class.
+        named: it is a component, whether its body sets ``_name`` or not.
+    """
+    attributes = sources.literals(definition)
+    if not isinstance(attributes.get("_name"), str) and not named:
+        return
+    classpath = f"{module}.{definition.name}"
+    doc = attributes.get("_short_desc") or ast.get_docstring(definition) or attributes.get("_name", definition.name)
+    defaults = next(sources.declared_defaults(definition, "_builder"), None)
+    given = defaults or {}
+    yield Entry(given.get("name") or definition.name, classpath, _text(given, doc), attributes, defaults)
+    for product in sources.declared_defaults(definition, "_products"):
+        yield Entry(product["name"], classpath, _text(product, doc), attributes, product, product["name"])
+
+
+def _text(defaults: dict[str, Any], doc: str) -> str:
+    return str(defaults.get("doc") or doc).strip()
+
+
+@cache
+def modifiers() -> tuple[Entry, ...]:
+    """The modifiers of ``morse.modifiers`` and of the packages that the entry points ``morse.modifiers`` name."""
+    packages = ["morse.modifiers", *(point.value for point in entry_points("morse.modifiers"))]
+    return tuple(entry for package in packages for entry in _modifiers_of(package))
+
+
+def _modifiers_of(package: str) -> Iterator[Entry]:
+    try:
+        for module, definition in sources.classes(package):
+            attributes = sources.literals(definition)
+            if "_names" in attributes:
+                doc = ast.get_docstring(definition) or ""
+                yield Entry(definition.name, f"{module}.{definition.name}", doc, attributes)
+    except SyntaxError as error:
+        logger.warning("the modifiers of %s are left out: %s", package, error)

@@ -1,0 +1,39 @@
+"""Modifiers by the names that scene scripts use.
+
+A modifier class says in its body which names it goes by and which components it suits, both as
+plain tuples of strings::
+
+    class CoordinatesToNED(AbstractModifier):
+        _names = ("NED",)
+        _components = ("Pose", "GPS")
+"""
+
+from __future__ import annotations
+
+from morse.builder.errors import checks
+from morse.builder.names import catalog
+from morse.core.exceptions import MorseBuilderError
+
+
+def find_modifier(name: str, component: type | None) -> str:
+    """The class path of the modifier of that name for a component.
+
+    Raises:
+        MorseBuilderError: there is no such modifier; the message lists the existing ones.
+    """
+    bases = {base.__name__ for base in component.__mro__} if component is not None else set()
+    suitable: dict[str, str] = {}
+    everywhere: set[str] = set()
+    for entry in catalog.modifiers():
+        names = entry.attributes["_names"]
+        everywhere.update(names)
+        if bases & set(entry.attributes.get("_components", ())):
+            suitable.update(dict.fromkeys(names, entry.classpath))
+    if name in suitable:
+        return suitable[name]
+    what = component.__name__ if component is not None else "a thing that does nothing"
+    listed = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
+    hint = checks.suggestion(name, suitable) or listed
+    if name in everywhere:
+        raise MorseBuilderError(f"the modifier '{name}' is not for {what}{hint}")
+    raise MorseBuilderError(f"there is no modifier '{name}' for {what}{hint}")

@@ -1,0 +1,115 @@
+"""Components are named after the variables of the script that hold them.
+
+Names come from several places; a stronger one replaces a weaker one, never the other way round:
+
+1. a variable that held the component when it was used (`Strength.GUESSED`),
+2. a variable or attribute that holds it when it is appended, when `close_context` is called or
+   when the environment is made (`Strength.VARIABLE`),
+3. a name that the script gave (`Strength.GIVEN`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.builder import workspace
+from morse.builder.names.frames import user_frames
+from morse.builder.names.part import Part, Strength
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from types import FrameType
+
+
+def check_given_name(name: Any) -> str:
+    """A name that a script gives to a component.
+
+    Raises:
+        TypeError: not a string.
+        ValueError: empty.
+        SyntaxError: a dot in it.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"a component's name is a string, got {name!r}")
+    if not name.strip():
+        raise ValueError("a component's name cannot be empty")
+    if "." in name:
+        raise SyntaxError(
+            f"the name '{name}' has a dot: dots separate robots from their components (robot.arm.pose); "
+            f"write '{name.replace('.', '_')}'"
+        )
+    return name
+
+
+def check_address(name: str) -> None:
+    """Check that clients can write the name of a robot, sensor or actuator.
+
+    Raises:
+        ValueError: blanks in it, which part the words of a request.
+    """
+    if any(character.isspace() or not character.isprintable() for character in name):
+        written = "_".join("".join(c if c.isprintable() else " " for c in name).split())
+        raise ValueError(f"the name {name!r} has a blank, which clients cannot write; write '{written}'")
+
+
+def name_in_frame(component: Part, parent: Part, frame: FrameType) -> str | None:
+    """The name under which a component is known where it is appended to a parent.
+
+    That is an attribute of ``self``, else a variable, else an attribute of the parent.
+    """
+    owner = frame.f_locals.get("self")
+    attributes = getattr(owner, "__dict__", {}) if owner is not component else {}
+    places = (attributes, frame.f_locals, frame.f_globals, parent.__dict__)
+    return next((name for place in places if (name := _holder(component, place)) is not None), None)
+
+
+def _holder(component: Part, variables: Mapping[str, Any]) -> str | None:
+    return next((name for name, value in variables.items() if value is component and _usable(name)), None)
+
+
+def _usable(name: str) -> bool:
+    return name.isidentifier() and name != "self" and not name.startswith("_")
+
+
+def name_unparented(variables: Mapping[str, Any], strength: Strength) -> None:
+    """Name the components among these variables that are part of no other one."""
+    for name, value in list(variables.items()):
+        if isinstance(value, Part) and _usable(name) and value.is_complete and value.parent is None:
+            value.suggest_name(name, strength)
+
+
+def guess_names() -> None:
+    """Note which variables hold which components, before a loop or a function forgets it."""
+    frame = next(user_frames(), None)
+    if frame is not None:
+        name_unparented(frame.f_locals, Strength.GUESSED)
+
+
+def rename_all() -> None:
+    """Give every component its name in the simulation: ``robot.arm.pose`` for what is on a robot."""
+    used: set[str] = set()
+    for component in workspace.current().components:
+        if component.parent is None:
+            _rename_tree(component, (), used, component.is_robot)
+
+
+def _rename_tree(component: Part, prefix: tuple[str, ...], used: set[str], on_robot: bool) -> None:
+    path = (*prefix, component.plain_name)
+    # a thing keeps the name it has in its file, unless a variable still holds it
+    if not on_robot and component.name_strength < Strength.VARIABLE:
+        name = component.name
+    else:
+        name = _free(".".join(path), used)
+        workspace.current().claim(component.scene_node, name)
+        path = (*prefix, name.rpartition(".")[2])
+    used.add(name)
+    for child in component.children:
+        _rename_tree(child, path if on_robot else (), used, on_robot)
+
+
+def _free(name: str, used: set[str]) -> str:
+    candidate, count = name, 0
+    while candidate in used:
+        count += 1
+        candidate = f"{name}_{count:03d}"
+    return candidate

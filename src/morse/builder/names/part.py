@@ -1,0 +1,77 @@
+"""What a scene is made of, as far as names go."""
+
+from __future__ import annotations
+
+import re
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.scene import Node
+
+_COPY_SUFFIX = re.compile(r"\.\d{3,}$")
+
+
+class Strength(IntEnum):
+    """Where a name came from, weakest first."""
+
+    NONE = 0
+    GUESSED = 1
+    VARIABLE = 2
+    GIVEN = 3
+
+
+class Part:
+    """A component or a thing of a scene that is being described: `AbstractComponent` without its methods.
+
+    Attributes:
+        basename: its name without those of its parents, or None until it has one.
+        name_strength: where ``basename`` came from.
+    """
+
+    basename: str | None
+    name_strength: Strength
+
+    if TYPE_CHECKING:
+
+        @property
+        def parent(self) -> Part | None:
+            """The component that it is part of."""
+
+        @property
+        def children(self) -> Sequence[Part]:
+            """The components that are part of it."""
+
+        @property
+        def name(self) -> str:
+            """The name in the scene."""
+
+        @property
+        def scene_node(self) -> Node:
+            """The node of the scene."""
+
+        @property
+        def is_complete(self) -> bool:
+            """True once it has an object of the scene."""
+
+        @property
+        def is_robot(self) -> bool:
+            """True for what carries sensors and actuators."""
+
+    @property
+    def plain_name(self) -> str:
+        """Its own name, without those of its parents."""
+        return self.basename or without_copy_suffix(self.scene_node.name)
+
+    def suggest_name(self, name: str, strength: Strength) -> None:
+        """Take a name, unless it has got one from a stronger source."""
+        if strength > self.name_strength:
+            self.basename = name
+            self.name_strength = strength
+
+
+def without_copy_suffix(name: str) -> str:
+    """The name of an object as the name of a component: ``morsy`` for ``morsy.001``, no dots and no blanks."""
+    return "_".join(_COPY_SUFFIX.sub("", name).replace(".", "_").split())

@@ -1,0 +1,158 @@
+"""Components of a user's own project, from their files alone.
+
+``from ranger_sim.builder.sensors import Sonar`` works as soon as a file in ``src/ranger_sim/sensors/`` has a class
+``Sonar``: the class for scene scripts is derived from it. A file in ``src/ranger_sim/builder/sensors/`` with a class
+of that name goes before.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+from morse.builder import workspace
+from morse.builder.derive import builder_class
+from morse.builder.names import catalog, frames, sources
+from morse.builder.names.catalog import KINDS
+from morse.builder.names.classes import load_class
+from morse.core import describing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from types import ModuleType
+
+    from morse.builder.names.catalog import Entry
+
+#: the builder class of each component class that a script has called
+_called: WeakKeyDictionary[type, type] = WeakKeyDictionary()
+
+
+def describe(cls: type, *args: Any, **kwargs: Any) -> Any:
+    """The builder object that a scene script gets for a component class; None if the caller is not a scene script."""
+    if not workspace.is_being_described():
+        return None
+    code = sys._getframe(2).f_code
+    if not frames.is_users(code) or frames.is_library(code):
+        return None
+    if cls not in _called:
+        _called[cls] = builder_class(cls)
+    return _called[cls](*args, **kwargs)
+
+
+class ProjectFinder:
+    """Finds ``<project>.builder`` and ``<project>.builder.<kind>``, whether they have files or not."""
+
+    def install(self) -> None:
+        """Ask this finder before the one that follows the path; there is one in a process."""
+        describing.describe = describe
+        if not any(isinstance(finder, ProjectFinder) for finder in sys.meta_path):
+            sys.meta_path.insert(0, self)
+
+    def find_spec(self, name: str, path: Sequence[str] | None, _target: object = None) -> ModuleSpec | None:
+        """See `importlib.abc.MetaPathFinder`."""
+        project, _, kind = name.rpartition(".")
+        if kind in KINDS and project.endswith(".builder"):
+            package = f"{project.removesuffix('.builder')}.{kind}"
+        elif kind == "builder" and project:
+            package = project
+        else:
+            return None
+        if project.partition(".")[0] == "morse":
+            return None
+        found = PathFinder.find_spec(name, path)
+        if kind == "builder":
+            # a project without a file for its builder classes is still asked for them
+            return found or (ModuleSpec(name, None, is_package=True) if any(_files(project)) else None)
+        if found is None or found.loader is None or found.origin is None:
+            if not any(True for _ in sources.files(package)):
+                return found
+            folders = [] if found is None else list(found.submodule_search_locations or ())
+            found = ModuleSpec(name, _Derived(), is_package=True)  # type: ignore[arg-type] # importlib.abc costs time
+            found.submodule_search_locations = folders
+        elif type(found.loader) is SourceFileLoader:
+            found.loader = _Completed(found.loader.name, found.loader.path)
+        return found
+
+
+def _files(project: str) -> Iterator[str]:
+    return (module for kind in KINDS for module, _ in sources.files(f"{project}.{kind}"))
+
+
+class _Derived:
+    """Makes a module of builder classes that has no file."""
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """See `importlib.abc.Loader`."""
+        return None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """See `importlib.abc.Loader`."""
+        names = _Classes(module)
+        module.__doc__ = f"The classes for scene scripts of {names.package}, derived from its components."
+        module.__dict__.update(__getattr__=names.get, __dir__=names.all, __all__=names.all())
+
+
+class _Completed(SourceFileLoader):
+    """Runs the file of a package of builder classes, and offers those that the file does not have."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """See `importlib.abc.Loader`."""
+        super().exec_module(module)
+        names = _Classes(module)
+        module.__dict__.setdefault("__getattr__", names.get)
+        module.__dict__.setdefault("__dir__", names.all)
+
+
+class _Classes:
+    """The builder classes of one kind that follow from the components of a project.
+
+    Args:
+        module: where they will live, ``<project>.builder.<kind>``.
+    """
+
+    def __init__(self, module: ModuleType) -> None:
+        project, _, kind = module.__name__.rpartition(".")
+        self._module = module.__name__
+        self._variables = module.__dict__
+        self.package = f"{project.removesuffix('.builder')}.{kind}"
+
+    def get(self, name: str) -> Any:
+        """The class of a name.
+
+        Raises:
+            AttributeError: no file of the project has such a class.
+            SyntaxError: one file cannot be read, and no other has the class.
+            MorseBuilderNoComponentError: the class cannot be loaded.
+        """
+        broken: SyntaxError | None = None
+        if not name.startswith("__"):
+            for file in sources.files(self.package):
+                try:
+                    for entry in self._entries(*file):
+                        if entry.name == name:
+                            return self._variables.setdefault(name, self._class(entry))
+                except SyntaxError as error:
+                    broken = error
+        if broken is not None:
+            raise broken
+        raise AttributeError(f"module '{self._module}' has no attribute '{name}'", name=name)
+
+    def all(self) -> list[str]:
+        """The names of the classes, sorted, with what the module has of its own."""
+        names = {name for name in self._variables if not name.startswith("_")}
+        for file in sources.files(self.package):
+            try:
+                names.update(entry.name for entry in self._entries(*file) if "_name" in entry.attributes)
+            except SyntaxError:
+                continue
+        return sorted(names)
+
+    def _entries(self, module: str, file: Any) -> Iterator[Entry]:
+        for definition in sources.classes_of(file):
+            if definition.bases:
+                yield from catalog.entries(module, definition, named=True)
+
+    def _class(self, entry: Entry) -> type:
+        return builder_class(load_class(entry.classpath), entry.product, self._module)

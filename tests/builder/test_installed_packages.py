@@ -1,0 +1,135 @@
+"""Components and modifiers that installed packages bring, by entry points."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from morse.assets import search
+from morse.core import plugins
+
+SONAR = """
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data
+
+class Sonar(Sensor):
+    _name = "Sonar"
+    _short_desc = "Measures a distance by sound"
+
+    add_data("distance", 0.0, "float", "Distance", unit="m")
+"""
+DEAF = """
+from morse.modifiers.abstract_modifier import AbstractModifier
+
+class Deaf(AbstractModifier):
+    _names = ("Deaf",)
+    _components = ("Sonar",)
+"""
+USE = """
+from morse.builder import *
+robot = FakeRobot()
+sonar = Sonar()
+sonar.alter("Deaf")
+robot.append(sonar)
+env = Environment("empty", fastmode=True)
+print([m.classpath for m in sonar._declaration(robot).modifiers], sonar.classpath, sonar.name)
+"""
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    """A folder with an installed package ``my_lab``."""
+    for path, text in {
+        "my_lab/__init__.py": "",
+        "my_lab/sensors/sonar.py": SONAR,
+        "my_lab/changes/deaf.py": DEAF,
+        "my_lab-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: my_lab\nVersion: 1.0\n",
+        "my_lab-1.0.dist-info/entry_points.txt": (
+            "[morse.components]\nmy_lab = my_lab\n\n[morse.modifiers]\nmy_lab = my_lab.changes\n"
+        ),
+    }.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    return tmp_path
+
+
+def run(site: Path, program: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", f"import sys; sys.path.append({str(site)!r})\n" + program]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_classes_of_an_installed_package_come_with_the_star_import(site: Path) -> None:
+    done = run(site, USE)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == "['my_lab.changes.deaf.Deaf'] my_lab.sensors.sonar.Sonar robot.sonar"
+
+
+def test_a_broken_package_is_left_out_with_a_warning(site: Path) -> None:
+    (site / "my_lab" / "sensors" / "sonar.py").write_text("class Sonar(:\n")
+    (site / "my_lab" / "changes" / "deaf.py").write_text("def\n")
+    done = run(site, "import logging; logging.basicConfig()\nfrom morse.builder import *\nPose().alter('Deaf')\n")
+    assert "MorseBuilderError: there is no modifier 'Deaf'" in done.stderr
+    assert "the components of the installed package 'my_lab' are left out" in done.stderr
+    assert "the modifiers of my_lab.changes are left out" in done.stderr
+
+
+def test_no_package_hides_a_class_of_morse(site: Path) -> None:
+    (site / "my_lab" / "sensors" / "pose.py").write_text(SONAR.replace("Sonar", "Pose"))
+    done = run(site, "import logging; logging.basicConfig()\nfrom morse.builder import *\nprint(Pose().classpath)\n")
+    assert done.stdout.strip() == "morse.sensors.pose.Pose"
+    assert "Pose of an installed package is left out" in done.stderr
+
+
+def test_a_package_whose_code_fails_is_left_out(site: Path) -> None:
+    (site / "my_lab" / "__init__.py").write_text("1 / 0\n")
+    done = run(site, "import logging; logging.basicConfig()\nfrom morse.builder import *\nprint(Pose().classpath)\n")
+    assert done.stdout.strip() == "morse.sensors.pose.Pose"
+    assert "ZeroDivisionError" in done.stderr
+
+
+def with_models(site: Path, package: str) -> None:
+    (site / "my_lab" / "data" / "robots").mkdir(parents=True)
+    shutil.copy(
+        Path(search.MORSE_COMPONENTS) / "robots" / "atrv.blend", site / "my_lab" / "data" / "robots" / "rover.blend"
+    )
+    points = site / "my_lab-1.0.dist-info" / "entry_points.txt"
+    points.write_text(f"{points.read_text()}\n[morse.assets]\nmy_lab = {package}\n")
+
+
+FIND = "import logging; logging.basicConfig()\nfrom morse.assets import find\nprint(find({!r}, 'robots'))\n"
+
+
+def test_an_installed_package_brings_models(site: Path) -> None:
+    with_models(site, "my_lab.data")
+    done = run(site, FIND.format("rover"))
+    assert done.stdout.strip() == str(site / "my_lab" / "data" / "robots" / "rover.blend"), done.stderr
+
+
+def test_no_model_of_a_package_hides_one_of_morse(site: Path) -> None:
+    with_models(site, "my_lab.data")
+    (site / "my_lab" / "data" / "robots" / "atrv.blend").write_bytes(b"")
+    done = run(site, FIND.format("atrv"))
+    assert done.stdout.strip() == str(Path(search.MORSE_COMPONENTS) / "robots" / "atrv.blend"), done.stderr
+
+
+@pytest.mark.parametrize("package", ["my_lab.no_such_folder", "no_such_package.data", "my_lab.sensors.sonar"])
+def test_a_package_without_the_folder_of_its_models_is_named(site: Path, package: str) -> None:
+    with_models(site, package)
+    (site / "my_lab" / "sensors" / "__init__.py").write_text("")
+    done = run(site, FIND.format("atrv"))
+    assert done.stdout.strip().endswith("atrv.blend")
+    assert f"the models of the installed package '{package}' are left out" in done.stderr
+
+
+def test_entry_points_are_those_of_importlib(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from importlib import metadata
+
+    assert plugins.entry_points("morse.no_such_group") == ()
+    monkeypatch.syspath_prepend(str(site))
+    (point,) = plugins.entry_points("morse.modifiers")
+    assert point in metadata.entry_points(group="morse.modifiers")
+    assert point.value == "my_lab.changes"
