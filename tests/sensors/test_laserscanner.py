@@ -10,6 +10,7 @@ from ticking import angle_of, published
 
 from morse.core.exceptions import MorseRPCTypeError
 from morse.helpers.fans import MOST_RAYS, fan
+from morse.middleware.socket.encoding import to_json
 from morse.scene import Material
 
 WALLS = """
@@ -57,12 +58,16 @@ def test_a_sick_sees_the_walls_from_right_to_left(simulate):
     assert [angle_of(p) for p in points] == pytest.approx([i - 90 for i in range(181)], abs=1e-4)
 
 
-def test_the_data_are_plain_lists_that_can_be_written_as_json(simulate):
+def test_the_data_are_arrays_that_can_be_read_as_lists_and_are_lists_on_the_wire(simulate):
     data = simulate(in_room("Hokuyo", "laser.level('rssi')")).run(0.1)["robot.laser"].local_data
-    assert json.loads(json.dumps(data)) == data
-    assert type(data["range_list"]) is list
-    assert type(data["point_list"][0]) is list
-    assert type(data["point_list"][0][0]) is float
+    written = to_json(data)
+    ranges, points = data["range_list"], data["point_list"]
+    assert (ranges.shape, points.shape, data["remission_list"].shape) == ((1081,), (1081, 3), (1081,))
+    assert written == json.dumps({name: v if name == "timestamp" else v.tolist() for name, v in data.items()}).encode()
+    assert len(ranges) == len([distance for distance in ranges]) == 1081  # noqa: C416 - it is read as a list
+    assert min(ranges) == sorted(ranges)[0] == min(json.loads(written)["range_list"])
+    x, y, z = points[540]
+    assert math.hypot(x, y, z) == pytest.approx(ranges[540])
 
 
 @pytest.mark.parametrize(
@@ -85,8 +90,8 @@ def test_presets(simulate, kind, rays, first, reach, rate):
     assert angle_of(laser.rays.directions[0]) == pytest.approx(first)
     assert laser.laser_range == reach
     if kind == "Infrared":
-        assert messages[0]["range_list"] == [2.0] * 21
-        assert messages[0]["point_list"] == [[0, 0, 0]] * 21
+        assert messages[0]["range_list"].tolist() == [2.0] * 21
+        assert messages[0]["point_list"].tolist() == [[0, 0, 0]] * 21
 
 
 def test_nothing_within_reach_is_no_hit(simulate):
@@ -94,7 +99,7 @@ def test_nothing_within_reach_is_no_hit(simulate):
     ranges, points = laser.local_data["range_list"], laser.local_data["point_list"]
     expected = [room_distance(i - 90) for i in range(181)]
     assert ranges == pytest.approx([min(d, 4.5) for d in expected], abs=1e-5)
-    assert [p == [0, 0, 0] for p in points] == [d > 4.5 for d in expected]
+    assert [p == [0, 0, 0] for p in points.tolist()] == [d > 4.5 for d in expected]
 
 
 def test_levels_have_their_fields(simulate):
@@ -111,7 +116,7 @@ def test_remission_is_that_of_the_material_where_there_is_an_echo(simulate):
     setting = "laser.level('rssi'); laser.properties(laser_range=4.5)"
     data = simulate(in_room(setting=setting)).run(0.1)["robot.laser"].local_data
     expected = [Material("new").specular if room_distance(i - 90) <= 4.5 else 0.0 for i in range(181)]
-    assert data["remission_list"] == expected
+    assert data["remission_list"].tolist() == expected
 
 
 def test_the_scanner_is_where_and_how_it_is_mounted(simulate):
@@ -139,7 +144,7 @@ def test_a_velodyne_turns_its_upright_fan(simulate):
     simulation.run(0.1)
     points = laser.local_data["point_list"]
     assert len(points) == 64
-    assert {round(angle_of(p), 6) for p in points if p != [0, 0, 0]} == {0.0}
+    assert {round(angle_of(p), 6) for p in points if p.any()} == {0.0}
     heights = [math.degrees(math.asin(z)) for _, _, z in laser.rays.directions]
     assert (heights[0], heights[-1]) == pytest.approx((-27.75, 3.75))
     simulation.run(1.9)
@@ -185,7 +190,9 @@ def test_a_property_that_makes_no_fan_is_refused_and_nothing_changes(simulate, n
 
 
 def test_a_script_that_makes_no_fan_is_told_so(simulate):
-    with pytest.raises(Exception, match=r"scan_window takes degrees from 0 to 360, got 400") as caught:
+    with pytest.raises(
+        Exception, match=r"scan_window' of LaserScanner is 400.0, expected a number from 0 to 360 deg"
+    ) as caught:
         simulate(in_room(setting="laser.properties(scan_window=400.0); laser.create_laser_arc()"))
     assert "laser" in str(caught.value).lower()
     with pytest.raises(Exception, match=r"resolution"):

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from morse.core.exceptions import MorseRPCTypeError
+from morse.core.validation import Arguments
 
 SCRIPT = """
 lamp = Cube("Lamp")
@@ -46,15 +47,17 @@ def test_reach_and_tag_may_be_changed(near):
 @pytest.mark.parametrize("bad", [-1.0, math.nan, "far", None, True])
 def test_a_reach_that_is_none_is_refused(near, bad):
     sensor = near()
-    with pytest.raises(MorseRPCTypeError, match="set_range"):
-        sensor.set_range(bad)
+    with pytest.raises(MorseRPCTypeError, match=r"'range' is a number from 0 to .* m"):
+        Arguments(sensor.set_range, "set_range").check([bad])
     assert set(near().local_data["near_objects"]) == {"r1", "r2"}
 
 
-@pytest.mark.parametrize("bad", ["", None, 5])
+@pytest.mark.parametrize("bad", [None, 5])
 def test_a_tag_that_is_none_is_refused(near, bad):
-    with pytest.raises(MorseRPCTypeError, match="set_tracked_tag"):
-        near().set_tracked_tag(bad)
+    with pytest.raises(MorseRPCTypeError, match="set_tracked_tag: 'tag' is a string"):
+        Arguments(near().set_tracked_tag, "set_tracked_tag").check([bad])
+    with pytest.raises(MorseRPCTypeError, match="set_tracked_tag: 'tag' is the name of a property"):
+        near().set_tracked_tag("")
 
 
 def test_twelve_measurements_a_second(simulate):

@@ -48,5 +48,5 @@ def test_a_reach_changed_while_it_runs(simulate):
 
 @pytest.mark.parametrize("reach", [0.0, -1.0])
 def test_a_reach_of_nothing_is_refused(simulate, reach):
-    with pytest.raises(Exception, match=r"MaxRange takes a number of metres greater than 0"):
+    with pytest.raises(Exception, match=r"'MaxRange' of RadarAltimeter is .*, expected a number from 0\.001 m upward"):
         height(simulate, setting=f"radar.properties(MaxRange={reach})")

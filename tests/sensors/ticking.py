@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 
-from morse.assets.collision import resolve_shapes
-from morse.builder.script import load_scene
-from morse.simulation.options import RunOptions
-from morse.simulation.simulation import Simulation
+import morse
 
 
 class Ticking:
@@ -15,11 +12,7 @@ class Ticking:
 
     def __init__(self, script, path, *, seed=None):
         path.write_text("from morse.builder import *\n" + script)
-        options = RunOptions(str(path), view="none", seed=seed)
-        scene = load_scene(options)
-        resolve_shapes(scene)
-        self.simulation = Simulation(scene, options)
-        self.simulation.load()
+        self.simulation = morse.load(path, seed=seed, sockets=True)
 
     def __getitem__(self, name):
         return self.simulation.context.components.get(name) or self.simulation.context.robots[name]
@@ -36,7 +29,7 @@ class Ticking:
         return self.simulation.clock.time
 
     def close(self):
-        self.simulation.shut_down()
+        self.simulation.close()
 
 
 def published(component):

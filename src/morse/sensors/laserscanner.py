@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.declarations import BuilderDefaults
+from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
 from morse.core.local_data import Later, LocalData
 from morse.core.sensor import Sensor
 from morse.core.services import service
-from morse.helpers.components import add_data, add_level, add_property
+from morse.helpers.components import add_data, add_kind, add_level, add_property, prop
 from morse.helpers.fans import fan
 
 if TYPE_CHECKING:
@@ -24,6 +24,70 @@ if TYPE_CHECKING:
 _TILT = math.radians(12.0)
 
 
+def _is_flat(scanner: LaserScanner) -> bool:
+    return scanner.layers == 1 and not scanner.turns
+
+
+def _is_deep(scanner: LaserScanner) -> bool:
+    return not _is_flat(scanner)
+
+
+def _once_round(scanner: LaserScanner) -> slice:
+    """All rays of a flat fan but the last one where that repeats the first."""
+    return slice(0, -1) if scanner.scan_window == 360.0 and len(scanner.rays) > 1 else slice(None)
+
+
+def _ranges(scanner: LaserScanner) -> NDArray[np.float64]:
+    """(N,) metres, infinite for no hit."""
+    ranges = np.asarray(scanner.local_data["range_list"])[_once_round(scanner)]
+    return np.where(ranges >= scanner.laser_range, np.inf, ranges)
+
+
+def _remissions(scanner: LaserScanner) -> NDArray[np.float64] | None:
+    """(N,) how much light comes back, for each ray; None if it is not measured."""
+    data = scanner.local_data
+    return np.asarray(data["remission_list"])[_once_round(scanner)] if "remission_list" in data else None
+
+
+def _nearest(scanner: LaserScanner) -> float:
+    """The smallest distance, m."""
+    return float(np.min(_ranges(scanner), initial=np.inf))
+
+
+def _hits(scanner: LaserScanner) -> NDArray[np.bool_]:
+    """(N,) which rays have hit something."""
+    return np.asarray(scanner.local_data["range_list"]) < scanner.laser_range
+
+
+def _points(scanner: LaserScanner) -> NDArray[np.float64]:
+    """(M, 3) what was hit, m."""
+    return np.asarray(scanner.local_data["point_list"])[_hits(scanner)]
+
+
+def _intensity(scanner: LaserScanner) -> NDArray[np.float64] | None:
+    """(M,) how much light comes back from each point; None if it is not measured."""
+    data = scanner.local_data
+    return np.asarray(data["remission_list"])[_hits(scanner)] if "remission_list" in data else None
+
+
+def _layer(scanner: LaserScanner) -> NDArray[np.intp]:
+    """(M,) the layer of each point, the upper one first."""
+    hits = _hits(scanner)
+    return (np.arange(len(hits)) * scanner.layers // max(len(hits), 1))[hits]
+
+
+_SEPARATION: dict[str, Any] = {"unit": "deg", "low": -180.0, "high": 180.0}
+_OFFSET: dict[str, Any] = {"unit": "deg", "low": -360.0, "high": 360.0}
+_SCAN: dict[str, Any] = {
+    "ranges": _ranges,
+    "intensities": _remissions,
+    "angle_min": prop("scan_window", scale=-0.5),
+    "angle_increment": prop("resolution"),
+    "range_min": 0.0,
+    "range_max": prop("laser_range"),
+}
+
+
 class LaserScanner(Sensor):
     """Measures the distance to the first thing in each direction of a fan, or of several above each other.
 
@@ -33,7 +97,37 @@ class LaserScanner(Sensor):
 
     _name = "Laser scanner"
     _short_desc = "Generic laser range sensors"
-    _builder = BuilderDefaults(frequency=10.0)
+    _builder = BuilderDefaults(frequency=10.0, visual=Visual("cylinder", (0.05, 0.05, 0.05), (0.1, 0.1, 0.1)))
+    _products = (
+        BuilderDefaults(
+            "Sick",
+            frequency=10.0,
+            model="sick",
+            part="SickMesh",
+            doc="A SICK LMS: 30 m, 180 degrees, 1 degree, 10 Hz.",
+        ),
+        BuilderDefaults(
+            "SickLDMRS",
+            frequency=4.0,
+            properties={"scan_window": 100.0, "resolution": 0.25, "layers": 4},
+            visual=Visual("cube", (0.05, 0.0825, 0.044), (1.0, 1.0, 0.9)),
+            doc="A SICK LD-MRS: 30 m, 100 degrees, 0.25 degrees, four layers, 4 Hz.",
+        ),
+        BuilderDefaults(
+            "Hokuyo",
+            frequency=10.0,
+            properties={"scan_window": 270.0, "resolution": 0.25},
+            visual=Visual("cylinder", (0.04, 0.04, 0.08), (0.0, 0.0, 0.0)),
+            doc="A Hokuyo: 30 m, 270 degrees, 0.25 degrees, 10 Hz.",
+        ),
+        BuilderDefaults(
+            "Infrared",
+            frequency=10.0,
+            properties={"laser_range": 2.0, "scan_window": 20.0, "Visible_arc": True},
+            visual=Visual("cube", (0.02, 0.02, 0.02), (0.8, 0.8, 0.8)),
+            doc="An infrared proximity sensor: 2 m, 20 degrees, 1 degree, 10 Hz.",
+        ),
+    )
 
     add_level("raw", None, doc="points and distances", default=True)
     add_level("rssi", None, doc="with the remission: how much light comes back")
@@ -43,21 +137,62 @@ class LaserScanner(Sensor):
         "point_list",
         [],
         "list",
-        "Where each ray hit something, [x, y, z] in the frame of the sensor; [0, 0, 0] for no hit",
+        "Where each ray hit something, [x, y, z]; [0, 0, 0] for no hit",
         level=["raw", "rssi"],
         unit="m",
+        frame="own",
+        shape=(None, 3),
+        dtype="float64",
+        follows="range_list",
     )
-    add_data("range_list", [], "list", "Distance along each ray; laser_range for no hit", unit="m")
-    add_data("remission_list", [], "list", "Specular reflection of what was hit, 0..1; 0 for no hit", level="rssi")
+    add_data(
+        "range_list",
+        [],
+        "list",
+        "Distance along each ray; laser_range for no hit",
+        unit="m",
+        frame="own",
+        shape=(None,),
+        dtype="float64",
+        low=0.0,
+    )
+    add_data(
+        "remission_list",
+        [],
+        "list",
+        "Specular reflection of what was hit; 0 for no hit",
+        level="rssi",
+        shape=(None,),
+        dtype="float64",
+        low=0.0,
+        high=1.0,
+    )
 
-    add_property("laser_range", 30.0, "laser_range", "float", "How far it sees, m")
-    add_property("resolution", 1.0, "resolution", "float", "Angle between two rays, degrees")
-    add_property("scan_window", 180.0, "scan_window", "float", "Full angle of the fan, degrees")
+    add_property("laser_range", 30.0, "laser_range", "float", "How far it sees", unit="m", low=1e-3, high=1e7)
+    add_property("resolution", 1.0, "resolution", "float", "Angle between two rays", unit="deg", low=1e-3, high=360.0)
+    add_property("scan_window", 180.0, "scan_window", "float", "Full angle of the fan", unit="deg", low=0.0, high=360.0)
     add_property("visible_arc", False, "Visible_arc", "bool", "Show the rays in the view")
-    add_property("layers", 1, "layers", "integer", "Number of fans above each other")
-    add_property("layer_separation", 0.8, "layer_separation", "float", "Angle between two layers, degrees")
-    add_property("layer_offset", 0.125, "layer_offset", "float", "Every other layer is turned by this, degrees")
+    add_property("layers", 1, "layers", "integer", "Number of fans above each other", low=1)
+    add_property("layer_separation", 0.8, "layer_separation", "float", "Angle between two layers", **_SEPARATION)
+    add_property("layer_offset", 0.125, "layer_offset", "float", "Every other layer is turned by this", **_OFFSET)
 
+    add_kind(
+        "range",
+        level="range",
+        distance=_nearest,
+        min=0.0,
+        max=prop("laser_range"),
+        fov=prop("scan_window"),
+        radiation="infrared",
+    )
+    add_kind("scan", level=["raw", "rssi"], when=_is_flat, **_SCAN)
+    add_kind("scan", level="range", when=_is_flat, topic="scan", **_SCAN)
+    add_kind("cloud", level=["raw", "rssi"], when=_is_deep, points=_points, intensity=_intensity, ring=_layer)
+    add_kind("cloud", level=["raw", "rssi"], when=_is_flat, topic="points", on_request=True, points=_points)
+
+    not_state = ("_arc",)  # of the rays as they are; they are no part of the state either
+    #: whether the fan turns about the vertical axis, so that its rays lie in no plane
+    turns = False
     laser_range: float
     resolution: float
     scan_window: float
@@ -78,6 +213,7 @@ class LaserScanner(Sensor):
             ValueError: no fan has such properties.
         """
         self._arc = self._arc_properties()
+        self.remove_request(self.rays)
         self.add_rays(self._directions(), self.laser_range)
 
     def _arc_properties(self) -> tuple[float, ...]:
@@ -91,9 +227,7 @@ class LaserScanner(Sensor):
         )
 
     def _directions(self) -> NDArray[np.float64]:
-        reach, *shape = self._arc_properties()
-        if not 0.0 < reach < math.inf:
-            raise ValueError(f"laser_range takes a number of metres greater than 0, got {reach!r}")
+        _, *shape = self._arc_properties()
         return fan(*shape)
 
     @service
@@ -107,18 +241,32 @@ class LaserScanner(Sensor):
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
-    def default_action(self) -> None:
+    def measure(self) -> None:
         """Take the scan."""
         if self._arc != self._arc_properties():
             self.create_laser_arc()
         rays, data = self.rays, self.local_data
         rays.refresh()
         sight = rays.sight
-        data["range_list"] = Later(sight.range_list)
-        if self.level != "range":
-            data["point_list"] = Later(sight.point_list)
+        # copies, as the bundles of a cast share their arrays
+        data["range_list"] = Later(lambda: sight.ranges.copy())
         if self.level == "rssi":
-            data["remission_list"] = rays.remissions.tolist()
+            data["remission_list"] = rays.remissions
+
+    def report(self) -> None:
+        """Work out the points from the distances; without noise they are those of the cast."""
+        if self.level == "range":
+            return
+        rays, data = self.rays, self.local_data
+        if self.realism is None:
+            sight = rays.sight
+            data["point_list"] = Later(lambda: sight.points.copy())
+            return
+        distances = data["range_list"]
+        met = distances < self.laser_range
+        data["point_list"] = rays.directions * np.where(met, distances, 0.0)[:, None] + 0.0
+        if "remission_list" in data:
+            data["remission_list"] = np.where(met, data["remission_list"], 0.0)
 
     def noisy_fields(self) -> tuple[str, ...]:
         """Noise is in the distances; the points follow them."""
@@ -128,19 +276,13 @@ class LaserScanner(Sensor):
         """Measure distances, or remissions, with errors; a lost echo is no hit."""
         rays, data = self.rays, self.local_data
         met = rays.hit >= 0
+        values = data[field]
         if field != "range_list":
-            rows = np.array(data[field], dtype=np.float64)
-            rows[met] = noise.errors(rows[met], common=True)
-            data[field] = rows.tolist()
+            values[met] = noise.possible(noise.errors(values[met], common=True))
             return
-        distances = noise.errors(rays.ranges, common=True)
+        distances = noise.errors(values, common=True)
         met &= ~noise.lost(len(rays)) & (distances < self.laser_range)
-        distances = np.where(met, np.maximum(distances, 0.0), self.laser_range)
-        data["range_list"] = distances.tolist()
-        if "point_list" in data:
-            data["point_list"] = (rays.directions * np.where(met, distances, 0.0)[:, None]).tolist()
-        if "remission_list" in data:
-            data["remission_list"] = np.where(met, rays.remissions, 0.0).tolist()
+        data[field] = np.where(met, np.maximum(distances, 0.0), self.laser_range)
 
 
 class LaserScannerRotationZ(LaserScanner):
@@ -151,10 +293,18 @@ class LaserScannerRotationZ(LaserScanner):
 
     _name = "Velodyne"
     _short_desc = "Rotating laser scanner with an upright fan of rays"
-    _builder = BuilderDefaults("VelodyneRayCast", frequency=10.0)
+    _builder = BuilderDefaults(
+        "VelodyneRayCast",
+        frequency=10.0,
+        properties={"laser_range": 50.0, "scan_window": 31.5, "resolution": 0.5},
+        model="velodyne",
+        part="VelodyneMesh",
+        doc="A turning upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; it turns by 0.01745 rad a measurement.",
+    )
 
-    add_property("_rotation", 0.01745, "rotation", "float", "Step about the Z axis after each measurement, radians")
+    add_property("_rotation", 0.01745, "rotation", "float", "Step about the Z axis after each measurement", unit="rad")
 
+    turns = True
     _rotation: float
 
     def _directions(self) -> NDArray[np.float64]:
@@ -164,7 +314,7 @@ class LaserScannerRotationZ(LaserScanner):
         c, s = math.cos(_TILT), math.sin(_TILT)
         return np.asarray(upright @ np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]))
 
-    def default_action(self) -> None:
+    def measure(self) -> None:
         """Take the scan, and turn on."""
-        super().default_action()
+        super().measure()
         self.bge_object.applyRotation((0.0, 0.0, self._rotation), True)

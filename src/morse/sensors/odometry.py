@@ -3,15 +3,35 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_level
+from morse.helpers.components import add_data, add_kind, add_level, euler
 from morse.helpers.transformation import Transformation3d
 
-_DIFFERENTIAL = ["differential"]
-_INTEGRATED = ["integrated"]
+if TYPE_CHECKING:
+    from morse.core.group import Group
+
+_DIFF = ["differential"]
+_FULL = ["integrated"]
+_INTEGRATED = ("x", "y", "z", "yaw", "pitch", "roll", "vx", "vy", "vz", "wz", "wy", "wx")
+
+
+def _body_rates(odometry: Odometry) -> list[float]:
+    """Angular velocity in the axes of the body, rad/s, from the rates of the Euler angles.
+
+    J. Diebel, "Representing Attitude: Euler Angles, Unit Quaternions, and Rotation Vectors" (2006), equation 75.
+    """
+    data = odometry.local_data
+    sin_roll, cos_roll = math.sin(data["roll"]), math.cos(data["roll"])
+    sin_pitch, cos_pitch = math.sin(data["pitch"]), math.cos(data["pitch"])
+    roll_rate, pitch_rate, yaw_rate = data["wx"], data["wy"], data["wz"]
+    return [
+        roll_rate - sin_pitch * yaw_rate,
+        cos_roll * pitch_rate + sin_roll * cos_pitch * yaw_rate,
+        -sin_roll * pitch_rate + cos_roll * cos_pitch * yaw_rate,
+    ]
 
 
 class Odometry(Sensor):
@@ -38,25 +58,34 @@ class Odometry(Sensor):
         default=True,
     )
 
-    add_data("dS", 0.0, "float", "Curvilinear distance since the last tick", level="raw", unit="m")
-    add_data("dx", 0.0, "float", "Change of X", level=_DIFFERENTIAL, unit="m")
-    add_data("dy", 0.0, "float", "Change of Y", level=_DIFFERENTIAL, unit="m")
-    add_data("dz", 0.0, "float", "Change of Z", level=_DIFFERENTIAL, unit="m")
-    add_data("dyaw", 0.0, "float", "Change of the rotation about Z", level=_DIFFERENTIAL, unit="rad")
-    add_data("dpitch", 0.0, "float", "Change of the rotation about Y", level=_DIFFERENTIAL, unit="rad")
-    add_data("droll", 0.0, "float", "Change of the rotation about X", level=_DIFFERENTIAL, unit="rad")
-    add_data("x", 0.0, "float", "X in the frame of the start pose", level=_INTEGRATED, unit="m")
-    add_data("y", 0.0, "float", "Y in the frame of the start pose", level=_INTEGRATED, unit="m")
-    add_data("z", 0.0, "float", "Z in the frame of the start pose", level=_INTEGRATED, unit="m")
-    add_data("yaw", 0.0, "float", "Rotation about Z since the start", level=_INTEGRATED, unit="rad")
-    add_data("pitch", 0.0, "float", "Rotation about Y since the start", level=_INTEGRATED, unit="rad")
-    add_data("roll", 0.0, "float", "Rotation about X since the start", level=_INTEGRATED, unit="rad")
-    add_data("vx", 0.0, "float", "Velocity along its X axis", level=_INTEGRATED, unit="m/s")
-    add_data("vy", 0.0, "float", "Velocity along its Y axis", level=_INTEGRATED, unit="m/s")
-    add_data("vz", 0.0, "float", "Velocity along its Z axis", level=_INTEGRATED, unit="m/s")
-    add_data("wz", 0.0, "float", "Rate of the rotation about Z", level=_INTEGRATED, unit="rad/s")
-    add_data("wy", 0.0, "float", "Rate of the rotation about Y", level=_INTEGRATED, unit="rad/s")
-    add_data("wx", 0.0, "float", "Rate of the rotation about X", level=_INTEGRATED, unit="rad/s")
+    add_data("dS", 0.0, "float", "Curvilinear distance since the last tick", level="raw", unit="m", low=0.0)
+    add_data("dx", 0.0, "float", "Change of X", level=_DIFF, unit="m", frame="start")
+    add_data("dy", 0.0, "float", "Change of Y", level=_DIFF, unit="m", frame="start")
+    add_data("dz", 0.0, "float", "Change of Z", level=_DIFF, unit="m", frame="start")
+    add_data("dyaw", 0.0, "float", "Change of yaw", level=_DIFF, unit="rad", frame="start", angle=True)
+    add_data("dpitch", 0.0, "float", "Change of pitch", level=_DIFF, unit="rad", frame="start", angle=True)
+    add_data("droll", 0.0, "float", "Change of roll", level=_DIFF, unit="rad", frame="start", angle=True)
+    add_data("x", 0.0, "float", "X in the frame of the start pose", level=_FULL, unit="m", frame="start")
+    add_data("y", 0.0, "float", "Y in the frame of the start pose", level=_FULL, unit="m", frame="start")
+    add_data("z", 0.0, "float", "Z in the frame of the start pose", level=_FULL, unit="m", frame="start")
+    add_data("yaw", 0.0, "float", "Rotation about Z", level=_FULL, unit="rad", frame="start", angle=True)
+    add_data("pitch", 0.0, "float", "Rotation about Y", level=_FULL, unit="rad", frame="start", angle=True)
+    add_data("roll", 0.0, "float", "Rotation about X", level=_FULL, unit="rad", frame="start", angle=True)
+    add_data("vx", 0.0, "float", "Velocity along its X axis", level=_FULL, unit="m/s", frame="own")
+    add_data("vy", 0.0, "float", "Velocity along its Y axis", level=_FULL, unit="m/s", frame="own")
+    add_data("vz", 0.0, "float", "Velocity along its Z axis", level=_FULL, unit="m/s", frame="own")
+    add_data("wz", 0.0, "float", "Rate of the rotation about Z", level=_FULL, unit="rad/s", frame="start")
+    add_data("wy", 0.0, "float", "Rate of the rotation about Y", level=_FULL, unit="rad/s", frame="start")
+    add_data("wx", 0.0, "float", "Rate of the rotation about X", level=_FULL, unit="rad/s", frame="start")
+
+    add_kind(
+        "odometry",
+        level="integrated",
+        position=("x", "y", "z"),
+        orientation=euler("roll", "pitch", "yaw"),
+        linear=("vx", "vy", "vz"),
+        angular=_body_rates,
+    )
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -93,16 +122,39 @@ class IntegratedOdometry(Odometry):
 
     def default_action(self) -> None:
         """Take the pose relative to the start, and the displacement per second."""
-        pose, before, data = self.relative_pose(), self.previous_pos, self.local_data
-        data["x"], data["y"], data["z"] = pose.x, pose.y, pose.z
-        data["yaw"], data["pitch"], data["roll"] = pose.yaw, pose.pitch, pose.roll
+        pose = self.relative_pose()
+        self.local_data.update(zip(_INTEGRATED, self._numbers(pose, self.previous_pos), strict=True))
+        self.previous_pos = pose
+
+    def _numbers(self, pose: Transformation3d, before: Transformation3d) -> tuple[float, ...]:
+        """The fields `_INTEGRATED`, from two poses relative to the start."""
         step = before.transformation3d_with(pose)
         rate = self.frequency
-        data["vx"], data["vy"], data["vz"] = step.x * rate, step.y * rate, step.z * rate
-        data["wz"] = _shortest(pose.yaw - before.yaw) * rate
-        data["wy"] = _shortest(pose.pitch - before.pitch) * rate
-        data["wx"] = _shortest(pose.roll - before.roll) * rate
-        self.previous_pos = pose
+        yaw, pitch, roll = pose.yaw, pose.pitch, pose.roll
+        rates = (_shortest(b - a) * rate for a, b in ((before.yaw, yaw), (before.pitch, pitch), (before.roll, roll)))
+        return pose.x, pose.y, pose.z, yaw, pitch, roll, step.x * rate, step.y * rate, step.z * rate, *rates
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Measure for all members; the numbers are worked out for those that are read."""
+        members, here, before = group.members, group.poses, group.memory.get("poses")
+        group.memory["poses"] = here
+
+        def relative(row: int, poses: Any) -> Transformation3d:
+            original: Transformation3d = members[row].original_pos  # type: ignore[attr-defined]
+            return original.transformation3d_with(poses.transformation(row))
+
+        def numbers(row: int) -> tuple[float, ...]:
+            member: Any = members[row]
+            previous = member.previous_pos if before is None else relative(row, before)
+            found: tuple[float, ...] = member._numbers(relative(row, here), previous)
+            return found
+
+        group.write(_INTEGRATED, numbers)
+
+    def settle(self) -> None:
+        """The next displacement begins where the last measurement was."""
+        self.previous_pos = self.relative_pose()
 
 
 def _shortest(angle: float) -> float:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
+from morse.core.limits import LENGTH
 from morse.core.sensor import Sensor
 from morse.core.services import service
+from morse.core.validation.arguments import Range
+from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
+
+Reach = Annotated[float, Range(**LENGTH, allow=("inf",))]
 
 
 class Proximity(Sensor):
@@ -24,28 +29,25 @@ class Proximity(Sensor):
     )
 
     add_data("near_objects", {}, "dict", "Name of each object to its distance", unit="m")
-    add_data("near_robots", {}, "dict", "The same, under the name that older scripts use", unit="m")
+    add_data("near_robots", {}, "dict", "The same, for older scripts", unit="m", follows="near_objects")
 
-    add_property("_range", 100.0, "Range", "float", "How far it looks, m")
+    add_property("_range", 100.0, "Range", "float", "How far it looks", **LENGTH, allow=("inf",))
     add_property("_tag", "Robot_Tag", "Track", "string", "The property that objects must have")
 
     _range: float
     _tag: str
 
-    @property
-    def reach(self) -> float:
-        """How far it looks, m."""
-        return self._range
+    def watched_space(self) -> WatchedSpace:
+        """A sphere as large as the range."""
+        return WatchedSpace(self._range, seen=tuple(self.local_data["near_objects"]))
 
     @service
-    def set_range(self, range: float) -> None:
+    def set_range(self, range: Reach) -> None:
         """Look that far.
 
         Args:
             range: metres.
         """
-        if isinstance(range, bool) or not isinstance(range, (int, float)) or not range >= 0.0:
-            raise MorseRPCTypeError(f"set_range takes a number of metres from 0 upward, not {range!r}")
         self._range = float(range)
 
     @service
@@ -55,11 +57,11 @@ class Proximity(Sensor):
         Args:
             tag: name of the property.
         """
-        if not isinstance(tag, str) or not tag:
-            raise MorseRPCTypeError(f"set_tracked_tag takes the name of a property, not {tag!r}")
+        if not tag:
+            raise MorseRPCTypeError("set_tracked_tag: 'tag' is the name of a property, not ''")
         self._tag = tag
 
-    def default_action(self) -> None:
+    def measure(self) -> None:
         """See what is near."""
         own, tag = self.robot_parent.bge_object, self._tag
         here = own.world_pose()[0]
@@ -69,4 +71,8 @@ class Proximity(Sensor):
                 distance = math.dist(here, obj.world_pose()[0])
                 if distance <= self._range:
                     near[obj.name] = distance
-        self.local_data["near_objects"] = self.local_data["near_robots"] = near
+        self.local_data["near_objects"] = near
+
+    def report(self) -> None:
+        """Give what is near its other name."""
+        self.local_data["near_robots"] = self.local_data["near_objects"]

@@ -6,7 +6,7 @@ from typing import Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_property
+from morse.helpers.components import add_data, add_kind, add_property, prop
 
 
 class RadarAltimeter(Sensor):
@@ -16,10 +16,12 @@ class RadarAltimeter(Sensor):
     _short_desc = "Compute the distance to the ground"
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.1, 0.8, 0.8)))
 
-    add_data("z", 0.0, "float", "Distance to the ground; infinite if there is none within reach", unit="m")
-    add_property("_max_range", 30.0, "MaxRange", "float", "How far it sees, m")
+    add_data("z", 0.0, "float", "Distance to the ground; infinite beyond reach", unit="m", low=0.0, allow=("inf",))
+    add_property("_max_range", 30.0, "MaxRange", "float", "How far it sees", unit="m", low=1e-3, allow=("inf",))
+    add_kind("range", distance="z", min=0.0, max=prop("_max_range"), fov=0.0, radiation="radar")
 
     _max_range: float
+    not_state = ("_reach",)  # of the rays as they are; they are no part of the state either
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -27,11 +29,10 @@ class RadarAltimeter(Sensor):
 
     def _look_down(self) -> None:
         self._reach = self._max_range
-        if not self._reach > 0.0:
-            raise ValueError(f"MaxRange takes a number of metres greater than 0, got {self._reach!r}")
+        self.remove_request(self.rays)
         self.add_rays([[0.0, 0.0, -1.0]], self._reach, upright=True)
 
-    def default_action(self) -> None:
+    def measure(self) -> None:
         """Take the height."""
         if self._max_range != self._reach:
             self._look_down()

@@ -1,0 +1,42 @@
+"""How the motion of the robot changes."""
+
+import math
+from typing import Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.helpers.components import add_data, add_kind
+from morse.mathutils.rotations import turn_back
+from morse.sensors.motion_sensor import MotionSensor
+
+_ZERO = [0.0, 0.0, 0.0]
+
+
+class Accelerometer(MotionSensor):
+    """Measures distance, velocity and acceleration, without gravity: what a robot does, not what a real accelerometer
+    reads. See `IMU` for the latter.
+    """
+
+    _name = "Accelerometer"
+    _short_desc = "A sensor returning the distance since the last measurement, velocity and acceleration of the robot"
+    _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6)))
+
+    add_data("distance", 0.0, "float", "Distance from the place of the last measurement", unit="m", low=0.0)
+    add_data("velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="own", shape=3)
+    add_data("acceleration", _ZERO, "vec3<float>", "Acceleration, no gravity", unit="m/s^2", frame="own", shape=3)
+    add_data("angular_acceleration", _ZERO, "vec3<float>", "Angular acceleration", unit="rad/s^2", frame="own", shape=3)
+    add_kind("accel", linear="acceleration", angular="angular_acceleration")
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._place = self._pose[0]
+
+    def measure(self) -> None:
+        """Take distance, velocity and acceleration."""
+        motion = self.motion()
+        position, rotation = self.position_3d.get_pose()
+        data = self.local_data
+        data["distance"] = math.dist(position, self._place)
+        self._place = position
+        data["velocity"] = list(turn_back(rotation, motion.linear))
+        data["acceleration"] = list(turn_back(rotation, motion.acceleration))
+        data["angular_acceleration"] = list(turn_back(rotation, motion.angular_acceleration))

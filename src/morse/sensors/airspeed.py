@@ -1,0 +1,28 @@
+"""Air pressure by speed."""
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.helpers.components import add_data, add_kind
+from morse.mathutils.rotations import turn_back
+from morse.sensors.motion_sensor import MotionSensor
+
+#: density of the air of the standard atmosphere at sea level, kg/m^3
+_DENSITY = 1.225
+
+
+class Airspeed(MotionSensor):
+    """Measures the dynamic pressure of the air along its X axis, as a Pitot tube does.
+
+    It is ``1/2 ρ v²`` with ρ = 1.225 kg/m³; the air stands still.
+    """
+
+    _name = "Airspeed"
+    _short_desc = "A sensor returning the difference of pressure that the speed makes, as a Pitot tube does"
+    _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.04), (0.6, 0.6, 0.6)))
+
+    add_data("diff_pressure", 0.0, "float", "Dynamic pressure", unit="Pa", low=0.0)
+    add_kind("pressure", differential="diff_pressure")
+
+    def measure(self) -> None:
+        """Take the pressure."""
+        forward = turn_back(self.position_3d.get_pose()[1], self.motion().linear)[0]
+        self.local_data["diff_pressure"] = 0.5 * _DENSITY * forward * forward

@@ -1,0 +1,83 @@
+"""What the sensor touches."""
+
+from __future__ import annotations
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.kind_stream import KindStream
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_property
+
+
+def touched_names(sensor: ContactSensor) -> list[str]:
+    """The names in the field ``objects``."""
+    return [name for name in sensor.local_data["objects"].split(",") if name]
+
+
+class ContactSensor(Sensor):
+    """A sensor that feels which objects touch its body, whether this collides with them or not.
+
+    The body is a cube, whose half sizes are the ``scale`` of the sensor; it belongs to the robot and stops nothing.
+    """
+
+    add_data("collision", False, "bool", "Whether it touches something")
+    add_data("objects", "", "string", "Names of what it touches, joined by commas", follows="collision")
+    add_property(
+        "_only_objects_with_property",
+        "",
+        "only_objects_with_property",
+        "string",
+        "Feel nothing but objects that have this property; empty for all objects",
+    )
+
+    _only_objects_with_property: str
+    #: how near is touching, m
+    margin = 1e-3
+
+    def touched(self) -> list[str]:
+        """The names of the objects that touch it now."""
+        wanted = self._only_objects_with_property
+        objects = self.context.world.touched_by(self.bge_object, self.margin)
+        return [obj.name for obj in objects if not wanted or wanted in obj.properties]
+
+    def take(self, names: list[str]) -> None:
+        """Fill the data with what is touched."""
+        self.local_data["collision"] = bool(names)
+        self.local_data["objects"] = ",".join(names)
+
+
+class Collision(ContactSensor):
+    """Tells what its body touches, for as long as it touches something.
+
+    It publishes nothing while it touches nothing; but middlewares that carry message kinds are told once when it ends.
+    Unless the script says otherwise, its body is a cube of 4 cm.
+    """
+
+    _name = "Collision"
+    _short_desc = "A sensor that tells which objects touch it, while they do"
+    _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.8, 0.2, 0.1)))
+
+    add_kind("contact", touching="collision", names=touched_names)
+
+    def action(self) -> None:
+        """One measurement, if it touches something."""
+        if not self._active:
+            return
+        self._names = self.touched()
+        if self._names:
+            super().action()
+            return
+        ended = self.local_data["collision"]
+        self.take([])
+        if ended:
+            self._tell_the_end()
+
+    def _tell_the_end(self) -> None:
+        """Middlewares that carry message kinds get one message that nothing is touched any more."""
+        self.local_data["timestamp"] = self.clock.time
+        for publish in self.output_functions:
+            if isinstance(getattr(publish, "__self__", None), KindStream):
+                publish(self)
+
+    def measure(self) -> None:
+        """Take what it touches."""
+        self.take(self._names)

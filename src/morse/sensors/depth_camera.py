@@ -1,0 +1,242 @@
+"""Pictures of distances, and clouds of points."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults
+from morse.core.local_data import Later, LocalData
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.rendering import Picture
+
+
+def _points(camera: DepthCamera) -> NDArray[np.float32]:
+    """(N, 3), or (H, W, 3) of which those that show nothing are no numbers."""
+    points = np.asarray(camera.local_data["points"], dtype=np.float32)
+    if not camera.keep_resolution or not len(points):
+        return points
+    whole = points.reshape(-1, camera.image_width, 3)
+    return camera.top_first(np.where((whole == 0.0).all(axis=2, keepdims=True), np.float32(np.nan), whole))
+
+
+def _depths(camera: Camera) -> NDArray[np.float32]:
+    """(H, W), the top row first."""
+    return camera.top_first(camera.local_data["image"])
+
+
+class AbstractDepthCamera(Camera):
+    """Measures the depth of each pixel; the first row is the lowest one, as in MORSE 1.4."""
+
+    add_property("near_clipping", 1.0, "cam_near", "float", "What is nearer is not seen", unit="m", low=1e-6, high=1e6)
+    add_property("far_clipping", 20.0, "cam_far", "float", "What is farther is not seen", unit="m", low=1e-6, high=1e6)
+    add_property("retrieve_depth", True, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
+    add_property("vertical_flip", False, "Vertical_Flip", "bool", "The first row of the picture is the top one")
+
+    color = False
+
+
+class DepthCamera(AbstractDepthCamera):
+    """A cloud of what it sees: X to the right, Y down, Z forward."""
+
+    _name = "Depth (XYZ) camera"
+    _short_desc = "A camera capturing 3D points cloud"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data(
+        "points",
+        np.zeros((0, 3), np.float32),
+        "memoryview",
+        "Where the pixels see something",
+        unit="m",
+        frame="optical",
+        shape=(None, 3),
+        dtype="float32",
+    )
+    add_data("nb_points", 0, "integer", "Number of points", low=0, follows="points")
+    add_data("intrinsic_matrix", **INTRINSIC)
+
+    add_property(
+        "keep_list", None, "keep_list", "string", "Rows that are kept, '[1, 17, 34]'; None for all", allow=("none",)
+    )
+    add_property(
+        "keep_resolution",
+        False,
+        "keep_resolution",
+        "bool",
+        "A point for each pixel, (0, 0, 0) for those that see nothing",
+    )
+
+    add_kind("cloud", points=_points)
+    add_kind("camera_info", **CAMERA_INFO)
+
+    keep_list: str | None
+    keep_resolution: bool
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self.local_data = LocalData(self.local_data)
+        self._rows_kept = rows_kept(self.keep_list)
+
+    def take(self, picture: Picture) -> None:
+        """Take the points of the pixels that see something."""
+        depth, lens = picture.depth, self.lens
+        rows = self._rows_kept
+        seen = depth > 0.0
+        if rows is not None:
+            chosen = [row for row in rows if row < len(depth)]
+            mask = np.zeros(len(depth), bool)
+            mask[chosen] = True
+            seen &= mask[:, None]
+        flip, whole = self.vertical_flip, self.keep_resolution
+
+        def points() -> NDArray[np.float32]:
+            found = lens.rays() * np.where(seen, depth, np.float32(0.0))[..., None] + np.float32(0.0)
+            if not flip:
+                found = found[::-1]
+            if whole:
+                return np.ascontiguousarray(found.reshape(-1, 3))
+            return np.asarray(found[seen if flip else seen[::-1]])
+
+        self.local_data["points"] = Later(points)
+        self.local_data["nb_points"] = depth.size if whole else int(np.count_nonzero(seen))
+
+
+class DepthCameraRotationZ(DepthCamera):
+    """A depth camera that turns to the left, about its vertical axis, by a step after each picture."""
+
+    _name = "Velodyne"
+    _short_desc = "Rotating depth camera"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="velodyne",
+        part="VelodyneMesh",
+    )
+    # the step is the angle of view: 2 atan(32 mm / 2 / 35 mm)
+    _products = (
+        BuilderDefaults(
+            "Velodyne",
+            frequency=20.0,
+            properties={"cam_focal": 35.0, "rotation": 0.8578},
+            model="velodyne",
+            part="VelodyneMesh",
+            doc="A depth camera that turns by its angle of view after each picture.",
+        ),
+        BuilderDefaults(
+            "VelodyneZB",
+            frequency=20.0,
+            properties={"cam_focal": 35.0, "rotation": 0.8578},
+            model="velodyne",
+            part="VelodyneMesh",
+            doc="The same as Velodyne.",
+        ),
+    )
+
+    add_property("_rotation", 0.01745, "rotation", "float", "Step to the left after each picture", unit="rad")
+
+    _rotation: float
+
+    def take(self, picture: Picture) -> None:
+        """Take the points, and turn on."""
+        super().take(picture)
+        # Y is down
+        self.bge_object.applyRotation((0.0, -self._rotation, 0.0), True)
+
+
+class DepthVideoCamera(AbstractDepthCamera):
+    """A picture of depths."""
+
+    _name = "Depth camera"
+    _short_desc = "A camera capturing depth"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data(
+        "image",
+        np.zeros((0, 0), np.float32),
+        "buffer",
+        "Depth along the axis; inf where nothing is seen",
+        unit="m",
+        frame="optical",
+        shape=(None, None),
+        dtype="float32",
+        low=0.0,
+        allow=("inf", "-inf"),
+    )
+
+    add_data("intrinsic_matrix", **INTRINSIC)
+
+    add_kind("image", pixels=_depths, encoding="32FC1", unit="m")
+    add_kind("camera_info", **CAMERA_INFO)
+
+    def take(self, picture: Picture) -> None:
+        """Keep the depths; beyond the far plane they are infinite."""
+        depth = picture.depth
+        self.local_data["image"] = self.ordered(np.where(depth > 0.0, depth, np.float32(np.inf)))
+
+
+class RawImage(AbstractDepthCamera):
+    """The Z buffer of OpenGL: 0 at the near plane, 1 at the far one and beyond."""
+
+    _name = "Raw depth camera"
+    _short_desc = "A camera capturing the raw z-buffer"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0, "retrieve_zbuffer": True},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data(
+        "image",
+        np.zeros((0, 0), np.float32),
+        "buffer",
+        "Z buffer, 0 to 1",
+        frame="optical",
+        shape=(None, None),
+        dtype="float32",
+        low=0.0,
+        high=1.0,
+    )
+
+    add_data("intrinsic_matrix", **INTRINSIC)
+
+    add_kind("image", pixels=_depths, encoding="32FC1", unit="1")
+    add_kind("camera_info", **CAMERA_INFO)
+
+    def take(self, picture: Picture) -> None:
+        """Turn the depths into what a Z buffer holds."""
+        near, far = self.lens.near, self.lens.far
+        depth = np.where(picture.depth > 0.0, picture.depth.astype(np.float64), far)
+        buffer = np.clip(far * (depth - near) / (depth * (far - near)), 0.0, 1.0)
+        self.local_data["image"] = self.ordered(buffer.astype(np.float32))
+
+
+def rows_kept(text: str | None) -> list[int] | None:
+    """The rows that ``keep_list`` names, from the top; None for all.
+
+    Raises:
+        ValueError: something else than a list of whole numbers from 0 upward.
+    """
+    if text is None or not str(text).strip():
+        return None
+    words = str(text).strip().strip("[]()").replace(",", " ").split()
+    if not all(word.isdecimal() for word in words):
+        raise ValueError(f"keep_list names rows of the picture, such as '[1, 17, 34]', got {text!r:.80}")
+    return sorted({int(word) for word in words})

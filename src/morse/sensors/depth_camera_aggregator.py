@@ -1,0 +1,75 @@
+"""The clouds of several depth cameras as one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.sensors.camera_unit import CameraUnit
+from morse.sensors.depth_camera import DepthCamera
+
+
+class DepthCameraAggregator(CameraUnit):
+    """Joins the clouds of the depth cameras that it carries, in the frame of one of them, the master."""
+
+    _name = "Depth camera aggregator"
+    _short_desc = "Merges the clouds of several depth cameras"
+    _builder = BuilderDefaults(frequency=20.0)
+
+    add_data(
+        "points",
+        np.zeros((0, 3), np.float32),
+        "memoryview",
+        "Where the pixels see something, in the frame of the master",
+        unit="m",
+        frame="optical",
+        shape=(None, 3),
+        dtype="float32",
+    )
+    add_data("nb_points", 0, "integer", "Number of points", low=0, follows="points")
+
+    add_property("master_camera", "", "master_camera", "string", "Name of the master; empty for the first camera")
+
+    add_kind("cloud", points="points")
+
+    master_camera: str
+
+    @property
+    def image_height(self) -> int:
+        """The cloud is a picture of one row, to those who want rows."""
+        return 1
+
+    @property
+    def image_width(self) -> int:
+        """Number of points."""
+        return int(self.local_data["nb_points"])
+
+    def clouds(self) -> list[DepthCamera]:
+        """The depth cameras that it carries."""
+        return [camera for camera in self.cameras() if isinstance(camera, DepthCamera)]
+
+    def _master(self, cameras: list[DepthCamera]) -> DepthCamera:
+        wanted = self.master_camera
+        named = [c for c in cameras if wanted and (c.name() == wanted or c.name().endswith(f".{wanted}"))]
+        return (named or cameras)[0]
+
+    def measure(self) -> None:
+        """Join the clouds."""
+        super().measure()
+        cameras = self.clouds()
+        if not cameras:
+            return
+        position, rotation = self._master(cameras).bge_object.world_pose()
+        to_master = np.reshape(rotation, (3, 3))
+        joined = [np.zeros((0, 3), np.float32)]
+        for camera in cameras:
+            here, own = camera.bge_object.world_pose()
+            if camera.request.picture is not None:
+                # drawn in this tick: its own action comes later
+                camera.measure()
+            points = camera.local_data["points"].astype(np.float64)
+            turned = points @ np.reshape(own, (3, 3)).T + (np.array(here) - position)
+            joined.append((turned @ to_master).astype(np.float32))
+        self.local_data["points"] = np.concatenate(joined)
+        self.local_data["nb_points"] = len(self.local_data["points"])

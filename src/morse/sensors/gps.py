@@ -1,0 +1,134 @@
+"""Where the sensor is on the earth."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_level
+from morse.helpers.geodesy import LocalPlane
+
+_SIMPLE = ["simple"]
+_RAW = ["raw", "extended"]
+_EXTENDED = ["extended"]
+#: below that speed over ground, m/s, there is no heading
+_STANDSTILL = 1e-3
+
+
+def _utc(gps: GPS) -> str | None:
+    """Date and time as ISO 8601; None on levels that have none."""
+    date, clock = gps.local_data.get("date"), gps.local_data.get("time")
+    if not date or not clock:
+        return None
+    century = "19" if date[4:6] >= "69" else "20"  # as POSIX reads years of two digits
+    return f"{century}{date[4:6]}-{date[2:4]}-{date[0:2]}T{clock[0:2]}:{clock[2:4]}:{clock[4:6]}Z"
+
+
+class GPS(Sensor):
+    """Measures the position: in the world, or on the earth.
+
+    The levels ``raw`` and ``extended`` need to know where the world is:
+    ``env.properties(longitude=..., latitude=..., altitude=...)``, degrees and metres above the WGS84 ellipsoid, and
+    perhaps ``angle_against_north``, radians. At 0 the X axis of the world points east.
+    """
+
+    _name = "GPS"
+    _short_desc = "A GPS sensor that returns the position in the world, or longitude, latitude and altitude"
+    _builder = BuilderDefaults(visual=Visual("sphere", (0.04, 0.04, 0.02), (0.5, 0.5, 0.1)))
+
+    add_level("simple", None, doc="position in the world", default=True)
+    add_level("raw", "morse.sensors.gps.RawGPS", doc="longitude, latitude, altitude and velocity")
+    add_level("extended", "morse.sensors.gps.ExtendedGPS", doc="also date, time and heading")
+
+    add_data("x", 0.0, "float", "X in the world", _SIMPLE, unit="m", frame="world")
+    add_data("y", 0.0, "float", "Y in the world", _SIMPLE, unit="m", frame="world")
+    add_data("z", 0.0, "float", "Z in the world", _SIMPLE, unit="m", frame="world")
+    add_data("longitude", 0.0, "float", "Longitude", _RAW, unit="deg", frame="wgs84", low=-180.0, high=180.0)
+    add_data("latitude", 0.0, "float", "Latitude", _RAW, unit="deg", frame="wgs84", low=-90.0, high=90.0)
+    add_data("altitude", 0.0, "float", "Height above the WGS84 ellipsoid", _RAW, unit="m", frame="wgs84")
+    add_data(
+        "velocity",
+        [0.0, 0.0, 0.0],
+        "vec3<float>",
+        "Velocity east, north and up",
+        _RAW,
+        unit="m/s",
+        frame="enu",
+        shape=3,
+    )
+    add_data("date", "", "string", "DDMMYY", _EXTENDED)
+    add_data("time", "", "string", "HHMMSS", _EXTENDED)
+    add_data(
+        "heading",
+        math.inf,
+        "float",
+        "Direction of the motion over ground, from north, clockwise; infinite at a standstill",
+        _EXTENDED,
+        unit="deg",
+        low=0.0,
+        high=360.0,
+        allow=("inf",),
+        follows="velocity",
+    )
+    add_kind("pose", level="simple", position=("x", "y", "z"))
+    add_kind(
+        "fix",
+        level=_RAW,
+        longitude="longitude",
+        latitude="latitude",
+        altitude="altitude",
+        velocity="velocity",
+        course="heading",
+        utc=_utc,
+    )
+
+    def measure(self) -> None:
+        """Take the position in the world."""
+        data = self.local_data
+        data["x"], data["y"], data["z"] = self.position_3d.get_pose()[0]
+
+
+class RawGPS(GPS):
+    """Measures the position on the earth; `GPS` at the level ``raw``."""
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._plane = LocalPlane.of(self.context.scene.properties)
+        self._time = self.clock.time
+        self._before = self.position_3d.get_pose()[0]
+
+    not_state = ("_plane",)
+
+    def measure(self) -> None:
+        """Take the place, and the velocity from the place before."""
+        here, now, data = self.position_3d.get_pose()[0], self.clock.time, self.local_data
+        data["longitude"], data["latitude"], data["altitude"] = self._plane.geodetic_of(here)
+        passed = now - self._time
+        if passed > 0.0:
+            (x, y, z), (x0, y0, z0) = here, self._before
+            data["velocity"] = list(self._plane.enu_of(((x - x0) / passed, (y - y0) / passed, (z - z0) / passed)))
+        self._before, self._time = here, now
+
+
+class ExtendedGPS(RawGPS):
+    """Measures the position on the earth, and tells date, time and heading; `GPS` at the level ``extended``.
+
+    Date and time are those of the simulation: from 1 January 1970 on, unless the scene asks for the time of the
+    epoch (``env.use_relative_time(False)``).
+    """
+
+    def measure(self) -> None:
+        """Take place, velocity, date and time."""
+        super().measure()
+        utc = time.gmtime(self.clock.time)
+        self.local_data["date"] = time.strftime("%d%m%y", utc)
+        self.local_data["time"] = time.strftime("%H%M%S", utc)
+
+    def report(self) -> None:
+        """Work out the heading from the velocity."""
+        east, north, _ = self.local_data["velocity"]
+        moving = math.hypot(east, north) > _STANDSTILL
+        self.local_data["heading"] = math.degrees(math.atan2(east, north)) % 360.0 if moving else math.inf

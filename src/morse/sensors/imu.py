@@ -1,0 +1,184 @@
+"""Inertial measurement unit."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.geodesy import has_place
+from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
+from morse.mathutils.rotations import turn_back
+from morse.sensors.magnetometer import field_around
+from morse.sensors.motion_sensor import MotionSensor
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_ZERO = [0.0, 0.0, 0.0]
+_VISUAL = Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6))
+#: the g of data sheets, m/s^2
+_G = 9.80665
+
+
+def _has_magnetometer(imu: IMU) -> bool:
+    return imu.has_magnetometer
+
+
+class IMU(MotionSensor):
+    """Measures angular velocity and specific force: at rest on level ground +9.81 m/s^2 along Z.
+
+    It feels where it sits: away from the origin of the robot, turning adds a tangential and a centripetal part.
+    If the environment says where on the earth it is (``env.properties(longitude=..., latitude=..., altitude=...)``),
+    the IMU has a magnetometer, too; see `Magnetometer`.
+
+    It is ideal, unless properties say its errors in the terms of a data sheet: density of the white noise, in-run bias
+    instability, and random walk of the bias (IEEE Std 952-1997, annex C).
+    """
+
+    _name = "IMU"
+    _short_desc = "An inertial measurement unit returning angular velocity, linear acceleration and magnetic field"
+    _builder = BuilderDefaults(visual=_VISUAL)
+    _products = (
+        BuilderDefaults(
+            "ADIS16448",
+            properties={
+                "GyroNoiseDensity": math.radians(0.0135),
+                "GyroBiasInstability": math.radians(14.5 / 3600.0),
+                "AccelNoiseDensity": 0.23e-3 * _G,
+                "AccelBiasInstability": 0.25e-3 * _G,
+            },
+            visual=_VISUAL,
+            doc="An IMU with the noise of an Analog ADIS16448: 0.0135 deg/s/√Hz, 14.5 deg/h; 230 µg/√Hz, 0.25 mg.",
+        ),
+        BuilderDefaults(
+            "BMI088",
+            properties={
+                "GyroNoiseDensity": math.radians(0.014),
+                "GyroBiasInstability": math.radians(2.0 / 3600.0),
+                "AccelNoiseDensity": 175e-6 * _G,
+            },
+            visual=_VISUAL,
+            doc="An IMU with the noise of a Bosch BMI088: 0.014 deg/s/√Hz, 2 deg/h; 175 µg/√Hz.",
+        ),
+        BuilderDefaults(
+            "VN100",
+            properties={
+                "GyroNoiseDensity": math.radians(0.0035),
+                "GyroBiasInstability": math.radians(5.0 / 3600.0),
+                "AccelNoiseDensity": 0.14e-3 * _G,
+                "AccelBiasInstability": 0.04e-3 * _G,
+            },
+            visual=_VISUAL,
+            doc="An IMU with the noise of a VectorNav VN-100: 0.0035 deg/s/√Hz, 5 deg/h; 140 µg/√Hz, 0.04 mg.",
+        ),
+    )
+
+    add_data("angular_velocity", _ZERO, "vec3<float>", "Angular velocity", unit="rad/s", frame="own", shape=3)
+    add_data("linear_acceleration", _ZERO, "vec3<float>", "Specific force", unit="m/s^2", frame="own", shape=3)
+    add_data(
+        "magnetic_field",
+        _ZERO,
+        "vec3<float>",
+        "Magnetic field; 0 if the environment does not say where on the earth it is",
+        unit="nT",
+        frame="own",
+        shape=3,
+    )
+    add_property(
+        "_gyro_density", 0.0, "GyroNoiseDensity", "float", "White noise of the angular velocity, rad/s/√Hz", low=0.0
+    )
+    add_property(
+        "_gyro_instability",
+        0.0,
+        "GyroBiasInstability",
+        "float",
+        "In-run bias instability of the angular velocity",
+        unit="rad/s",
+        low=0.0,
+    )
+    add_property("_gyro_walk", 0.0, "GyroRandomWalk", "float", "Random walk of its bias in a second, rad/s/√s", low=0.0)
+    add_property(
+        "_accel_density", 0.0, "AccelNoiseDensity", "float", "White noise of the specific force, m/s²/√Hz", low=0.0
+    )
+    add_property(
+        "_accel_instability",
+        0.0,
+        "AccelBiasInstability",
+        "float",
+        "In-run bias instability of the specific force",
+        unit="m/s^2",
+        low=0.0,
+    )
+    add_property(
+        "_accel_walk", 0.0, "AccelRandomWalk", "float", "Random walk of the bias in a second, m/s²/√s", low=0.0
+    )
+    add_property(
+        "_correlation_time", 100.0, "BiasCorrelationTime", "float", "How long the biases stay alike", unit="s", low=1e-3
+    )
+    add_kind("imu", angular_velocity="angular_velocity", linear_acceleration="linear_acceleration")
+    add_kind("magnetic_field", topic="mag", when=_has_magnetometer, field="magnetic_field")
+
+    _gyro_density: float
+    _gyro_instability: float
+    _gyro_walk: float
+    _accel_density: float
+    _accel_instability: float
+    _accel_walk: float
+    _correlation_time: float
+    not_state = ("_field",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._measured = self.clock.time
+        gyro, accelerometer = self._terms()
+        self._gyro_errors = InertialErrors(self.context.random(f"{self.name()}/gyro"), gyro)
+        self._accel_errors = InertialErrors(self.context.random(f"{self.name()}/accelerometer"), accelerometer)
+        self._field = field_around(self) if has_place(self.context.scene.properties) else None
+
+    @property
+    def has_magnetometer(self) -> bool:
+        """Whether there is a magnetic field to measure."""
+        return self._field is not None
+
+    def _terms(self) -> tuple[ErrorTerms, ErrorTerms]:
+        time = self._correlation_time
+        return (
+            ErrorTerms(self._gyro_density, self._gyro_instability, self._gyro_walk, time),
+            ErrorTerms(self._accel_density, self._accel_instability, self._accel_walk, time),
+        )
+
+    @property
+    def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
+        """The white noise of angular velocity and specific force."""
+        scale = math.sqrt(self.frequency)
+        return {
+            "angular_velocity": {"stddev": self._gyro_density * scale},
+            "linear_acceleration": {"stddev": self._accel_density * scale},
+        }
+
+    def measure(self) -> None:
+        """Take angular velocity, specific force and magnetic field."""
+        motion = self.motion()
+        position, rotation = self.position_3d.get_pose()
+        x, y, z = motion.acceleration
+        data = self.local_data
+        data["angular_velocity"] = list(turn_back(rotation, motion.angular))
+        felt = (x, y, z + self.context.scene.settings.gravity)
+        data["linear_acceleration"] = list(turn_back(rotation, felt))
+        self._add_errors()
+        if self._field is not None:
+            data["magnetic_field"] = list(turn_back(rotation, self._field.at(position)))
+
+    def _add_errors(self) -> None:
+        now, data = self.clock.time, self.local_data
+        passed, self._measured = now - self._measured, now
+        gyro, accelerometer = self._terms()
+        for field, errors, terms in (
+            ("angular_velocity", self._gyro_errors, gyro),
+            ("linear_acceleration", self._accel_errors, accelerometer),
+        ):
+            if terms.density or terms.instability or terms.random_walk:
+                errors.terms = terms
+                data[field] = errors.added(data[field], passed)

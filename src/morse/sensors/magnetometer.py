@@ -1,0 +1,85 @@
+"""The magnetic field of the earth."""
+
+from __future__ import annotations
+
+import datetime
+from typing import Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.geodesy import LocalPlane
+from morse.helpers.magnetism import DEFAULT_YEAR, MODELS, MagneticField
+from morse.mathutils.rotations import turn_back
+
+
+def field_around(sensor: Sensor, year: float | None = None, model: str | None = None) -> MagneticField:
+    """The magnetic field in the world of a sensor.
+
+    Args:
+        year: decimal year; None for that of the simulation: `DEFAULT_YEAR` unless it runs in absolute time.
+
+    Raises:
+        GeodesyError: the environment does not say where on the earth it is.
+    """
+    if year is None:
+        absolute = not sensor.context.scene.settings.relative_time
+        year = _decimal_year(sensor.clock.time) if absolute else DEFAULT_YEAR
+    return MagneticField(LocalPlane.of(sensor.context.scene.properties), year, model)
+
+
+def _decimal_year(seconds: float) -> float:
+    date = datetime.datetime.fromtimestamp(seconds, datetime.UTC)
+    begin = datetime.datetime(date.year, 1, 1, tzinfo=datetime.UTC)
+    end = datetime.datetime(date.year + 1, 1, 1, tzinfo=datetime.UTC)
+    return date.year + (date - begin) / (end - begin)
+
+
+class Magnetometer(Sensor):
+    """Measures the magnetic field of the earth along its axes, by the World Magnetic Model.
+
+    The environment has to say where on the earth it is:
+    ``env.properties(longitude=..., latitude=..., altitude=...)``.
+    """
+
+    _name = "Magnetometer"
+    _short_desc = "A sensor returning the magnetic field of the earth, in the axes of the sensor"
+    _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.3, 0.9)))
+
+    add_data("x", 0.0, "float", "Field along X", unit="nT", frame="own")
+    add_data("y", 0.0, "float", "Field along Y", unit="nT", frame="own")
+    add_data("z", 0.0, "float", "Field along Z", unit="nT", frame="own")
+    add_property(
+        "_date",
+        None,
+        "date",
+        "float",
+        "Decimal year; none for that of the simulation, which is 2025.0 unless it runs in absolute time",
+        low=2010.0,
+        high=2030.0,
+        allow=("none",),
+    )
+    add_property(
+        "_model", "auto", "Model", "string", "Which model; auto for that of the date", choices=("auto", *MODELS)
+    )
+    add_kind("magnetic_field", field=("x", "y", "z"))
+
+    _date: float | None
+    _model: str
+    not_state = ("_field",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._take_model()
+
+    def _take_model(self) -> None:
+        self._wanted = (self._date, self._model)
+        self._field = field_around(self, self._date, None if self._model == "auto" else self._model)
+
+    def measure(self) -> None:
+        """Take the field."""
+        if self._wanted != (self._date, self._model):
+            self._take_model()
+        position, rotation = self.position_3d.get_pose()
+        data = self.local_data
+        data["x"], data["y"], data["z"] = turn_back(rotation, self._field.at(position))

@@ -1,0 +1,106 @@
+"""What sensors of motion have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_property
+from morse.mathutils.rotations import cross, rotation_vector, turn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.mathutils.rotations import Triple
+
+#: a sensor that is nearer to the origin of its robot feels what the origin feels, m
+_LEVER_ARM = 0.01
+
+
+class Motion(NamedTuple):
+    """How a sensor moves, in the axes of the world.
+
+    Attributes:
+        linear: velocity, m/s.
+        angular: angular velocity, rad/s.
+        acceleration: without gravity, m/s^2.
+        angular_acceleration: rad/s^2.
+    """
+
+    linear: Triple
+    angular: Triple
+    acceleration: Triple
+    angular_acceleration: Triple
+
+
+class MotionSensor(Sensor):
+    """A sensor that feels how its robot moves.
+
+    Velocities are those of the body of the robot, or follow from the poses of the sensor at two measurements, as the
+    property ``ComputationMode`` says. Accelerations are the change of velocity since the last measurement.
+    """
+
+    add_property(
+        "_computation_mode",
+        "Automatic",
+        "ComputationMode",
+        "string",
+        "Where velocities come from: Velocity for those of the body of the robot, Position for the change of the pose "
+        "of the sensor, Automatic for the first if the robot obeys forces",
+        choices=("Automatic", "Velocity", "Position"),
+    )
+
+    _computation_mode: str
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._time = self.clock.time
+        self._pose = self.position_3d.get_pose()
+        self._linear, self._angular = self._velocity_of_robot()
+
+    def _velocity_of_robot(self) -> tuple[Triple, Triple]:
+        (vx, vy, vz), (wx, wy, wz) = self.robot_parent.bge_object.velocity()
+        return (vx, vy, vz), (wx, wy, wz)
+
+    def motion(self) -> Motion:
+        """How it moves now; call it once a measurement.
+
+        The velocity of the body is that of its origin. If the sensor is elsewhere, its acceleration has a tangential
+        and a centripetal part, ``α x r + ω x (ω x r)`` with the lever arm ``r``.
+        """
+        now = self.clock.time
+        passed = now - self._time
+        if passed <= 0.0:
+            passed = self.clock.period
+        mode = self._computation_mode
+        by_velocity = mode == "Velocity" or (mode == "Automatic" and self.robot_parent.bge_object.is_dynamic)
+        pose = self.position_3d.get_pose()
+        if by_velocity:
+            linear, angular = self._velocity_of_robot()
+        else:
+            (x, y, z), (x0, y0, z0) = pose[0], self._pose[0]
+            linear = ((x - x0) / passed, (y - y0) / passed, (z - z0) / passed)
+            rx, ry, rz = turn(pose[1], rotation_vector(self._pose[1], pose[1]))
+            angular = (rx / passed, ry / passed, rz / passed)
+        acceleration = _rate(self._linear, linear, passed)
+        angular_acceleration = _rate(self._angular, angular, passed)
+        if by_velocity:
+            acceleration = self._at_lever_arm(acceleration, angular, angular_acceleration, pose[0])
+        self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
+        return Motion(linear, angular, acceleration, angular_acceleration)
+
+    def _at_lever_arm(
+        self, acceleration: Triple, angular: Triple, angular_acceleration: Triple, position: Sequence[float]
+    ) -> Triple:
+        (x, y, z), (ox, oy, oz) = position, self.robot_parent.bge_object.world_pose()[0]
+        arm = (x - ox, y - oy, z - oz)
+        if arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2 <= _LEVER_ARM**2:
+            return acceleration
+        tx, ty, tz = cross(angular_acceleration, arm)
+        cx, cy, cz = cross(angular, cross(angular, arm))
+        ax, ay, az = acceleration
+        return ax + tx + cx, ay + ty + cy, az + tz + cz
+
+
+def _rate(before: Triple, after: Triple, passed: float) -> Triple:
+    return (after[0] - before[0]) / passed, (after[1] - before[1]) / passed, (after[2] - before[2]) / passed

@@ -1,0 +1,115 @@
+"""Distance along a ray, or to the nearest thing in a cone."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_property, prop
+
+
+class RangeFinder(Sensor):
+    """Measures the distance to the nearest thing along its X axis, or in a cone around it.
+
+    A cone is looked into along rays, of which no two neighbours are farther apart than ``resolution``.
+    The robot that carries the sensor is looked through.
+    """
+
+    _name = "Range finder"
+    _short_desc = "Distance to the nearest thing ahead, by infrared light or ultrasound"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        visual=Visual("cylinder", (0.01, 0.01, 0.01), (0.1, 0.1, 0.1)),
+        doc="A range finder with a single ray: 10 m, 20 Hz.",
+    )
+    _products = (
+        BuilderDefaults(
+            "UltrasonicRangeFinder",
+            frequency=20.0,
+            properties={"range": 4.0, "min_range": 0.02, "cone": 30.0, "radiation": "ultrasound"},
+            visual=Visual("cylinder", (0.02, 0.02, 0.01), (0.7, 0.7, 0.7)),
+            doc="An ultrasonic range finder: a cone of 30 degrees, 0.02 to 4 m, 20 Hz.",
+        ),
+    )
+
+    add_data(
+        "distance",
+        math.inf,
+        "float",
+        "To the nearest thing; infinite beyond range, -infinite if it is nearer than min_range",
+        unit="m",
+        frame="own",
+        low=0.0,
+        allow=("inf", "-inf"),
+    )
+    add_property("_range", 10.0, "range", "float", "How far it sees", unit="m", low=1e-3, high=1e7)
+    add_property("_min_range", 0.0, "min_range", "float", "What is nearer is too near", unit="m", low=0.0, high=1e7)
+    add_property(
+        "_cone", 0.0, "cone", "float", "Full angle of the cone; 0 for one ray", unit="deg", low=0.0, high=180.0
+    )
+    add_property("_resolution", 3.0, "resolution", "float", "Between rays of a cone", unit="deg", low=0.5, high=90.0)
+    add_property(
+        "_radiation",
+        "infrared",
+        "radiation",
+        "string",
+        "What it sends",
+        choices=("infrared", "ultrasound", "radar"),
+    )
+    add_kind(
+        "range",
+        distance="distance",
+        min=prop("_min_range"),
+        max=prop("_range"),
+        fov=prop("_cone"),
+        radiation=prop("_radiation"),
+    )
+
+    _range: float
+    _min_range: float
+    _cone: float
+    _resolution: float
+    not_state = ("_looks",)  # of the rays as they are; they are no part of the state either
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._look_ahead()
+
+    def _shape(self) -> tuple[float, float, float]:
+        return self._range, self._cone, self._resolution
+
+    def _look_ahead(self) -> None:
+        self._looks = self._shape()
+        self.remove_request(self.rays)
+        self.add_rays(cone_of_rays(self._cone, self._resolution), self._range)
+
+    def measure(self) -> None:
+        """Take the distance."""
+        if self._looks != self._shape():
+            self._look_ahead()
+        self.rays.refresh()
+        distance = float(np.min(self.rays.distances))
+        self.local_data["distance"] = -math.inf if distance < self._min_range else distance
+
+
+def cone_of_rays(angle: float, resolution: float) -> list[tuple[float, float, float]]:
+    """Unit vectors in a cone around X: one along the axis, the others in rings, the last one on the cone.
+
+    Args:
+        angle: full opening angle, degrees.
+        resolution: largest angle between neighbours, degrees.
+    """
+    rays = [(1.0, 0.0, 0.0)]
+    half, step = math.radians(angle) / 2.0, math.radians(resolution)
+    rings = math.ceil(half / step - 1e-9)
+    for ring in range(1, rings + 1):
+        tilt = half * ring / rings
+        count = max(3, math.ceil(2.0 * math.pi * math.sin(tilt) / step))
+        for number in range(count):
+            turned = 2.0 * math.pi * number / count
+            rays.append((math.cos(tilt), math.sin(tilt) * math.cos(turned), math.sin(tilt) * math.sin(turned)))
+    return rays

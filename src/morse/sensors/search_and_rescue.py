@@ -1,0 +1,178 @@
+"""Finds injured people, and heals them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core import status
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.sensor import Sensor
+from morse.core.services import async_service, noninterruptible, service
+from morse.core.watched_space import WatchedSpace
+from morse.helpers.components import add_data, add_property
+from morse.mathutils.rotations import turn_back
+
+#: measurements that healing takes
+_HEALING = 10
+_INJURED, _SEVERITY, _REQUIREMENTS = "Injured", "Severity", "Requirements"
+
+
+class SearchAndRescue(Sensor):
+    """Finds objects with a true property ``Injured`` in a cone around its X axis, walls or no walls.
+
+    They have the properties ``Requirements``, numbers of abilities joined by commas, and ``Severity``. The sensor can
+    heal the nearest one, if it is near enough and one of the abilities of the robot is among its requirements.
+    """
+
+    _name = "Search and rescue"
+    _short_desc = "A sensor that finds victims, and heals them"
+    _builder = BuilderDefaults(
+        frequency=6.0,
+        properties={"Heal_range": 2.0, "Abilities": "1,2"},
+        visual=Visual("cube", (0.04, 0.04, 0.02), (0.9, 0.9, 0.9)),
+    )
+
+    add_data(
+        "victim_dict",
+        {},
+        "dict",
+        "Name of each victim to its coordinate {x, y, z} (m, in the world), requirements [int] and severity (int)",
+    )
+    add_property("_heal_range", 5.0, "Heal_range", "float", "How near a victim has to be", unit="m", low=0.0)
+    add_property("_abilities", "", "Abilities", "string", "Numbers of the abilities of the robot, joined by commas")
+    add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
+    add_property("_distance", 10.0, "Distance", "float", "How far it sees", unit="m", low=0.0)
+    add_property("_freq", 3.0, "Freq", "float", "Kept for scripts of 1.4; say frequency(...)", low=0.0)
+
+    _heal_range: float
+    _abilities: str
+    _angle: float
+    _distance: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._patient: str | None = None
+        self._left = 0
+
+    def watched_space(self) -> WatchedSpace:
+        """The cone."""
+        return WatchedSpace(self._distance, math.radians(self._angle), tuple(self.local_data["victim_dict"]))
+
+    # -- looking ---------------------------------------------------------------------------
+
+    def _distance_in_sight(self, victim: Any) -> float | None:
+        position, rotation = self.position_3d.get_pose()
+        x, y, z = (b - a for a, b in zip(position, victim.world_pose()[0], strict=True))
+        distance = math.sqrt(x * x + y * y + z * z)
+        if distance > self._distance:
+            return None
+        forward = turn_back(rotation, (x, y, z))[0]
+        inside = distance == 0.0 or math.acos(max(-1.0, min(1.0, forward / distance))) <= math.radians(self._angle) / 2
+        return distance if inside else None
+
+    def _victims(self) -> list[tuple[float, Any]]:
+        """Distance and object of each victim in sight, the nearest first."""
+        own = self.robot_parent.bge_object
+        found = []
+        for obj in self.context.world.objects():
+            if obj.properties.get(_INJURED) and obj is not own:
+                distance = self._distance_in_sight(obj)
+                if distance is not None:
+                    found.append((distance, obj))
+        return sorted(found, key=lambda item: item[0])
+
+    def measure(self) -> None:
+        """See who is there, and go on healing."""
+        victims = self._victims()
+        if self._patient is not None:
+            self._go_on(victims)
+        seen = {}
+        for _, obj in victims:
+            x, y, z = obj.world_pose()[0]
+            seen[obj.name] = {
+                "coordinate": {"x": x, "y": y, "z": z},
+                "requirements": _numbers(obj.get(_REQUIREMENTS)),
+                "severity": _severity(obj),
+            }
+        self.local_data["victim_dict"] = seen
+
+    def _nearest(self) -> tuple[float, Any]:
+        self.update_pose()
+        victims = self._victims()
+        if not victims:
+            raise MorseRPCInvokationError(f"{self.name()} sees no victim")
+        return victims[0]
+
+    # -- services --------------------------------------------------------------------------
+
+    @service(changes=False)
+    def get_robot_abilities(self) -> list[int]:
+        """The numbers of the abilities of the robot."""
+        return _numbers(self._abilities)
+
+    @service(changes=False)
+    def get_victim_requirements(self) -> list[int]:
+        """The requirements of the nearest victim in sight."""
+        return _numbers(self._nearest()[1].get(_REQUIREMENTS))
+
+    @service(changes=False)
+    def get_victim_severity(self) -> int:
+        """The severity of the injuries of the nearest victim in sight."""
+        return _severity(self._nearest()[1])
+
+    @noninterruptible
+    @async_service
+    def heal(self) -> None:
+        """Heal the nearest victim in sight; that takes ten measurements.
+
+        It fails if the victim is farther away than ``Heal_range``, now or before the end, or if the robot has none of
+        the abilities that the victim requires.
+        """
+        try:
+            distance, victim = self._nearest()
+        except MorseRPCInvokationError as error:
+            self.completed(status.FAILED, str(error))
+            return
+        required = _numbers(victim.get(_REQUIREMENTS))
+        if distance > self._heal_range:
+            reason = f"'{victim.name}' is {distance:.2f} m away, farther than Heal_range, {self._heal_range:g} m"
+            self.completed(status.FAILED, reason)
+        elif required and not set(required) & set(_numbers(self._abilities)):
+            reason = f"'{victim.name}' requires one of the abilities {required}, the robot has {self._abilities!r}"
+            self.completed(status.FAILED, reason)
+        else:
+            self._patient, self._left = victim.name, _HEALING
+            self._worst = _severity(victim)
+
+    def interrupt(self) -> None:
+        """Stop healing."""
+        self._patient = None
+        super().interrupt()
+
+    def _go_on(self, victims: list[tuple[float, Any]]) -> None:
+        patient = next((item for item in victims if item[1].name == self._patient), None)
+        if patient is None or patient[0] > self._heal_range:
+            name, self._patient = self._patient, None
+            self.completed(status.FAILED, f"'{name}' is not within reach any more")
+            return
+        victim = patient[1]
+        self._left -= 1
+        victim[_SEVERITY] = math.ceil(self._worst * self._left / _HEALING)
+        if self._left == 0:
+            victim[_INJURED] = False
+            victims.remove(patient)
+            self._patient = None
+            self.completed(status.SUCCESS, victim.name)
+
+
+def _numbers(text: Any) -> list[int]:
+    """Whole numbers that are joined by commas; what is no number is left out."""
+    words = str("" if text is None else text).replace("[", "").replace("]", "").split(",")
+    return [int(word) for word in map(str.strip, words) if word.lstrip("+-").isdecimal()]
+
+
+def _severity(victim: Any) -> int:
+    value = victim.get(_SEVERITY, 0)
+    return int(value) if isinstance(value, (int, float)) and math.isfinite(value) else 0

@@ -1,0 +1,123 @@
+"""Recognises things."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults
+from morse.core.mathutils import Matrix
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.scene.frames import rigid_frame
+from morse.sensors.camera import Camera
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.rendering import Picture
+
+#: pixels of a thing that has to be seen for the camera to recognise it
+_FEWEST = 1
+
+
+def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
+    """The things as messages have them."""
+    return [
+        {"id": seen["name"], "label": seen["type"], "position": seen["position"], "orientation": seen["orientation"]}
+        for seen in camera.local_data["visible_objects"]
+    ]
+
+
+class SemanticCamera(Camera):
+    """Lists the things that it sees, by the property that makes them things.
+
+    A thing is seen if it shows in at least one pixel of the picture. With ``noocclusion``, what stands in front of it
+    does not matter.
+    """
+
+    _name = "Semantic camera"
+    _short_desc = "A smart camera allowing to retrieve objects in its field of view"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data("visible_objects", [], "list<objects>", "What it sees: name, description, type, position and orientation")
+
+    add_property("relative", False, "relative", "bool", "Poses are in the frame of the camera, not of the world")
+    add_property("noocclusion", False, "noocclusion", "bool", "See through what stands in front")
+    add_property("tag", "Object", "tag", "string", "The property that things have")
+
+    add_kind("detections", records=_records)
+
+    color = False
+    relative: bool
+    noocclusion: bool
+    tag: str
+
+    def take(self, picture: Picture) -> None:
+        """Find the things in a picture."""
+        numbers, counts = np.unique(picture.ids, return_counts=True)
+        shown = {
+            picture.nodes[n]
+            for n, count in zip(numbers.tolist(), counts.tolist(), strict=True)
+            if n >= 0 and count >= _FEWEST
+        }
+
+        def is_seen(thing: Any) -> bool:
+            if self.noocclusion:
+                return self._is_in_sight(thing)
+            return any(node in shown for node in thing.node.walk())
+
+        self.local_data["visible_objects"] = [self._described(thing) for thing in self._things() if is_seen(thing)]
+
+    def _things(self) -> Iterator[Any]:
+        for obj in self.context.world.objects():
+            # a property that says no is none
+            if obj.get(self.tag) and obj.node is not self.bge_object.node:
+                yield obj
+
+    def _is_in_sight(self, obj: Any) -> bool:
+        """Whether some of the box around an object is in the field of view."""
+        points = [np.zeros((1, 3))]
+        position, rotation = self.bge_object.world_pose()
+        turn = np.reshape(rotation, (3, 3))
+        for node in obj.node.walk():
+            part = self.context.world.find_object(node)
+            if node.mesh is None or not len(node.mesh.vertices) or part is None or not part.visible:
+                continue
+            place, own = part.world_pose()
+            low, high = node.mesh.vertices.min(axis=0), node.mesh.vertices.max(axis=0)
+            corners = np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
+            corners = corners @ np.array([list(row) for row in rigid_frame(node).stretch]).T
+            points.append((corners @ np.reshape(own, (3, 3)).T + place - position) @ turn)
+        if len(points) == 1:
+            points = [((np.array(obj.world_pose()[0]) - position) @ turn)[None]]
+        return _may_show(np.concatenate(points[1:] or points), self.lens)
+
+    def _described(self, obj: Any) -> dict[str, Any]:
+        position, rotation = obj.world_pose()
+        if self.relative:
+            here, turned = self.bge_object.world_pose()
+            frame = np.reshape(turned, (3, 3))
+            position = (frame.T @ (np.array(position) - here)).tolist()
+            rotation = (frame.T @ np.reshape(rotation, (3, 3))).ravel().tolist()
+        matrix = Matrix([rotation[0:3], rotation[3:6], rotation[6:9]])
+        return {
+            "name": str(obj.get("Label", obj.name)),
+            "description": str(obj.get("Description", "")),
+            "type": str(obj.get("Type", "")),
+            "position": [float(value) for value in position],
+            "orientation": matrix.to_quaternion(),
+        }
+
+
+def _may_show(points: Any, lens: Any) -> bool:
+    """Whether the hull of points (N, 3) in the frame of the camera may be in the picture: no plane parts them."""
+    x, y, z = points.T
+    left, right = z * -lens.cx <= x * lens.fx, x * lens.fx <= z * (lens.width - lens.cx)
+    top, bottom = z * -lens.cy <= y * lens.fy, y * lens.fy <= z * (lens.height - lens.cy)
+    return all(bool(side.any()) for side in (left, right, top, bottom, z >= lens.near, z <= lens.far))

@@ -1,0 +1,76 @@
+"""Temperature near fires."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_property
+
+_ENVIRONMENT = "Temperature"
+_DEFAULT = "DefaultTemperature"
+
+
+class Thermometer(Sensor):
+    """Measures a temperature that rises exponentially towards fires.
+
+    ``T = T0 + Σ Tf exp(-α d)`` over all objects that have the property ``FireTag``, with d their distance in metres.
+    Tf is the value of that property, if it is a number, and ``FireTemperature`` otherwise. T0 is
+    ``DefaultTemperature``; a sensor that is given none takes ``env.properties(Temperature=...)`` if there is one.
+    """
+
+    _name = "Thermometer"
+    _short_desc = "A sensor returning the temperature, which depends on the distance of fires"
+    _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.04), (0.6, 0.0, 0.0)))
+
+    add_data("temperature", 0.0, "float", "Temperature", unit="°C", low=-273.15)
+    add_property("_global_temp", 15.0, _DEFAULT, "float", "Temperature far from all fires", unit="°C", low=-273.15)
+    add_property("_fire_tag", "Fire", "FireTag", "string", "The property that makes an object a fire")
+    add_property("_fire_temp", 200.0, "FireTemperature", "float", "What a fire adds where it is", unit="K")
+    add_property(
+        "_fire_range",
+        float(sys.maxsize),
+        "Range",
+        "float",
+        "Fires beyond are not felt",
+        unit="m",
+        low=0.0,
+        allow=("inf",),
+    )
+    add_property("_alpha", 0.2, "Alpha", "float", "How fast it cools down with the distance, per metre", low=0.0)
+    add_kind("temperature", temperature="temperature")
+
+    _global_temp: float
+    _fire_tag: str
+    _fire_temp: float
+    _fire_range: float
+    _alpha: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        around = self.context.scene.properties.get(_ENVIRONMENT)
+        if around is not None and _DEFAULT not in obj:
+            try:
+                self._global_temp = float(around)  # type: ignore[arg-type]
+            except (TypeError, ValueError):
+                raise ValueError(f"env.properties({_ENVIRONMENT}={around!r}): expected degrees Celsius") from None
+
+    def measure(self) -> None:
+        """Take the temperature."""
+        here, tag = self.position_3d.get_pose()[0], self._fire_tag
+        temperature = self._global_temp
+        for obj in self.context.world.objects():
+            if tag not in obj.properties:
+                continue
+            distance = math.dist(here, obj.world_pose()[0])
+            if distance <= self._fire_range:
+                temperature += self._heat_of(obj.properties[tag]) * math.exp(-self._alpha * distance)
+        self.local_data["temperature"] = temperature
+
+    def _heat_of(self, value: Any) -> float:
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+            return float(value)
+        return self._fire_temp

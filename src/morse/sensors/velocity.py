@@ -1,0 +1,33 @@
+"""How fast the robot moves."""
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.helpers.components import add_data, add_kind
+from morse.mathutils.rotations import turn_back
+from morse.sensors.motion_sensor import MotionSensor
+
+_ZERO = [0.0, 0.0, 0.0]
+
+
+class Velocity(MotionSensor):
+    """Measures linear and angular velocity.
+
+    By the velocity of the body, it is that of the origin of the robot, wherever on it the sensor is.
+    """
+
+    _name = "Velocity"
+    _short_desc = "A sensor returning the linear and angular velocity of the robot, in the axes of the sensor"
+    _builder = BuilderDefaults(visual=Visual("sphere", (0.04, 0.04, 0.02), (0.2, 0.8, 0.1)))
+
+    add_data("linear_velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="own", shape=3)
+    add_data("angular_velocity", _ZERO, "vec3<float>", "Angular velocity", unit="rad/s", frame="own", shape=3)
+    add_data("world_linear_velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="world", shape=3)
+    add_kind("twist", linear="linear_velocity", angular="angular_velocity")
+
+    def measure(self) -> None:
+        """Take the velocities."""
+        motion = self.motion()
+        rotation = self.position_3d.get_pose()[1]
+        data = self.local_data
+        data["linear_velocity"] = list(turn_back(rotation, motion.linear))
+        data["angular_velocity"] = list(turn_back(rotation, motion.angular))
+        data["world_linear_velocity"] = list(motion.linear)

@@ -1,0 +1,79 @@
+"""How far the wheels have turned."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.declarations import BuilderDefaults, Visual
+from morse.core.sensor import Sensor
+from morse.helpers.components import add_data, add_kind, add_property
+
+
+class WheelEncoders(Sensor):
+    """Counts the turns of the driven wheels of a robot with physical wheels, in steps as incremental encoders do.
+
+    Wheels that slip or skid turn all the same: distance is angle times radius only where they roll.
+    """
+
+    _name = "Wheel encoders"
+    _short_desc = "Counts, angles and speeds of the driven wheels of a robot"
+    _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.01), (0.2, 0.2, 0.2)))
+
+    add_data("wheels", [], "list<string>", "Names of the wheels", follows="position")
+    add_data(
+        "ticks",
+        [],
+        "list<int>",
+        "Steps since the start, forward positive; one number a wheel",
+        shape=(None,),
+        follows="position",
+    )
+    add_data(
+        "position", [], "list<float>", "Angle since the start, in whole steps", unit="rad", frame="joint", shape=(None,)
+    )
+    add_data(
+        "velocity",
+        [],
+        "list<float>",
+        "Steps since the last measurement, a second",
+        unit="rad/s",
+        frame="joint",
+        shape=(None,),
+    )
+    add_property(
+        "_steps", 4096, "StepsPerTurn", "int", "Resolution of the encoders; 0 for exact angles", low=0, high=10_000_000
+    )
+    add_kind("joints", names=lambda encoders: encoders.local_data["wheels"], position="position", velocity="velocity")
+
+    _steps: int
+    not_state = ("_wheels",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        wheels = getattr(parent, "get_wheels", None)
+        if wheels is None:
+            raise ValueError(
+                f"the robot '{parent.name()}' has no driven wheels: wheel encoders belong on one whose wheels turn, "
+                "such as Pioneer3DX or SegwayRMP400"
+            )
+        self._wheels = wheels()
+        count = len(self._wheels)
+        self._time = self.clock.time
+        self._before = [0.0] * count
+        data = self.local_data
+        data["wheels"] = [wheel.object.name.rpartition(".")[2] for wheel in self._wheels]
+        data["ticks"], data["position"], data["velocity"] = [0] * count, [0.0] * count, [0.0] * count
+
+    def measure(self) -> None:
+        """Take the angles."""
+        step = math.tau / self._steps if self._steps else 0.0
+        angles = [wheel.angle for wheel in self._wheels]
+        ticks = [math.floor(angle / step) if step else 0 for angle in angles]
+        positions = [tick * step for tick in ticks] if step else angles
+        passed = self.clock.time - self._time
+        data = self.local_data
+        data["ticks"], data["position"] = ticks, positions
+        if passed > 0.0:
+            data["velocity"] = [(b - a) / passed for a, b in zip(self._before, positions, strict=True)]
+        self._before, self._time = positions, self.clock.time

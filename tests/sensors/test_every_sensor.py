@@ -1,0 +1,118 @@
+"""What every sensor keeps to: JSON, a seed, saving, a restart, and rates."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+import morse
+from morse.middleware.socket.encoding import to_json
+
+#: on a robot of their own: all but those that take arguments, or take pictures
+SENSORS = (
+    "Accelerometer", "ADIS16448", "Airspeed", "Attitude", "Barometer", "Battery", "BMI088", "Bumper", "Clock",
+    "Collision", "GPS", "Gyroscope", "IMU", "Magnetometer", "Odometry", "Pose", "Proximity", "RadarAltimeter",
+    "RangeFinder", "SearchAndRescue", "Sick", "Thermometer", "UltrasonicRangeFinder", "Velocity", "VelodyneRayCast",
+    "WheelEncoders",
+)  # fmt: skip
+SCRIPT = """
+from morse.builder import *
+robot = Pioneer3DX()
+motion = MotionVWDiff()
+robot.append(motion)
+sensor = {name}()
+sensor.translate(0.1, 0.05, 0.5)
+{setting}
+robot.append(sensor)
+wall = Cube("Wall")
+wall.location = (4.0, 0, 1.0)
+wall.properties(Fire=True, Robot_Tag=True, Injured=True)
+wall._bpy_object.game.physics_type = "STATIC"
+env = Environment("empty", fastmode=True)
+env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
+"""
+LEVELS = {"GPS": ("simple", "raw", "extended"), "Odometry": ("raw", "differential", "integrated")}
+CASES = [(name, level) for name in SENSORS for level in LEVELS.get(name, ("",))]
+
+
+@pytest.fixture(params=CASES, ids=lambda case: "-".join(filter(None, case)))
+def make(request, tmp_path):
+    name, level = request.param
+    made = []
+
+    def load(seed=1):
+        path = tmp_path / "scene.py"
+        path.write_text(SCRIPT.format(name=name, setting=f"sensor.level('{level}')" if level else ""))
+        made.append(morse.load(path, seed=seed))
+        return made[-1]
+
+    yield load
+    for simulation in made:
+        simulation.close()
+
+
+def drive(simulation, ticks=90):
+    """What it publishes on the way: JSON, one a measurement."""
+    said = []
+    simulation.context.components["robot.sensor"].output_functions.append(
+        lambda sensor: said.append(to_json(sensor.local_data))
+    )
+    simulation.robot.motion.publish({"v": 0.4, "w": 0.3})
+    simulation.step(ticks)
+    return said
+
+
+def test_the_same_again(make):
+    one = make()
+    first = drive(one)
+    assert first == drive(make())
+    component = one.context.components["robot.sensor"]
+    if type(component).__name__ != "Collision":  # it publishes while it touches something
+        assert len(first) == pytest.approx(1.5 * component.frequency, abs=1)
+    for line in first:
+        message = json.loads(line)
+        assert next(iter(message)) == "timestamp"
+        numbers = [value for value in message.values() if isinstance(value, float)]
+        assert not any(map(math.isnan, numbers))
+
+
+def test_saved_and_restored(make):
+    simulation = make()
+    drive(simulation, 40)
+    state = simulation.save()
+    simulation.step(40)
+    ahead = to_json(simulation.robot.sensor.data), simulation.save().parts["robot.sensor"]
+    simulation.restore(state)
+    simulation.step(40)
+    assert (to_json(simulation.robot.sensor.data), simulation.save().parts["robot.sensor"]) == ahead
+    assert not state.unsaved
+
+
+def test_a_restart_is_a_new_beginning(make):
+    simulation = make()
+    first = drive(simulation)
+    simulation.restart(seed=1)
+    assert drive(simulation) == first
+
+
+@pytest.mark.parametrize(
+    ("name", "range_property"), [("RangeFinder", "range"), ("RadarAltimeter", "MaxRange"), ("Sick", "laser_range")]
+)
+def test_rays_of_before_a_property_was_changed(tmp_path, name, range_property):
+    path = tmp_path / "scene.py"
+    path.write_text(SCRIPT.format(name=name, setting=""))
+    with morse.load(path) as simulation:
+        sensor = simulation.context.components["robot.sensor"]
+        sensor.set_property(range_property, 0.2)
+        simulation.step(30)
+        state, near = simulation.save(), to_json(simulation.robot.sensor.data)
+        sensor.set_property(range_property, 20.0)
+        simulation.step(30)
+        far = to_json(simulation.robot.sensor.data)
+        simulation.restore(state)
+        simulation.step(30)
+        again = to_json(simulation.robot.sensor.data)
+    without_time = [line.partition(b",")[2] for line in (near, far, again)]
+    assert without_time[0] == without_time[2] != without_time[1]

@@ -1,0 +1,78 @@
+"""IMUs with the errors of their data sheets."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from ticking import published
+
+from morse.core.kinds import bind
+
+SCRIPT = """
+robot = FakeRobot()
+imu = {kind}()
+{setting}
+robot.append(imu)
+env = Environment("empty", fastmode=True)
+"""
+
+
+def at_rest(simulate, kind="IMU", setting="", seconds=20.0, seed=None):
+    simulation = simulate(SCRIPT.format(kind=kind, setting=setting), seed=seed)
+    messages = published(simulation["robot.imu"])
+    simulation.run(seconds)
+    fields = ("angular_velocity", "linear_acceleration")
+    return simulation, [np.array([message[field] for message in messages]) for field in fields]
+
+
+@pytest.mark.parametrize(
+    ("kind", "degrees", "micro_g"), [("ADIS16448", 0.0135, 230.0), ("BMI088", 0.014, 175.0), ("VN100", 0.0035, 140.0)]
+)
+def test_real_devices(simulate, kind, degrees, micro_g):
+    _, (gyro, force) = at_rest(simulate, kind)
+    # white noise of a density, sixty times a second; biases hardly change within seconds
+    assert np.diff(gyro, axis=0).std() / math.sqrt(2) == pytest.approx(math.radians(degrees) * math.sqrt(60), rel=0.05)
+    assert np.diff(force, axis=0).std() / math.sqrt(2) == pytest.approx(micro_g * 9.80665e-6 * math.sqrt(60), rel=0.05)
+    assert force.mean(axis=0) == pytest.approx([0.0, 0.0, 9.81], abs=0.03)
+
+
+def test_an_ideal_one(simulate):
+    simulation, (gyro, force) = at_rest(simulate, seconds=0.5)
+    assert not gyro.any()
+    assert force == pytest.approx(np.tile([0.0, 0.0, 9.81], (len(force), 1)))
+    assert bind(simulation["robot.imu"])[0].gather().angular_velocity_covariance is None
+
+
+def test_the_same_seed_gives_the_same_errors(simulate):
+    runs = [at_rest(simulate, "BMI088", seconds=0.5, seed=seed)[1][0] for seed in (1, 1, 2)]
+    assert np.array_equal(runs[0], runs[1])
+    assert not np.array_equal(runs[0], runs[2])
+
+
+def test_the_message_says_how_large_they_are(simulate):
+    setting = "imu.properties(GyroNoiseDensity=1e-3, AccelNoiseDensity=2e-3)"
+    message = bind(at_rest(simulate, setting=setting, seconds=0.1)[0]["robot.imu"])[0].gather()
+    assert message.angular_velocity_covariance == pytest.approx(np.eye(3) * 60e-6)
+    assert message.linear_acceleration_covariance == pytest.approx(np.eye(3) * 240e-6)
+
+
+def test_errors_go_on_from_a_saved_state(simulate):
+    simulation, _ = at_rest(simulate, "ADIS16448", seconds=0.5)
+    state = simulation.simulation.save()
+    first = list(simulation.run(0.2)["robot.imu"].local_data["angular_velocity"])
+    simulation.simulation.restore(state)
+    assert simulation.run(0.2)["robot.imu"].local_data["angular_velocity"] == first
+
+
+def test_another_noise_while_it_runs(simulate):
+    simulation, _ = at_rest(simulate, seconds=0.1)
+    simulation["robot.imu"].set_property("GyroNoiseDensity", 0.1)
+    assert any(simulation.run(0.1)["robot.imu"].local_data["angular_velocity"])
+
+
+@pytest.mark.parametrize("setting", ["GyroNoiseDensity=-1.0", "AccelBiasInstability='low'", "BiasCorrelationTime=0.0"])
+def test_what_is_no_noise(simulate, setting):
+    with pytest.raises(Exception, match=f"'{setting.split('=')[0]}' of IMU is"):
+        at_rest(simulate, setting=f"imu.properties({setting})")

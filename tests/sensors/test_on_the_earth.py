@@ -1,0 +1,140 @@
+"""GPS and magnetometers: places by the geometry of WGS84, fields by published values."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+
+import pytest
+
+from morse.core.kinds import bind
+
+SCRIPT = """
+robot = FakeRobot()
+robot.translate({x}, {y}, {z})
+robot.rotate(0, 0, {yaw})
+motion = MotionXYW()
+motion.properties(ControlType="Position")
+robot.append(motion)
+{parts}
+env = Environment("empty", fastmode=True)
+{env}
+"""
+TOULOUSE = "env.properties(longitude=1.433333, latitude=43.6, altitude=135.0{})"
+PLACE = TOULOUSE.format("")
+EAST = 0.0
+NORTH = math.pi / 2
+
+
+def world(simulate, parts, *, env=PLACE, x=0.0, y=0.0, z=0.0, yaw=0.0, seconds=0.1):
+    return simulate(SCRIPT.format(parts=parts, env=env, x=x, y=y, z=z, yaw=yaw)).run(seconds)
+
+
+def gps(level):
+    return f"gps = GPS()\ngps.level('{level}')\nrobot.append(gps)\n"
+
+
+def radii(latitude):
+    """Of curvature of the ellipsoid along the meridian and across it, m."""
+    a, e2 = 6378137.0, 0.00669437999014
+    w2 = 1.0 - e2 * math.sin(math.radians(latitude)) ** 2
+    return a * (1.0 - e2) / w2**1.5, a / math.sqrt(w2)
+
+
+def test_simple(simulate):
+    simulation = world(simulate, "gps = GPS()\ngps.translate(x=1.0)\nrobot.append(gps)", x=10.0, y=8.0, z=20.0)
+    data = simulation["robot.gps"].local_data
+    assert list(data) == ["timestamp", "x", "y", "z"]
+    assert [data["x"], data["y"], data["z"]] == pytest.approx([11.0, 8.0, 20.0])
+    message = bind(simulation["robot.gps"])[0].gather()
+    assert (message.kind.name, message.frame) == ("pose", "world")
+
+
+def test_raw(simulate):
+    simulation = world(simulate, gps("raw"), x=10.0, y=8.0, z=20.0)
+    data = simulation["robot.gps"].local_data
+    assert list(data) == ["timestamp", "longitude", "latitude", "altitude", "velocity"]
+    meridian, across = radii(43.6)
+    assert data["latitude"] == pytest.approx(43.6 + math.degrees(8.0 / (meridian + 155.0)), abs=1e-9)
+    assert data["longitude"] == pytest.approx(
+        1.433333 + math.degrees(10.0 / (across + 155.0) / math.cos(math.radians(43.6))), abs=1e-9
+    )
+    assert data["altitude"] == pytest.approx(155.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("turned", "velocity", "heading"), [(0.0, [2.0, 0.0, 0.0], 90.0), (math.pi / 2, [0.0, 2.0, 0.0], 0.0)]
+)
+def test_velocity_and_heading(simulate, turned, velocity, heading):
+    env = TOULOUSE.format(f", angle_against_north={turned}")
+    simulation = world(simulate, gps("extended"), env=env)
+    simulation["robot.motion"].local_data["x"] = 2.0
+    data = simulation.run(0.5)["robot.gps"].local_data
+    assert data["velocity"] == pytest.approx(velocity, abs=1e-9)
+    assert data["heading"] == pytest.approx(heading, abs=1e-6)
+
+
+def test_extended(simulate):
+    simulation = world(simulate, gps("extended"), seconds=62.0)
+    sensor = simulation["robot.gps"]
+    assert sensor.local_data["heading"] == math.inf
+    assert (sensor.local_data["date"], sensor.local_data["time"]) == ("010170", "000102")
+    fix = bind(sensor)[0].gather()
+    assert (fix.utc, fix.course) == ("1970-01-01T00:01:02Z", math.inf)
+    assert fix.altitude == pytest.approx(135.0)
+
+
+@pytest.mark.parametrize("parts", [gps("raw"), "m = Magnetometer()\nrobot.append(m)\n"])
+def test_a_world_that_is_nowhere(simulate, parts):
+    with pytest.raises(Exception, match=r"longitude and latitude and altitude missing; say env.properties\(longitude"):
+        world(simulate, parts, env="")
+
+
+def magnetometer(setting="date=2015.0", turn=""):
+    return f"m = Magnetometer()\nm.properties({setting})\n{turn}\nrobot.append(m)\n"
+
+
+POLAR = "env.properties(longitude=0.0, latitude=80.0, altitude=0.0)"
+
+
+@pytest.mark.parametrize(
+    ("yaw", "expected"),
+    [(EAST, (-445.9, 6627.1, -54432.3)), (NORTH, (6627.1, 445.9, -54432.3))],
+)
+def test_published_magnetic_field(simulate, yaw, expected):
+    simulation = world(simulate, magnetometer(), env=POLAR, yaw=yaw)
+    data = simulation["robot.m"].local_data
+    assert (data["x"], data["y"], data["z"]) == pytest.approx(expected, abs=0.1)
+    assert bind(simulation["robot.m"])[0].gather().field == pytest.approx([v * 1e-9 for v in expected], abs=1e-10)
+
+
+def test_a_magnetometer_on_its_side(simulate):
+    data = world(simulate, magnetometer(turn="m.rotate(y=math.pi / 2)"), env=POLAR)["robot.m"].local_data
+    # its X axis points down
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((54432.3, 6627.1, -445.9), abs=0.1)
+
+
+def test_another_date_while_it_runs(simulate):
+    simulation = world(simulate, magnetometer(), env=POLAR)
+    simulation["robot.m"].set_property("date", 2020.0)
+    data = simulation.run(0.1)["robot.m"].local_data
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((-146.3, 6570.4, -54606.0), abs=0.1)
+
+
+@pytest.mark.parametrize("date", [1999.0, 2040.0, "'today'"])
+def test_a_date_without_a_model(simulate, date):
+    with pytest.raises(Exception, match=r"'date' of Magnetometer is .*2010"):
+        world(simulate, magnetometer(f"date={date}"), env=POLAR)
+
+
+def test_an_imu_has_a_magnetometer_where_the_world_is_somewhere(simulate):
+    simulation = world(simulate, "imu = IMU()\nrobot.append(imu)\n" + magnetometer("Model='auto'"), env=POLAR)
+    imu, alone = simulation["robot.imu"], simulation["robot.m"].local_data
+    assert imu.local_data["magnetic_field"] == pytest.approx([alone["x"], alone["y"], alone["z"]])
+    assert [message.kind.name for message in bind(imu)] == ["imu", "magnetic_field"]
+
+
+def test_a_scene_without_magnetometer_does_not_wait_for_the_model():
+    code = "import sys, morse.sensors.imu, morse.sensors.gps\nassert 'pygeomag' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,141 @@
+"""Pressure, temperature, charge and time."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from morse.core.kinds import bind
+
+SCRIPT = """
+robot = FakeRobot()
+robot.translate({x}, 0, 0)
+motion = MotionXYW()
+motion.properties(ControlType="Position")
+robot.append(motion)
+teleport = Teleport()
+robot.append(teleport)
+{parts}
+env = Environment("empty", fastmode=True)
+env.set_gravity(9.80665)
+{env}
+"""
+
+
+def world(simulate, parts, env="", x=0.0):
+    simulation = simulate(SCRIPT.format(parts=parts, env=env, x=x))
+    simulation["robot.teleport"].active = False
+    return simulation
+
+
+def at_height(simulate, height, setting=""):
+    simulation = world(simulate, f"barometer = Barometer()\n{setting}\nrobot.append(barometer)\n")
+    teleport = simulation["robot.teleport"]
+    teleport.active = True
+    teleport.local_data["z"] = height
+    return simulation.run(0.1)["robot.barometer"]
+
+
+@pytest.mark.parametrize(
+    # ISO 2533, table 5: pressure by geopotential height
+    ("height", "pressure"),
+    [(0.0, 101325.0), (1000.0, 89874.6), (2000.0, 79495.2), (5000.0, 54019.9), (11000.0, 22632.1)],
+)
+def test_the_standard_atmosphere(simulate, height, pressure):
+    barometer = at_height(simulate, height)
+    # the standard has another gas constant, 8.31432
+    assert barometer.local_data["pressure"] == pytest.approx(pressure, rel=5e-5)
+    assert bind(barometer)[0].gather().absolute == pytest.approx(pressure, rel=5e-5)
+
+
+def test_another_pressure_at_the_start(simulate):
+    barometer = at_height(simulate, 1000.0, "barometer.properties(ReferencePressure=100000.0)")
+    assert barometer.local_data["pressure"] == pytest.approx(89874.6 * 100000.0 / 101325.0, rel=2e-5)
+
+
+def test_no_air_above_the_atmosphere_of_the_formula(simulate):
+    assert at_height(simulate, 50e3).local_data["pressure"] == 0.0
+
+
+def test_dynamic_pressure(simulate):
+    parts = (
+        "pitot = Airspeed()\nrobot.append(pitot)\naside = Airspeed()\naside.rotate(z=math.pi / 3)\nrobot.append(aside)"
+    )
+    simulation = world(simulate, parts)
+    simulation["robot.motion"].local_data["x"] = 20.0
+    simulation.run(0.2)
+    # 1/2 rho v^2 in air of 1.225 kg/m^3
+    assert simulation["robot.pitot"].local_data["diff_pressure"] == pytest.approx(245.0, rel=1e-6)
+    assert simulation["robot.aside"].local_data["diff_pressure"] == pytest.approx(245.0 / 4.0, rel=1e-6)
+    assert bind(simulation["robot.pitot"])[0].gather().differential == pytest.approx(245.0)
+
+
+FIRES = """
+hot = Cube("Hot")
+hot.location = (0, 5, 0)
+hot.properties(Fire=True)
+hotter = Cube("Hotter")
+hotter.location = (0, 0, 10)
+hotter.properties(Fire=500.0)
+thermometer = Thermometer()
+{}
+robot.append(thermometer)
+"""
+
+
+@pytest.mark.parametrize(
+    ("setting", "env", "expected"),
+    [
+        ("", "", 15.0 + 200.0 * math.exp(-1.0) + 500.0 * math.exp(-2.0)),
+        ("", "env.properties(Temperature=-5.0)", -5.0 + 200.0 * math.exp(-1.0) + 500.0 * math.exp(-2.0)),
+        ("Range=7.0, DefaultTemperature=20.0", "env.properties(Temperature=-5.0)", 20.0 + 200.0 * math.exp(-1.0)),
+        ("Alpha=0.0, FireTemperature=100.0", "", 615.0),
+        ("FireTag='Ice'", "", 15.0),
+    ],
+)
+def test_fires(simulate, setting, env, expected):
+    parts = FIRES.format(f"thermometer.properties({setting})" if setting else "")
+    thermometer = world(simulate, parts, env).run(0.1)["robot.thermometer"]
+    assert thermometer.local_data["temperature"] == pytest.approx(expected)
+    assert bind(thermometer)[0].gather().temperature == pytest.approx(expected)
+
+
+BATTERY = """
+inside = Zone("Charging")
+inside.size = [2.0, 2.0, 2.0]
+battery = Battery()
+battery.properties(DischargingRate=4.0)
+{}
+robot.append(battery)
+"""
+
+
+def test_a_battery_discharges_and_is_charged_in_a_zone(simulate):
+    simulation = world(simulate, BATTERY.format(""), x=10.0)
+    battery = simulation["robot.battery"]
+    assert (battery.local_data["charge"], battery.local_data["status"]) == (100.0, "Charged")
+    simulation.run(5.0)
+    assert battery.local_data["charge"] == pytest.approx(80.0)
+    assert battery.local_data["status"] == "Discharging"
+    assert bind(battery)[0].gather().charge == pytest.approx(0.8)
+    simulation["robot.motion"].local_data["x"] = -600.0
+    simulation.run(1.0 / 60.0)
+    simulation["robot.motion"].local_data["x"] = 0.0
+    simulation.run(2.0)
+    assert battery.local_data["charge"] == pytest.approx(88.0, abs=0.2)
+    assert battery.local_data["status"] == "Charging"
+    simulation.run(4.0)
+    assert (battery.local_data["charge"], battery.local_data["status"]) == (100.0, "Charged")
+    assert bind(battery)[0].gather().status == "full"
+
+
+def test_an_empty_battery_stays_empty(simulate):
+    battery = world(simulate, BATTERY.format("battery.frequency(10)"), x=10.0).run(30.0)["robot.battery"]
+    assert (battery.local_data["charge"], battery.local_data["status"]) == (0.0, "Discharging")
+
+
+def test_a_clock(simulate):
+    simulation = world(simulate, "clock = Clock()\nrobot.append(clock)\n").run(1.5)
+    assert simulation["robot.clock"].local_data == {"timestamp": pytest.approx(1.5)}
+    assert bind(simulation["robot.clock"])[0].gather().now == pytest.approx(1.5)
