@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from morse.core.actuator import Actuator
+from morse.core.limits import SPEED
 from morse.helpers.components import add_property
 
 #: a stick that is let go does not stand exactly in the middle
@@ -17,11 +18,18 @@ class Joystick(Actuator):
     _name = "Joystick Actuator"
     _short_desc = "Drives the robot by a gamepad at the live view"
 
+    obeys_controls = True
+
     add_property(
-        "_type", "Velocity", "ControlType", "string", "Velocity sets the speed, Position shifts the body each tick"
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed, Position shifts the body each tick",
+        choices=("Velocity", "Position"),
     )
-    add_property("_speed", 1.0, "Speed", "float", "Speed at full deflection, m/s; and turning rate, rad/s")
-    add_property("_index", 0, "Index", "int", "Which pair of axes: 0 for the first stick, 1 for the second")
+    add_property("_speed", 1.0, "Speed", "float", "Speed at full deflection; turning rate in rad/s", **SPEED)
+    add_property("_index", 0, "Index", "int", "Which pair of axes: 0 for the first stick, 1 for the second", low=0)
 
     _type: str
     _speed: float
@@ -33,8 +41,8 @@ class Joystick(Actuator):
 
     def default_action(self) -> None:
         """Drive as the stick says; the zero after it was let go is sent once only."""
-        listens = self.context.listening_robot() in (None, self.robot_parent.name())
-        axes = self.context.gamepad() if listens else ()
+        controls = self.context.controls
+        axes = controls.axes if controls.robot in (None, self.robot_parent.name()) else ()
         first = 2 * self._index
         turn = ahead = 0.0
         if len(axes) > first + 1:

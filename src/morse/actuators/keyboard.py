@@ -1,6 +1,7 @@
 """Drives a robot by the keys held in the live view."""
 
 from morse.core.actuator import Actuator
+from morse.core.limits import SPEED
 from morse.core.services import service
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
 from morse.helpers.components import add_property
@@ -28,14 +29,17 @@ class Keyboard(Actuator):
     _name = "Keyboard Actuator"
     _short_desc = "Drives the robot by the keyboard of the live view"
 
+    obeys_controls = True
+
     add_property(
         "_type",
         "Position",
         "ControlType",
         "string",
         "Position shifts the robot, Velocity sets its speed, Differential turns its wheels",
+        choices=("Position", "Velocity", "Differential"),
     )
-    add_property("_speed", 1.0, "Speed", "float", "Linear speed in m/s; half of it is the turning rate in rad/s")
+    add_property("_speed", 1.0, "Speed", "float", "Linear speed; half of it is the turning rate in rad/s", **SPEED)
 
     _type: str
     _speed: float
@@ -47,9 +51,9 @@ class Keyboard(Actuator):
     @property
     def listening(self) -> bool:
         """Whether keys reach this robot: those of the view's chosen robot, or all if there is one."""
-        return self.context.listening_robot() in (None, self.robot_parent.name())
+        return self.context.controls.robot in (None, self.robot_parent.name())
 
-    @service
+    @service(changes=False)
     def get_keys(self) -> dict[str, str]:
         """The keys and what they do."""
         names = ("forward", "left", "up", "roll", "pitch", "yaw")
@@ -57,7 +61,7 @@ class Keyboard(Actuator):
 
     def default_action(self) -> None:
         """Drive as the keys say; the zero after the last release is sent once only."""
-        held = self.context.held_keys() if self.listening else frozenset()
+        held = self.context.controls.keys if self.listening else frozenset()
         motion = [0.0] * 6
         pressed = False
         for key in held:

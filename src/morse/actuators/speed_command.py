@@ -1,18 +1,20 @@
 """What actuators that take a forward speed and a yaw rate have in common."""
 
 from morse.core.actuator import Actuator
+from morse.core.limits import SPEED, TURN_RATE, Speed, TurnRate
 from morse.core.services import service
-from morse.helpers.components import add_data
+from morse.helpers.components import add_data, add_kind
 
 
 class SpeedCommand(Actuator):
     """Holds a linear speed along X and an angular speed about Z."""
 
-    add_data("v", 0.0, "float", "Linear speed along the X axis of the robot", unit="m/s")
-    add_data("w", 0.0, "float", "Angular speed about the Z axis of the robot", unit="rad/s")
+    add_data("v", 0.0, "float", "Linear speed along the X axis", frame="robot", **SPEED)
+    add_data("w", 0.0, "float", "Turning rate about the Z axis", frame="robot", **TURN_RATE)
+    add_kind("twist", linear=("v", None, None), angular=(None, None, "w"))
 
     @service
-    def set_speed(self, v: float, w: float) -> None:
+    def set_speed(self, v: Speed, w: TurnRate) -> None:
         """Set both speeds.
 
         Args:

@@ -3,13 +3,15 @@
 import math
 from typing import Any
 
+from morse.actuators.holding import Holding
 from morse.core import mathutils
-from morse.core.actuator import Actuator
+from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
-from morse.helpers.components import add_data
+from morse.core.validation import Commands
+from morse.helpers.components import add_data, add_kind, euler
 
 
-class Teleport(Actuator):
+class Teleport(Holding):
     """Forces the pose of the robot every tick: the robot hovers there while this is active.
 
     Switched off (service ``simulation.deactivate``), it lets the robot go.
@@ -18,12 +20,14 @@ class Teleport(Actuator):
     _name = "Teleport"
     _short_desc = "Motion controller which changes instantly the pose of the robot"
 
-    add_data("x", 0.0, "float", "X in the world; at first that of the robot", unit="m")
-    add_data("y", 0.0, "float", "Y in the world; at first that of the robot", unit="m")
-    add_data("z", 0.0, "float", "Z in the world; at first that of the robot", unit="m")
-    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", unit="rad")
-    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", unit="rad")
-    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", unit="rad")
+    add_data("x", 0.0, "float", "X; at first that of the robot", frame="world", **POSITION)
+    add_data("y", 0.0, "float", "Y; at first that of the robot", frame="world", **POSITION)
+    add_data("z", 0.0, "float", "Z; at first that of the robot", frame="world", **POSITION)
+    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", frame="world", **ANGLE)
+    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", frame="world", **ANGLE)
+    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", frame="world", **ANGLE)
+
+    add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -31,19 +35,8 @@ class Teleport(Actuator):
         for field in ("x", "y", "z", "yaw", "pitch", "roll"):
             self.local_data[field] = float(getattr(pose, field))
 
-    @property
-    def active(self) -> bool:
-        """Whether it holds the robot."""
-        return self._active
-
-    @active.setter
-    def active(self, value: bool) -> None:
-        self._active = bool(value)
-        if not self._active:
-            self.robot_parent.bge_object.restoreDynamics()
-
     @service
-    def translate(self, x: float, y: float = 0.0, z: float = 0.0) -> None:
+    def translate(self, x: Position, y: Position = 0.0, z: Position = 0.0) -> None:
         """Shift the robot, in the axes of the world.
 
         Args:
@@ -51,12 +44,10 @@ class Teleport(Actuator):
             y: metres.
             z: metres.
         """
-        self.local_data["x"] += x
-        self.local_data["y"] += y
-        self.local_data["z"] += z
+        self._shift(x=x, y=y, z=z)
 
     @service
-    def rotate(self, roll: float, pitch: float = 0.0, yaw: float = 0.0) -> None:
+    def rotate(self, roll: Angle, pitch: Angle = 0.0, yaw: Angle = 0.0) -> None:
         """Turn the robot further.
 
         Args:
@@ -64,9 +55,10 @@ class Teleport(Actuator):
             pitch: radians about Y.
             yaw: radians about Z.
         """
-        self.local_data["roll"] += roll
-        self.local_data["pitch"] += pitch
-        self.local_data["yaw"] += yaw
+        self._shift(roll=roll, pitch=pitch, yaw=yaw)
+
+    def _shift(self, **shifts: float) -> None:
+        Commands(self).take({name: self.local_data[name] + shift for name, shift in shifts.items()})
 
     def default_action(self) -> None:
         """Put the robot to its pose, at rest."""

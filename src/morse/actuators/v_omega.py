@@ -1,7 +1,15 @@
 """Drives a robot by forward speed and yaw rate."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from morse.actuators.speed_command import SpeedCommand
+from morse.core.robot import drives_body
 from morse.helpers.components import add_property
+
+if TYPE_CHECKING:
+    from morse.core.group import Group
 
 
 class MotionVW(SpeedCommand):
@@ -11,7 +19,12 @@ class MotionVW(SpeedCommand):
     _short_desc = "Motion controller using linear and angular speeds"
 
     add_property(
-        "_type", "Velocity", "ControlType", "string", "Velocity sets the speed, Position shifts the body each tick"
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed, Position shifts the body each tick",
+        choices=("Velocity", "Position"),
     )
 
     _type: str
@@ -20,3 +33,12 @@ class MotionVW(SpeedCommand):
         """Apply the speeds."""
         data = self.local_data
         self.robot_parent.apply_speed(self._type, (data["v"], 0.0, 0.0), (0.0, 0.0, data["w"]))
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Apply the speeds of all members."""
+        group.drive(group.attributes("_type"), group.read("v"), None, group.read("w"))
+
+    def may_act_together(self) -> bool:
+        """Only with a robot that is driven as one body."""
+        return drives_body(self.robot_parent)

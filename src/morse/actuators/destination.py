@@ -1,0 +1,45 @@
+"""Moves a robot to a place on a straight line."""
+
+import math
+
+from morse.actuators.going import TRANSIT, Going
+from morse.core.limits import LENGTH
+from morse.helpers.components import add_kind, add_property
+
+
+class Destination(Going):
+    """Moves the robot straight towards a place, in all directions and without turning it.
+
+    It stops as soon as the distance, measured in three dimensions, is at most the tolerance.
+    """
+
+    _name = "Destination"
+    _short_desc = "Motion controller which moves the robot on a straight line to a place"
+
+    add_property("_tolerance", 0.5, "Tolerance", "float", "How near is near enough", **LENGTH)
+    add_property("_speed", 5.0, "Speed", "float", "How fast it goes", unit="m/s", low=0.0, high=1e4)
+    add_kind("pose", position=("x", "y", "z"))
+
+    _tolerance: float
+    _speed: float
+
+    def default_action(self) -> None:
+        """Go on."""
+        data = self.local_data
+        x, y, z = self.bge_object.world_pose()[0]
+        dx, dy, dz = data["x"] - x, data["y"] - y, data["z"] - z
+        distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+        if distance <= self._tolerance:
+            self._arrive()
+            return
+        self.robot_parent.move_status = TRANSIT
+        share = min(self._speed, distance * self.frequency) / distance
+        r = self.robot_parent.bge_object.world_pose()[1]
+        dx, dy, dz = share * dx, share * dy, share * dz
+        self._drive(
+            (
+                r[0] * dx + r[3] * dy + r[6] * dz,
+                r[1] * dx + r[4] * dy + r[7] * dz,
+                r[2] * dx + r[5] * dy + r[8] * dz,
+            )
+        )

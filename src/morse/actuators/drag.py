@@ -1,0 +1,39 @@
+"""Resistance of air or water."""
+
+from typing import Any
+
+from morse.core.actuator import Actuator
+from morse.helpers.components import add_property
+
+_COEFFICIENT: dict[str, Any] = {"unit": "kg/m", "low": 0.0}
+
+
+class Drag(Actuator):
+    """Slows the robot down by a force that grows with the square of its speed, along each of its axes by itself.
+
+    F = -sign(v) v^2 C, with the speed v along an axis of the robot and the coefficient C of that axis. C is half the
+    product of the density of the fluid, the drag coefficient and the cross-section. In one tick the force takes away
+    at most the whole speed.
+    """
+
+    _name = "Drag"
+    _short_desc = "Applies the resistance of air or water to the robot"
+
+    add_property("_drag_x", 0.09, "DragCoeffX", "float", "Coefficient along X", **_COEFFICIENT)
+    add_property("_drag_y", 0.09, "DragCoeffY", "float", "Coefficient along Y", **_COEFFICIENT)
+    add_property("_drag_z", 0.5, "DragCoeffZ", "float", "Coefficient along Z", **_COEFFICIENT)
+
+    _drag_x: float
+    _drag_y: float
+    _drag_z: float
+
+    def default_action(self) -> None:
+        """Resist."""
+        body = self.robot_parent.bge_object
+        velocity = body.localLinearVelocity
+        most = body.mass * self.frequency
+        force = [
+            -v * min(abs(v) * c, most)
+            for v, c in zip(velocity, (self._drag_x, self._drag_y, self._drag_z), strict=True)
+        ]
+        body.wrench(force, (0.0, 0.0, 0.0), True)

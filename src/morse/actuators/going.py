@@ -1,0 +1,65 @@
+"""What actuators that go to a place have in common."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.core import status
+from morse.core.actuator import Actuator
+from morse.core.limits import POSITION
+from morse.helpers.components import add_data, add_property
+
+ARRIVED, TRANSIT, STOP = "Arrived", "Transit", "Stop"
+
+
+def marker(component: Any, name: str) -> Any:
+    """The object of that name, which shows where a robot is going; None if there is none."""
+    return component.context.world.objects_by_name.get(name) if name else None
+
+
+class Going(Actuator):
+    """Takes a place to go to, at first that where it is, and drives the robot there as its subclasses know."""
+
+    add_data("x", 0.0, "float", "X of the place to go to; at first that of the actuator", frame="world", **POSITION)
+    add_data("y", 0.0, "float", "Y of the place to go to; at first that of the actuator", frame="world", **POSITION)
+    add_data("z", 0.0, "float", "Z of the place to go to; at first that of the actuator", frame="world", **POSITION)
+    add_property(
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed of the body, Position shifts it each tick",
+        choices=("Velocity", "Position"),
+    )
+    add_property(
+        "_remain_at_destination",
+        False,
+        "RemainAtDestination",
+        "bool",
+        "Stand still there, whatever pushes; otherwise the robot is left alone as long as it is near enough",
+    )
+
+    _type: str
+    _remain_at_destination: bool
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self.local_data.update(zip("xyz", map(float, obj.world_pose()[0]), strict=True))
+        self._moving = False
+
+    def _drive(self, linear: tuple[float, float, float], turn: float = 0.0) -> None:
+        self._moving = True
+        self.robot_parent.apply_speed(self._type, linear, (0.0, 0.0, turn))
+
+    def _halt(self, *, hold: bool = False) -> None:
+        """Stand still: one command to stop, or one every tick to ``hold`` the place."""
+        if self._moving or hold:
+            self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._moving = False
+
+    def _arrive(self) -> None:
+        """It is near enough."""
+        self._halt(hold=self._remain_at_destination)
+        self.robot_parent.move_status = ARRIVED
+        if self.on_completion is not None:
+            self.completed(status.SUCCESS, ARRIVED)

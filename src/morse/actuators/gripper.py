@@ -1,0 +1,97 @@
+"""Takes things and lets them go."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.actuator import Actuator
+from morse.core.builder_defaults import BuilderDefaults
+from morse.core.services import service
+from morse.helpers.components import add_data, add_kind, add_property
+
+_TAG = "Graspable"
+
+
+class Gripper(Actuator):
+    """Takes the nearest thing with the property ``Graspable`` in a cone before its fingers, and carries it along.
+
+    The cone opens along the Z axis of the gripper, in which its fingers point; things count by their origins.
+    """
+
+    _name = "Gripper"
+    _short_desc = "Takes things that can be grasped and lets them go"
+    _builder = BuilderDefaults(model="gripper")
+
+    add_data("grab", False, "bool", "Hold the nearest thing; False lets it go")
+    add_kind("switch", on="grab")
+    add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
+    add_property("_distance", 0.5, "Distance", "float", "How far it reaches", unit="m", low=0.0)
+
+    _angle: float
+    _distance: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._held_name = ""
+
+    @property
+    def held(self) -> Any:
+        """The thing that it holds, or None."""
+        thing = self.context.world.objects_by_name.get(self._held_name) if self._held_name else None
+        if thing is None or thing.parent is not self.bge_object:
+            # it was deleted, or the world was put back to its start
+            self._held_name = ""
+            return None
+        return thing
+
+    @service
+    def grab(self) -> str | None:
+        """Take the nearest thing.
+
+        Returns:
+            The name of the thing that it holds; None if there is none in reach.
+        """
+        held = self.held or self._nearest()
+        if held is not None and not self._held_name:
+            held.setParent(self.bge_object)
+            self._held_name = held.name
+        self.local_data["grab"] = held is not None
+        return None if held is None else str(held.name)
+
+    @service
+    def release(self) -> bool:
+        """Let go of what it holds; False if that is nothing."""
+        held, self._held_name = self.held, ""
+        self.local_data["grab"] = False
+        if held is None:
+            return False
+        held.removeParent()
+        return True
+
+    def default_action(self) -> None:
+        """Hold or let go."""
+        if self.local_data["grab"]:
+            if self.held is None:
+                self.grab()
+                # it goes on trying
+                self.local_data["grab"] = True
+        elif self._held_name:
+            self.release()
+
+    def _nearest(self) -> Any:
+        (x, y, z), r = self.bge_object.world_pose()
+        cosine = math.cos(math.radians(0.5 * self._angle))
+        found, reach = None, self._distance
+        for thing in self.context.world.objects():
+            if _TAG in thing.properties and thing.properties[_TAG] and self._is_loose(thing):
+                px, py, pz = thing.world_pose()[0]
+                dx, dy, dz = px - x, py - y, pz - z
+                distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+                if distance <= reach and r[2] * dx + r[5] * dy + r[8] * dz >= cosine * distance:
+                    found, reach = thing, distance
+        return found
+
+    def _is_loose(self, thing: Any) -> bool:
+        """Whether nothing holds it; a part of something cannot be taken alone."""
+        return thing.parent is None

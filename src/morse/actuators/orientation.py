@@ -1,0 +1,95 @@
+"""Turns a robot the way it is told."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core import mathutils
+from morse.core.actuator import Actuator
+from morse.core.limits import ANGLE
+from morse.helpers.components import add_data, add_kind, add_property, euler
+
+_ALIKE = 1e-9
+
+
+class Orientation(Actuator):
+    """Gives the robot an orientation, at once or at a limited speed, and leaves its place alone.
+
+    With a limited speed each of yaw, pitch and roll changes by at most that, the shorter way round, until it is right
+    within the tolerance. On a ground robot only the yaw can be turned like that.
+    """
+
+    _name = "Orientation"
+    _short_desc = "Motion controller which changes the orientation of the robot"
+
+    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", frame="world", **ANGLE)
+    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", frame="world", **ANGLE)
+    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", frame="world", **ANGLE)
+    add_kind("attitude", orientation=euler("roll", "pitch", "yaw"))
+    add_property(
+        "_speed",
+        math.inf,
+        "speed",
+        "float",
+        "Largest rate of each angle; infinite to turn at once",
+        unit="rad/s",
+        low=0.0,
+        allow=("inf",),
+    )
+    add_property("_tolerance", 0.02, "tolerance", "float", "What is right within that is left", unit="rad", low=0.0)
+    add_property(
+        "_type",
+        "Velocity",
+        "ControlType",
+        "string",
+        "Velocity sets the speed of the body, Position turns it each tick",
+        choices=("Velocity", "Position"),
+    )
+
+    _speed: float
+    _tolerance: float
+    _type: str
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        pose = self.robot_parent.position_3d
+        for field in ("yaw", "pitch", "roll"):
+            self.local_data[field] = float(getattr(pose, field))
+
+    def default_action(self) -> None:
+        """Turn."""
+        data = self.local_data
+        if self._speed == math.inf:
+            self._force(data["roll"], data["pitch"], data["yaw"])
+            return
+        here = self.robot_parent.position_3d
+        here.update(self.robot_parent.bge_object)
+        _, _, _, yaw, pitch, roll = here.numbers()
+        rates = [
+            self._rate(data["roll"] - roll),
+            self._rate(data["pitch"] - pitch),
+            self._rate(data["yaw"] - yaw),
+        ]
+        self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), _body_rates(rates, roll, pitch))
+
+    def _rate(self, missing: float) -> float:
+        missing = math.remainder(missing, 2.0 * math.pi)
+        if abs(missing) <= self._tolerance:
+            return 0.0
+        return math.copysign(min(self._speed, abs(missing) * self.frequency), missing)
+
+    def _force(self, roll: float, pitch: float, yaw: float) -> None:
+        obj = self.robot_parent.bge_object
+        wanted = mathutils.Euler([roll, pitch, yaw]).to_matrix()
+        now = obj.world_pose()[1]
+        if any(abs(wanted[i][j] - now[3 * i + j]) > _ALIKE for i in range(3) for j in range(3)):
+            obj.worldOrientation = wanted
+        obj.set_velocity(None, (0.0, 0.0, 0.0))
+
+
+def _body_rates(rates: list[float], roll: float, pitch: float) -> tuple[float, float, float]:
+    """Angular velocity in the axes of the body, rad/s, from the rates of roll, pitch and yaw."""
+    dr, dp, dy = rates
+    sr, cr, sp, cp = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
+    return dr - sp * dy, cr * dp + sr * cp * dy, -sr * dp + cr * cp * dy

@@ -1,0 +1,155 @@
+"""Turns what it carries to the sides, up and down."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core import status
+from morse.core.actuator import Actuator
+from morse.core.builder_defaults import BuilderDefaults
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.limits import ANGLE, Angle, Position
+from morse.core.services import async_service, interruptible, service
+from morse.helpers.components import add_data, add_kind, add_property
+
+_BASE, _HEAD = "PanBase", "TiltBase"
+
+
+class PTU(Actuator):
+    """Pans about its Z axis, tilts about its Y axis, at a constant speed; what is appended to it is carried along.
+
+    A positive pan turns to the left, a positive tilt looks down. Looking at a place it aims its X axis at it, seen from
+    the foot of the unit: on a level robot pan = atan2(dy, dx) - yaw and tilt = -asin(dz / d).
+    """
+
+    _name = "Pan-Tilt Unit"
+    _short_desc = "Motion controller which turns what it carries to the sides, up and down"
+    _builder = BuilderDefaults(model="ptu", properties={"Tolerance": 0.01})
+
+    add_data("pan", 0.0, "float", "About the Z axis, positive to the left", frame="joint", **ANGLE)
+    add_data("tilt", 0.0, "float", "About the Y axis, positive downward", frame="joint", **ANGLE)
+    add_kind("joints", names=("pan", "tilt"), position=("pan", "tilt"))
+    add_property("_speed", 1.0, "Speed", "float", "How fast each joint turns", unit="rad/s", low=0.0, high=1e4)
+    add_property(
+        "_tolerance",
+        math.radians(0.3),
+        "Tolerance",
+        "float",
+        "A service is done when both joints are as near as that",
+        unit="rad",
+        low=0.0,
+    )
+    add_property("_manual", False, "Manual", "bool", "Leave the joints to what else turns them")
+
+    not_state = ("_base", "_head")
+
+    _speed: float
+    _tolerance: float
+    _manual: bool
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._base, self._head = _part(obj, _BASE), _part(obj, _HEAD)
+
+    # -- joints ----------------------------------------------------------------------------
+
+    @property
+    def pan(self) -> float:
+        """Angle of the pan joint, rad, -pi to pi."""
+        r = self._base.local_pose()[1]
+        return math.atan2(r[3], r[0])
+
+    @property
+    def tilt(self) -> float:
+        """Angle of the tilt joint, rad, -pi to pi."""
+        r = self._head.local_pose()[1]
+        return math.atan2(r[2], r[0])
+
+    def default_action(self) -> None:
+        """Turn on."""
+        pan, tilt = self.pan, self.tilt
+        to_pan = math.remainder(self.local_data["pan"] - pan, math.tau)
+        to_tilt = math.remainder(self.local_data["tilt"] - tilt, math.tau)
+        if not self._manual:
+            step = self._speed / self.frequency
+            if to_pan:
+                turned = min(max(to_pan, -step), step)
+                c, s = math.cos(pan + turned), math.sin(pan + turned)
+                self._base.set_local_pose(self._base.local_pose()[0], (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0))
+                to_pan = _rest(to_pan, turned)
+            if to_tilt:
+                turned = min(max(to_tilt, -step), step)
+                c, s = math.cos(tilt + turned), math.sin(tilt + turned)
+                self._head.set_local_pose(self._head.local_pose()[0], (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c))
+                to_tilt = _rest(to_tilt, turned)
+        if self.on_completion is not None and max(abs(to_pan), abs(to_tilt)) <= self._tolerance:
+            self.completed(status.SUCCESS)
+
+    def interrupt(self) -> None:
+        """Stay as it is."""
+        self.local_data["pan"], self.local_data["tilt"] = self.pan, self.tilt
+        super().interrupt()
+
+    # -- services --------------------------------------------------------------------------
+
+    @interruptible
+    @async_service
+    def set_pan_tilt(self, pan: Angle, tilt: Angle) -> None:
+        """Turn both joints; ends when they are there.
+
+        Args:
+            pan: radians, to the left.
+            tilt: radians, downward.
+        """
+        self.local_data["pan"], self.local_data["tilt"] = float(pan), float(tilt)
+
+    @service(changes=False)
+    def get_pan_tilt(self) -> list[float]:
+        """The angles of both joints as they are, radians."""
+        return [self.pan, self.tilt]
+
+    @interruptible
+    @async_service
+    def look_at_point(self, x: Position, y: Position, z: Position) -> None:
+        """Look at a place of the world; ends when it does.
+
+        Args:
+            x: metres.
+            y: metres.
+            z: metres.
+        """
+        self._aim((x, y, z))
+
+    @interruptible
+    @async_service
+    def look_at_object(self, obj_name: str) -> None:
+        """Look at the place where an object is now; ends when it does.
+
+        Args:
+            obj_name: its name in the scene.
+        """
+        found = self.context.world.objects_by_name
+        if obj_name not in found:
+            raise MorseRPCInvokationError(f"there is no object '{obj_name}'{nearest(obj_name, sorted(found))}")
+        self._aim(found[obj_name].world_pose()[0])
+
+    def _aim(self, place: Any) -> None:
+        (x, y, z), r = self.bge_object.world_pose()
+        dx, dy, dz = place[0] - x, place[1] - y, place[2] - z
+        ahead, left, up = (r[i] * dx + r[i + 3] * dy + r[i + 6] * dz for i in (0, 1, 2))
+        if ahead or left or up:
+            self.local_data["pan"] = math.atan2(left, ahead)
+            self.local_data["tilt"] = -math.atan2(up, math.hypot(ahead, left))
+
+
+def _rest(wanted: float, turned: float) -> float:
+    return 0.0 if turned == wanted else wanted - turned
+
+
+def _part(obj: Any, name: str) -> Any:
+    for part in obj.childrenRecursive:
+        if part.node.plain_name == name:
+            return part
+    raise ValueError(f"its model has no part '{name}': a pan-tilt unit needs a {_BASE} and on it a {_HEAD}")

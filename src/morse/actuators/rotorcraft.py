@@ -1,0 +1,130 @@
+"""What controllers of rotorcraft have in common."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.actuator import Actuator
+from morse.helpers.components import add_property
+
+#: m/s^2
+GRAVITY = 9.81
+
+_Three = tuple[float, float, float]
+
+
+class Rotorcraft(Actuator):
+    """Turns a robot by torques, and lifts it by a thrust along its own Z axis.
+
+    The torque about each axis of the robot is
+
+        I (kp e + kd de/dt) s
+
+    with its moment of inertia I about that axis, the error e of its angle, and a share s of the thrust.
+    """
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._inertia: _Three = tuple(self.robot_parent.bge_object.localInertia)
+        #: errors of roll, pitch and yaw in the tick before; None after a rest
+        self._errors: _Three | None = None
+
+    def _angles(self) -> _Three:
+        """Roll, pitch and yaw of the robot, rad."""
+        pose = self.robot_parent.position_3d
+        pose.update(self.robot_parent.bge_object)
+        _, _, _, yaw, pitch, roll = pose.numbers()
+        return roll, pitch, yaw
+
+    def _torque(self, errors: _Three, kp: _Three, kd: _Three, share: float) -> _Three:
+        """Torque about each axis, N m, in the axes of the errors."""
+        before = errors if self._errors is None else self._errors
+        self._errors = errors
+        rate = self.frequency
+        turn = [math.remainder(now - then, 2.0 * math.pi) for now, then in zip(errors, before, strict=True)]
+        x, y, z = (
+            i * (p * e + d * c * rate) * share
+            for i, p, d, e, c in zip(self._inertia, kp, kd, errors, turn, strict=True)
+        )
+        return x, y, z
+
+    def _push(self, thrust: float, torque: _Three) -> None:
+        """Apply a thrust along Z, N, and a torque, N m, both in the axes of the robot."""
+        self.robot_parent.bge_object.wrench((0.0, 0.0, thrust), torque, True)
+
+
+class BankingRotorcraft(Rotorcraft):
+    """Flies by banking towards where it is to accelerate."""
+
+    add_property(
+        "_h_pgain",
+        0.2,
+        "HorizontalPgain",
+        "float",
+        "Bank for the horizontal error, rad for each m or m/s",
+        low=0.0,
+    )
+    add_property("_h_dgain", 0.8, "HorizontalDgain", "float", "Bank against the change of the error", low=0.0)
+    add_property(
+        "_v_pgain", 8.0, "VerticalPgain", "float", "Thrust for the vertical error, N for each m or m/s", low=0.0
+    )
+    add_property("_yaw_pgain", 12.0, "YawPgain", "float", "Proportional gain of the yaw", unit="1/s^2", low=0.0)
+    add_property("_rp_pgain", 9.7, "RollPitchPgain", "float", "Proportional gain of roll, pitch", unit="1/s^2", low=0.0)
+    add_property("_rp_dgain", 2.0, "RollPitchDgain", "float", "Derivative gain of roll and pitch", unit="1/s", low=0.0)
+    add_property(
+        "_max_bank_angle",
+        math.radians(30.0),
+        "MaxBankAngle",
+        "float",
+        "Largest roll and pitch",
+        unit="rad",
+        low=0.0,
+        high=math.radians(80.0),
+    )
+
+    _h_pgain: float
+    _h_dgain: float
+    _v_pgain: float
+    _yaw_pgain: float
+    _yaw_dgain: float
+    _rp_pgain: float
+    _rp_dgain: float
+    _max_bank_angle: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        own = self.robot_parent.name()
+        centres = (centre for name, _, centre in self.context.world.mass_centres() if name == own)
+        self._centre: _Three = next(centres, (0.0, 0.0, 0.0))
+
+    def _velocity_of_mass(self) -> _Three:
+        """Velocity of the centre of mass, m/s in the world: that of the origin swings as the robot banks."""
+        body = self.robot_parent.bge_object
+        (vx, vy, vz), (wx, wy, wz) = body.velocity()
+        r, (a, b, c) = body.world_pose()[1], self._centre
+        x, y, z = r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c, r[6] * a + r[7] * b + r[8] * c
+        return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+
+    def _bank(self, command_x: float, command_y: float, climb: float, yaw_wanted: float, angles: _Three) -> None:
+        """Bank towards a direction of the world, and hold the height.
+
+        Args:
+            command_x: bank towards X of the world, rad.
+            command_y: bank towards Y of the world, rad.
+            climb: thrust beyond that which carries the robot, N.
+            yaw_wanted: rad.
+            angles: roll, pitch and yaw as they are, rad.
+        """
+        roll, pitch, yaw = angles
+        c, s, most = math.cos(yaw), math.sin(yaw), self._max_bank_angle
+        roll_wanted = min(max(s * command_x - c * command_y, -most), most)
+        pitch_wanted = min(max(c * command_x + s * command_y, -most), most)
+        carrying = self.robot_parent.bge_object.mass * GRAVITY
+        # the more it banks, the more thrust it takes to stay at a height: as much as for the largest bank at most
+        upright = max(math.cos(most) ** 2, math.cos(roll) * math.cos(pitch))
+        thrust = max(carrying / upright + climb, 0.0)
+        errors = (roll_wanted - roll, pitch_wanted - pitch, math.remainder(yaw_wanted - yaw, 2.0 * math.pi))
+        kp = (self._rp_pgain, self._rp_pgain, self._yaw_pgain)
+        kd = (self._rp_dgain, self._rp_dgain, self._yaw_dgain)
+        self._push(thrust, self._torque(errors, kp, kd, thrust / carrying if carrying else 0.0))

@@ -1,0 +1,59 @@
+"""Plays a sound."""
+
+from __future__ import annotations
+
+import logging
+
+from morse.core.actuator import Actuator
+from morse.core.quoting import shown
+from morse.helpers.components import add_data, add_kind, add_property
+
+logger = logging.getLogger(__name__)
+
+_MODES = ("play", "pause", "stop")
+
+
+class Sound(Actuator):
+    """Plays, pauses and stops a sound, and knows how far it has got.
+
+    Attributes:
+        played: how much of the sound was played since it began, s of simulated time.
+    """
+
+    _name = "Sound"
+    _short_desc = "A loudspeaker on a robot"
+
+    add_data("mode", "stop", "string", "What it does: play, pause or stop")
+    add_kind("switch", choice="mode")
+    add_property("_file", "", "file", "string", "The sound that it plays: a file")
+
+    _file: str
+
+    def __init__(self, obj: object, parent: object = None) -> None:
+        super().__init__(obj, parent)
+        self.played = 0.0
+        self._mode = "stop"
+
+    @property
+    def mode(self) -> str:
+        """What it does: ``play``, ``pause`` or ``stop``."""
+        return self._mode
+
+    @property
+    def file(self) -> str:
+        """The file of the sound."""
+        return self._file
+
+    def default_action(self) -> None:
+        """Play on."""
+        wanted = self.local_data["mode"]
+        if wanted != self._mode:
+            if wanted in _MODES:
+                self._mode = wanted
+            else:
+                logger.warning("%s: mode %s is none of %s", self.name(), shown(wanted), ", ".join(_MODES))
+                self.local_data["mode"] = self._mode
+        if self._mode == "play":
+            self.played += 1.0 / self.frequency
+        elif self._mode == "stop":
+            self.played = 0.0

@@ -1,0 +1,80 @@
+"""Flies a quadrotor that stabilizes itself, without forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.actuators.holding import Holding
+from morse.core import mathutils
+from morse.core.limits import ANGLE, POSITION, Angle, Position
+from morse.core.services import service
+from morse.helpers.components import add_data
+
+#: of the filters of the angles: natural frequency, rad/s, and damping
+_FREQUENCY, _DAMPING = 10.0, 0.7
+#: m/s^2; as much pulls down as the rotors push up at the wanted height
+_LIFT = 10.0
+#: of the height: 1/s^2 and 1/s (2 * 0.7 * 3)
+_HEIGHT_GAIN, _CLIMB_GAIN = 9.0, 4.2
+
+
+class StabilizedQuadrotor(Holding):
+    """Moves a quadrotor as its autopilot would: attitude and height follow the command, the place follows these.
+
+    Pitch and roll follow by a second-order filter of 10 rad/s and a damping of 0.7. ``psi_c`` is in effect
+    a yaw rate: the filter is given psi - psi_c, so that the yaw comes to change by -psi_c 10 / 1.4 rad/s. The rotors
+    push by 10 + 9 (h_c - h) - 4.2 v_z m/s^2 along Z of the robot, and 10 m/s^2 pull down. The robot is put where that
+    leads, whatever forces act on it.
+    """
+
+    _name = "Stabilized quadrotor"
+    _short_desc = "Motion controller which moves a quadrotor with an autopilot, without forces"
+
+    add_data("theta_c", 0.0, "float", "Pitch", frame="world", **ANGLE)
+    add_data("phi_c", 0.0, "float", "Roll", frame="world", **ANGLE)
+    add_data("psi_c", 0.0, "float", "Turns to the right: in effect a yaw rate", frame="world", **ANGLE)
+    add_data("h_c", 0.0, "float", "Height", frame="world", **POSITION)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        here = self.robot_parent.position_3d
+        *_, yaw, pitch, roll = here.numbers()
+        self._velocity = [0.0, 0.0, 0.0]
+        #: roll, pitch and yaw, rad, and their rates, rad/s
+        self._angles = [roll, pitch, yaw]
+        self._rates = [0.0, 0.0, 0.0]
+
+    @service
+    def set_cons(self, phi: Angle, theta: Angle, psi: Angle, h: Position) -> None:
+        """Set the command.
+
+        Args:
+            phi: roll, radians.
+            theta: pitch, radians.
+            psi: in effect a yaw rate, to the right.
+            h: height, metres.
+        """
+        self.local_data.update(phi_c=float(phi), theta_c=float(theta), psi_c=float(psi), h_c=float(h))
+
+    @service
+    def stop(self) -> None:
+        """Level out, and stay at the height that it has."""
+        self.set_cons(0.0, 0.0, 0.0, self.robot_parent.bge_object.world_pose()[0][2])
+
+    def default_action(self) -> None:
+        """Move on by a tick."""
+        data, angles, rates = self.local_data, self._angles, self._rates
+        dt = 1.0 / self.frequency
+        for i, wanted in enumerate((data["phi_c"], data["theta_c"], angles[2] - data["psi_c"])):
+            rates[i] += dt * _FREQUENCY * (_FREQUENCY * (wanted - angles[i]) - 2.0 * _DAMPING * rates[i])
+            angles[i] += dt * rates[i]
+        rotation = mathutils.Euler(angles).to_matrix()
+        place = list(self.robot_parent.bge_object.world_pose()[0])
+        lift = _LIFT + _HEIGHT_GAIN * (data["h_c"] - place[2]) - _CLIMB_GAIN * self._velocity[2]
+        for i, pull in enumerate((0.0, 0.0, _LIFT)):
+            self._velocity[i] += dt * (rotation[i][2] * lift - pull)
+            place[i] += dt * self._velocity[i]
+        body = self.robot_parent.bge_object
+        body.set_pose(place, [number for row in rotation for number in row])
+        # what is suspended has no velocity
+        body.suspendDynamics()

@@ -1,0 +1,60 @@
+"""Drives a car by its steering wheel, its engine and its brakes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.ackermann_robot import PhysicsAckermannRobot
+from morse.core.ackermann_steering import AckermannSteering
+from morse.core.actuator import Actuator
+from morse.core.limits import ANGLE, FORCE
+from morse.helpers.components import add_data, add_kind
+
+#: of the force, at each of the four wheels
+_ENGINE = 0.4
+#: of the brake force, at both front and both rear wheels together
+_BRAKE = 2 * 0.1 + 2 * 1.3
+
+
+class SteerForce(Actuator):
+    """Steers the front wheels of a car, drives its four wheels, and brakes them.
+
+    Each wheel is driven by 0.4 times the force; as in MORSE 1.4, a negative one drives forward. Each front wheel is
+    braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands. The car turns about a point
+    on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it rolls on.
+    """
+
+    _name = "Steer, force, brake"
+    _short_desc = "Motion controller using steering, engine force and brakes of a car"
+
+    add_data("steer", 0.0, "float", "Angle of the front wheels, positive to the left", frame="robot", **ANGLE)
+    add_data("force", 0.0, "float", "Force of the engine; negative drives forward", frame="robot", **FORCE)
+    add_data("brake", 0.0, "float", "Force of the brakes", unit="N", low=0.0, high=1e6)
+    add_kind("general")
+
+    not_state = ("_steering",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        robot = self.robot_parent
+        self._most = math.inf
+        if isinstance(robot, PhysicsAckermannRobot):
+            self._steering, self._most = robot.steering, robot.max_steering_angle
+            return
+        try:
+            self._steering = AckermannSteering(robot)
+        except ValueError as error:
+            raise ValueError(f"{error}; SteerForce drives cars such as Hummer") from None
+
+    def default_action(self) -> None:
+        """Drive."""
+        data = self.local_data
+        mass = self.robot_parent.bge_object.mass
+        if not mass:
+            return
+        dt = 1.0 / self.clock.frequency
+        speed = self._steering.speed() - 4.0 * _ENGINE * data["force"] / mass * dt
+        lost = _BRAKE * data["brake"] / mass * dt
+        speed = math.copysign(max(abs(speed) - lost, 0.0), speed)
+        self._steering.drive(speed, min(max(data["steer"], -self._most), self._most))

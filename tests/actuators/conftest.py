@@ -1,0 +1,25 @@
+from __future__ import annotations
+
+import pytest
+
+import morse
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Loads scene scripts, without network and wall clock; a script ends with its environment by itself."""
+    made = []
+
+    def load(script, environment="env = Environment('empty')"):
+        path = tmp_path / f"scene{len(made)}.py"
+        path.write_text(f"from morse.builder import *\n{script}\n{environment}\n")
+        made.append(morse.load(path))
+        return made[-1]
+
+    yield load
+    for simulation in made:
+        simulation.close()
+
+
+def component(simulation, name):
+    return simulation.context.component(name)

@@ -1,0 +1,113 @@
+"""Actuators that take a robot to a place on a straight line, and that turn it."""
+
+import math
+
+import pytest
+
+SCENE = """
+robot = {robot}()
+robot.translate(1.0, 2.0, {z})
+robot.rotate(0, 0, {yaw})
+motion = {motion}
+robot.append(motion)
+pose = Pose()
+robot.append(pose)
+"""
+
+
+def load(run, motion, robot="Morsy", z=0.0, yaw=0.0):
+    sim = run(SCENE.format(robot=robot, motion=motion, z=z, yaw=yaw))
+    sim.step(30)
+    return sim
+
+
+def pose(sim):
+    return sim.robot.pose.get()
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+def test_destination_goes_straight_at_its_speed_without_turning(run, yaw):
+    sim = load(run, "Destination(); motion.properties(Speed=1.0, Tolerance=0.1)", yaw=yaw)
+    sim.robot.motion.publish({"x": 1.0 - 3.0, "y": 2.0 + 4.0})
+    sim.step(121)
+    data = pose(sim)
+    # 2 of 5 m
+    assert (data["x"], data["y"]) == pytest.approx((1.0 - 1.2, 2.0 + 1.6), abs=0.03)
+    assert data["yaw"] == pytest.approx(yaw, abs=1e-3)
+    sim.step(300)
+    data = pose(sim)
+    assert math.dist((data["x"], data["y"]), (-2.0, 6.0)) <= 0.12
+    assert sim.context.component("robot").move_status == "Arrived"
+
+
+def test_destination_in_three_dimensions(run):
+    sim = load(run, "Destination(); motion.properties(RemainAtDestination=True)", robot="RMax", z=5.0)
+    sim.robot.motion.publish({"x": 4.0, "y": 2.0, "z": 9.0})
+    sim.step(120)
+    data = pose(sim)
+    # 5 m, on a line, up to 0.5 m before the end
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((4.0 - 0.3, 2.0, 9.0 - 0.4), abs=0.1)
+
+
+def test_destination_stays_where_it_is_until_it_is_told(run):
+    sim = load(run, "Destination()")
+    data = pose(sim)
+    assert (data["x"], data["y"]) == pytest.approx((1.0, 2.0), abs=1e-3)
+
+
+def test_remaining_at_the_destination_a_push_is_withstood(run):
+    def pushed(remain):
+        motion = f"Destination(); motion.properties(RemainAtDestination={remain})"
+        sim = run(
+            SCENE.format(robot="RMax", motion=motion, z=5.0, yaw=0.0) + "wind = ExternalForce()\nrobot.append(wind)"
+        )
+        sim.step(30)
+        sim.robot.wind.publish({"force": [0.2, 0.0, 0.0]})
+        sim.step(60)
+        return pose(sim)["x"] - 1.0
+
+    # half of 0.2 m/s^2 for a second, for the robot of 1 kg
+    assert pushed(False) == pytest.approx(0.1, abs=0.02)
+    assert pushed(True) == pytest.approx(0.0, abs=0.01)
+
+
+def test_orientation_at_once(run):
+    sim = load(run, "Orientation()", robot="RMax", z=5.0)
+    sim.robot.motion.publish({"yaw": 1.0, "pitch": -0.4, "roll": 0.2})
+    sim.step(2)
+    data = pose(sim)
+    assert (data["yaw"], data["pitch"], data["roll"]) == pytest.approx((1.0, -0.4, 0.2), abs=1e-6)
+    assert (data["x"], data["y"], data["z"]) == pytest.approx((1.0, 2.0, 5.0), abs=1e-6)
+
+
+def test_orientation_at_once_leaves_a_fall_to_gravity(run):
+    sim = run(SCENE.format(robot="Quadrotor", motion="Orientation()", z=20.0, yaw=0.0))
+    sim.robot.motion.publish({"roll": 0.5})
+    sim.step(60)
+    data = pose(sim)
+    assert data["roll"] == pytest.approx(0.5, abs=1e-3)
+    # with a little damping
+    assert 20.0 - data["z"] == pytest.approx(9.81 / 2.0, rel=0.1)
+
+
+@pytest.mark.parametrize("control", ["Velocity", "Position"])
+def test_orientation_at_a_speed_turns_each_angle_by_it(run, control):
+    motion = f"Orientation(); motion.properties(speed=0.5, ControlType='{control}')"
+    sim = load(run, motion, robot="RMax", z=5.0)
+    sim.robot.motion.publish({"yaw": 1.0, "pitch": 0.3, "roll": -0.2})
+    sim.step(30)
+    data = pose(sim)
+    turned = 0.5 * 31 / 60
+    assert (data["yaw"], data["pitch"]) == pytest.approx((turned, turned), abs=0.01)
+    sim.step(150)
+    data = pose(sim)
+    assert (data["yaw"], data["pitch"], data["roll"]) == pytest.approx((1.0, 0.3, -0.2), abs=0.021)
+
+
+def test_orientation_takes_the_shorter_way(run):
+    sim = load(run, "Orientation(); motion.properties(speed=0.5)", robot="RMax", z=5.0, yaw=3.0)
+    sim.robot.motion.publish({"yaw": -3.0})
+    sim.step(20)
+    assert pose(sim)["yaw"] == pytest.approx(3.0 + 0.5 * 19 / 60, abs=0.02) or pose(sim)["yaw"] < -3.0
+    sim.step(30)
+    assert math.remainder(pose(sim)["yaw"] + 3.0, 2 * math.pi) == pytest.approx(0.0, abs=0.021)
