@@ -1,0 +1,30 @@
+"""Standard deviations as scene scripts give them: one for all axes, or one for each."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.exceptions import MorseBuilderError
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+
+
+def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:
+    """The standard deviation of each axis; an axis that a dictionary lacks has none.
+
+    Args:
+        option: its name, for messages.
+        given: a number from 0 upward, or a dictionary of such numbers.
+        axes: the keys that the dictionary may have.
+
+    Raises:
+        MorseBuilderError: something else was given.
+    """
+    by_axis = given if isinstance(given, dict) else dict.fromkeys(axes, given)
+    for axis, value in by_axis.items():
+        if axis not in axes:
+            raise MorseBuilderError(f"option '{option}' has no axis {shown(axis)}{nearest(axis, axes)}")
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value < math.inf:
+            raise MorseBuilderError(f"option '{option}' takes a standard deviation from 0 upward, not {shown(value)}")
+    return {axis: float(by_axis.get(axis, 0.0)) for axis in axes}

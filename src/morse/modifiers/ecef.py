@@ -1,0 +1,39 @@
+"""Earth-centred, earth-fixed coordinates."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from morse.modifiers.earth import EarthModifier
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.mathutils.rotations import Triple
+
+_CHANGES = MappingProxyType({name: {"frame": "earth"} for name in "xyz"})
+
+
+class CoordinatesToECEF(EarthModifier):
+    """Gives the position of a measurement from the centre of the earth, metres; angles stay those in the world."""
+
+    _names = ("ECEF",)
+    _components = ("Pose", "GPS")
+    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+
+    def converted(self, place: Triple) -> Triple:
+        """World to earth-centred coordinates, m."""
+        return self.plane.ecef_of(place)
+
+
+class CoordinatesFromECEF(EarthModifier):
+    """Takes the position of a command from the centre of the earth, metres."""
+
+    _names = ("ECEF",)
+    _components = ("Destination", "Waypoint", "Teleport")
+    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+
+    def converted(self, place: Triple) -> Triple:
+        """Earth-centred to world coordinates, m."""
+        return self.plane.world_of_ecef(place)

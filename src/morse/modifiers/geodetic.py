@@ -1,0 +1,45 @@
+"""Longitude, latitude and altitude."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from morse.modifiers.earth import EarthModifier
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.mathutils.rotations import Triple
+
+_CHANGES = MappingProxyType(
+    {
+        "x": {"unit": "deg", "frame": "wgs84"},
+        "y": {"unit": "deg", "frame": "wgs84"},
+        "z": {"unit": "m", "frame": "wgs84"},
+    }
+)
+
+
+class CoordinatesToGeodetic(EarthModifier):
+    """Gives longitude and latitude (degrees, WGS84) as x and y, and the height above the ellipsoid (m) as z."""
+
+    _names = ("geodetic",)
+    _components = ("Pose", "GPS")
+    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+
+    def converted(self, place: Triple) -> Triple:
+        """World coordinates, m, to longitude, latitude, altitude."""
+        return self.plane.geodetic_of(place)
+
+
+class CoordinatesFromGeodetic(EarthModifier):
+    """Takes longitude, latitude and altitude as x, y and z of a command."""
+
+    _names = ("geodetic",)
+    _components = ("Destination", "Waypoint", "Teleport")
+    changes: Mapping[str, Mapping[str, Any]] = _CHANGES
+
+    def converted(self, place: Triple) -> Triple:
+        """Longitude, latitude, altitude to world coordinates, m."""
+        return self.plane.world_of_geodetic(*place)

@@ -1,0 +1,88 @@
+"""Frames with X north, Y east, Z down, as aircraft use them.
+
+The world of a scene has X east, Y north, Z up here. Coordinates are exchanged, (x, y, z) to (y, x, -z). The axes of
+a body are forward, right, down instead of forward, left, up: its roll stays, its pitch changes its sign, and its yaw is
+counted from north, clockwise: yaw becomes pi/2 - yaw. MORSE 1.4 exchanged roll and yaw as well: its angles were wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.modifier import AbstractModifier
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
+
+_COORDINATES, _ANGLES = ("x", "y", "z"), ("yaw", "pitch")
+_FULL_TURN = 2.0 * math.pi
+
+
+class AbstractNED(AbstractModifier):
+    """Exchanges coordinates and angles; the change is its own inverse."""
+
+    options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
+    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+        {name: {"frame": "ned"} for name in (*_COORDINATES, "roll", *_ANGLES)}
+    )
+
+    def exchange_coordinates(self) -> None:
+        """(x, y, z) to (y, x, -z)."""
+        data = self.data
+        try:
+            data["x"], data["y"], data["z"] = data["y"], data["x"], -data["z"]
+        except KeyError as missing:
+            self.key_error(missing)
+
+    def exchange_angles(self) -> None:
+        """Yaw from north, clockwise; pitch positive nose up; roll stays."""
+        data = self.data
+        try:
+            yaw, pitch = math.remainder(0.5 * math.pi - data["yaw"], _FULL_TURN), -data["pitch"]
+        except KeyError as missing:
+            self.key_error(missing)
+        else:
+            data["yaw"], data["pitch"] = yaw, pitch
+
+
+class CoordinatesToNED(AbstractNED):
+    """Gives a pose in the frame north, east, down."""
+
+    _names = ("NED",)
+    _components = ("Pose", "Teleport")
+
+    def modify(self) -> None:
+        """Change the coordinates, and the angles."""
+        self.exchange_coordinates()
+        self.exchange_angles()
+
+
+class PositionToNED(AbstractNED):
+    """Gives a position in the frame north, east, down, or takes one."""
+
+    _names = ("NED",)
+    _components = ("GPS", "Destination", "Waypoint")
+
+    def modify(self) -> None:
+        """Change the coordinates."""
+        self.exchange_coordinates()
+
+
+class AnglesToNED(AbstractNED):
+    """Gives angles in the frame north, east, down, or takes them."""
+
+    _names = ("NED",)
+    _components = ("Gyroscope", "Orientation")
+
+    def modify(self) -> None:
+        """Change the angles."""
+        self.exchange_angles()
+
+
+# the class paths by which scripts of 1.4 know the changes of commands: each change is its own inverse
+CoordinatesFromNED = PositionToNED
+AnglesFromNED = AnglesToNED

@@ -1,0 +1,84 @@
+"""The errors of odometry: wheels that are larger than they should be, and a gyroscope that drifts."""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.declarations import Option
+from morse.core.modifier import AbstractModifier
+from morse.core.services import service
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.object import Object
+
+_FULL_TURN = 2.0 * math.pi
+_LENGTHS = ("dS", "dx", "dy", "dz", "vx", "vy", "vz")
+
+
+class OdometryNoiseModifier(AbstractModifier):
+    """Measures each displacement wrongly by a factor, and the heading with a drift; the errors add up.
+
+    Each measurement draws a factor from N(``factor``, ``factor_sigma``) and a drift from N(``gyro_drift``,
+    ``gyro_drift_sigma``), in radians a measurement. Displacements and velocities are multiplied by the factor. The
+    drift is added to the change of the heading. The integrated level follows the path that results from that.
+    """
+
+    _names = ("OdometryNoise",)
+    _components = ("Odometry",)
+
+    options: ClassVar[Mapping[str, Option]] = MappingProxyType(
+        {
+            "factor": Option(float, 1.05, "Measured length of a metre"),
+            "factor_sigma": Option(float, 0.0, "Its standard deviation", low=0.0),
+            "gyro_drift": Option(float, 0.0, "Drift of the heading, each measurement", unit="rad"),
+            "gyro_drift_sigma": Option(float, 0.0, "Its standard deviation", unit="rad", low=0.0),
+        }
+    )
+
+    def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
+        super().__init__(component_instance, kwargs)
+        chosen = {name: float(self.parameter(name, default=option.default)) for name, option in self.options.items()}
+        self._factor, self._factor_sigma = chosen["factor"], chosen["factor_sigma"]
+        self._drift, self._drift_sigma = chosen["gyro_drift"], chosen["gyro_drift_sigma"]
+        self._random = component_instance.context.random(f"{component_instance.name()}/{type(self).__name__}")
+        #: the path of the measurements: true and measured x, y and yaw
+        self._true, self._measured = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        self._yaw_error = 0.0
+
+    @service
+    def reset_noise(self) -> None:
+        """Forget the errors that have added up."""
+        self._yaw_error = 0.0
+        self._measured = self._true
+
+    def modify(self) -> None:
+        """Measure with errors."""
+        data = self.data
+        factor = self._random.normal(self._factor, self._factor_sigma) if self._factor_sigma else self._factor
+        drift = self._random.normal(self._drift, self._drift_sigma) if self._drift_sigma else self._drift
+        for name in _LENGTHS:
+            if name in data:
+                data[name] *= factor
+        if "dyaw" in data:
+            data["dyaw"] = math.remainder(data["dyaw"] + drift, _FULL_TURN)
+        if "wz" in data:
+            data["wz"] += drift * self.component_instance.frequency
+        if "yaw" in data and "x" in data:
+            self._follow(factor, drift)
+
+    def _follow(self, factor: float, drift: float) -> None:
+        """Add the displacement since the last measurement to the path that was measured."""
+        data = self.data
+        x, y, yaw = data["x"], data["y"], data["yaw"]
+        dx, dy = factor * (x - self._true[0]), factor * (y - self._true[1])
+        # the displacement is measured in the axes of the body, whose heading is known with an error
+        c, s = math.cos(self._yaw_error), math.sin(self._yaw_error)
+        self._yaw_error = math.remainder(self._yaw_error + drift, _FULL_TURN)
+        self._true = (x, y, yaw)
+        measured_yaw = math.remainder(yaw + self._yaw_error, _FULL_TURN)
+        self._measured = (self._measured[0] + c * dx - s * dy, self._measured[1] + s * dx + c * dy, measured_yaw)
+        data["x"], data["y"], data["yaw"] = self._measured

@@ -1,0 +1,78 @@
+"""Coordinates of the Universal Transverse Mercator grid: those of the world, shifted."""
+
+from __future__ import annotations
+
+import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.declarations import Option
+from morse.core.exceptions import MorseBuilderError
+from morse.core.modifier import AbstractModifier
+from morse.core.quoting import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_PROPERTIES = {"x": "UTMXOffset", "y": "UTMYOffset", "z": "UTMZOffset"}
+
+
+class UTMModifier(AbstractModifier):
+    """Shifts coordinates by the place of the world's origin in the grid.
+
+    Options ``x_offset``, ``y_offset``, ``z_offset``, in metres; else the properties ``UTMXOffset``, ``UTMYOffset`` and
+    ``UTMZOffset`` of the environment, which may be strings; else nothing.
+    """
+
+    options: ClassVar[Mapping[str, Option]] = MappingProxyType(
+        {
+            f"{axis}_offset": Option((float, int, str), 0.0, "Of the world's origin in the grid", unit="m")
+            for axis in "xyz"
+        }
+    )
+    changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+        # the axes of the grid are those of the world
+        {name: {"frame": "utm"} for name in ("x", "y", "z", "roll", "pitch", "yaw")}
+    )
+    _sign = 1.0
+
+    def initialize(self) -> None:
+        """Take the offsets.
+
+        Raises:
+            MorseBuilderError: one is no number.
+        """
+        self._offsets = {axis: self._offset(axis) for axis in "xyz"}
+
+    def _offset(self, axis: str) -> float:
+        given = self.parameter(f"{axis}_offset", prop=_PROPERTIES[axis], default=0.0)
+        try:
+            offset = float(given)
+        except (TypeError, ValueError):
+            offset = math.nan
+        if not math.isfinite(offset):
+            raise MorseBuilderError(f"{_PROPERTIES[axis]}, or {axis}_offset, is a number of metres, not {shown(given)}")
+        return offset
+
+    def modify(self) -> None:
+        """Shift the coordinates."""
+        for axis, offset in self._offsets.items():
+            try:
+                self.data[axis] += self._sign * offset
+            except KeyError as missing:
+                self.key_error(missing)
+
+
+class CoordinatesToUTM(UTMModifier):
+    """Gives the coordinates of a measurement in the grid."""
+
+    _names = ("UTM",)
+    _components = ("Pose", "GPS")
+
+
+class CoordinatesFromUTM(UTMModifier):
+    """Takes the coordinates of a command in the grid."""
+
+    _names = ("UTM",)
+    _components = ("Destination", "Waypoint")
+    _sign = -1.0
