@@ -1,5 +1,6 @@
-"""A four-wheeled outdoor robot, driven as one rigid body."""
+"""ATRV."""
 
+from morse.core.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 
@@ -7,4 +8,4 @@ class ATRV(Robot):
     """A four-wheeled outdoor robot, driven as one rigid body."""
 
     _name = "ATRV"
-    _short_desc = "A four-wheeled outdoor robot, driven as one rigid body."
+    _builder = RobotDefaults("atrv")

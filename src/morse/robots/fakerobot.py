@@ -1,5 +1,6 @@
-"""A frame without a body, that only carries components."""
+"""Fake robot."""
 
+from morse.core.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 
@@ -7,4 +8,4 @@ class FakeRobot(Robot):
     """A frame without a body, that only carries components."""
 
     _name = "Fake robot"
-    _short_desc = "A frame without a body, that only carries components."
+    _builder = RobotDefaults(drive="free", collides=False)

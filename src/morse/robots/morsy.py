@@ -1,5 +1,6 @@
-"""The mascot of MORSE, a small rigid robot to drive around."""
+"""Morsy."""
 
+from morse.core.builder_defaults import RobotDefaults
 from morse.core.robot import Robot
 
 
@@ -7,4 +8,4 @@ class Morsy(Robot):
     """The mascot of MORSE, a small rigid robot to drive around."""
 
     _name = "Morsy"
-    _short_desc = "The mascot of MORSE, a small rigid robot to drive around."
+    _builder = RobotDefaults("morsy")

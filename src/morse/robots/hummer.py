@@ -1,0 +1,11 @@
+"""Hummer."""
+
+from morse.core.builder_defaults import RobotDefaults
+from morse.core.robot import Robot
+
+
+class Hummer(Robot):
+    """An off-road vehicle with steered wheels."""
+
+    _name = "Hummer"
+    _builder = RobotDefaults("hummer")

@@ -1,0 +1,11 @@
+"""Quadrotor 2012."""
+
+from morse.core.builder_defaults import RobotDefaults
+from morse.core.robot import Robot
+
+
+class QUAD2012(Robot):
+    """A quadrotor that nothing touches."""
+
+    _name = "Quadrotor 2012"
+    _builder = RobotDefaults("quadrotor", drive="free")

@@ -1,0 +1,11 @@
+"""Submarine."""
+
+from morse.core.builder_defaults import RobotDefaults
+from morse.core.robot import Robot
+
+
+class Submarine(Robot):
+    """A submarine that neither sinks nor rises by itself."""
+
+    _name = "Submarine"
+    _builder = RobotDefaults("submarine", drive="free", properties={"NoGravity": True}, rigid_body=True)
