@@ -1,0 +1,10 @@
+"""What cameras see: drawn in software, the same bits on every machine.
+
+Nothing is imported by a scene without cameras.
+"""
+
+from morse.rendering.lens import Lens
+from morse.rendering.renderer import Renderer
+from morse.rendering.request import CameraRequest, Picture
+
+__all__ = ["CameraRequest", "Lens", "Picture", "Renderer"]

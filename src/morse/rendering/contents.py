@@ -1,0 +1,181 @@
+"""What there is to see in a world, as arrays, and where it is now."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import (
+    DITHERED,
+    DOUBLE_SIDED,
+    MASKED,
+    MATERIAL,
+    MIRRORED,
+    MOVES,
+    SHADELESS,
+    VERTEX,
+    Drawing,
+    Poses,
+)
+from morse.rendering.meshes import clusters_of
+from morse.scene import is_shown, slot_materials
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.physics import World
+    from morse.rendering.meshes import Clusters
+    from morse.rendering.textures import TextureStore
+    from morse.scene import Material, Mesh, Node
+
+#: less opaque than that is seen through
+_OPAQUE = 0.99
+
+
+class MeshStore:
+    """Meshes that were cut into clusters, kept from one arrangement of a world to the next."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, int], tuple[Mesh, Clusters]] = {}
+
+    def clusters(self, mesh: Mesh, slots: int) -> Clusters:
+        """The clusters of a mesh."""
+        key = (id(mesh), slots)
+        if key not in self._known:
+            # the mesh is kept, so that no other one gets its id
+            self._known[key] = (mesh, clusters_of(mesh, slots))
+        return self._known[key][1]
+
+
+class Contents:
+    """The instances of meshes in a world.
+
+    Attributes:
+        drawing: their triangles and surfaces.
+        nodes: of each instance; the image of ids holds their indices.
+        moving: (P,) whether each part of the drawing may move.
+        placed: (I, 3, 4) mesh to world, where the scene has them.
+    """
+
+    def __init__(self, world: World, meshes: MeshStore, textures: TextureStore) -> None:
+        self._world = world
+        self._textures = textures
+        self._materials: dict[tuple[object, ...], int] = {}
+        self._cut: dict[int, list[int]] = {}
+        self._chunks: list[Clusters] = []
+        self._counts = [0, 0, 0]
+        self.nodes = [n for n in world.scene.nodes() if n.mesh is not None and len(n.mesh.triangles)]
+        self._objects = [world.object_of(node) for node in self.nodes]
+        self._groups = np.array([obj.slot for obj in self._objects], dtype=np.intp)
+        self._shown = np.array([is_shown(node, True) for node in self.nodes], dtype=bool)
+        self._stretches, self.placed = np.zeros((len(self.nodes), 3, 3)), np.zeros((len(self.nodes), 3, 4))
+        self._offsets = np.zeros((len(self.nodes), 3, 4))
+        slots: list[int] = []
+        parts: list[tuple[int, int, int, int]] = []
+        for number, node in enumerate(self.nodes):
+            assert node.mesh is not None
+            frame = rigid_frame(node)
+            self._stretches[number] = [list(row) for row in frame.stretch]
+            rotation = np.array([list(row) for row in frame.rotation])
+            self.placed[number, :, :3], self.placed[number, :, 3] = rotation @ self._stretches[number], frame.position
+            surfaces = slot_materials(node, node.mesh)
+            flags = MIRRORED * int(np.linalg.det(self._stretches[number]) < 0.0)
+            flags |= MOVES * int(not world.is_fixed(self._groups[number]))
+            parts += [(c, number, len(slots), flags) for c in self._clusters(meshes.clusters(node.mesh, len(surfaces)))]
+            slots += [self._material(material, node.color or material.color) for material in surfaces]
+        self._settle(range(len(self.nodes)))
+        self._layout = -1
+        self._displaced: list[int] = []
+        texels, textured = textures.arrays()
+        table = np.array(list(self._materials) or [(0.0,) * 12], dtype=object)
+        self.drawing = Drawing(
+            *self._joined(),
+            np.array(parts, np.int32).reshape(-1, 4),
+            np.array(slots, np.int32),
+            _material_rows(table),
+            texels,
+            textured,
+        )
+        self.moving = self.drawing.parts[:, 3] & MOVES != 0
+
+    # -- what there is ---------------------------------------------------------------------
+
+    def _clusters(self, cut: Clusters) -> list[int]:
+        """The numbers of the clusters of a mesh in the drawing."""
+        if id(cut) not in self._cut:
+            first = self._counts[2]
+            self._cut[id(cut)] = list(range(first, first + len(cut.clusters)))
+            offset = np.array([self._counts[0], 0, self._counts[1], 0], np.int32)
+            self._chunks.append(cut._replace(clusters=cut.clusters + offset))
+            for index, rows in enumerate((cut.vertices, cut.triangles, cut.clusters)):
+                self._counts[index] += len(rows)
+        return self._cut[id(cut)]
+
+    def _joined(self) -> tuple[NDArray[np.void], NDArray[np.int32], NDArray[np.int32], NDArray[np.float32]]:
+        return (
+            np.concatenate([np.zeros(0, VERTEX), *(c.vertices for c in self._chunks)]),
+            np.concatenate([np.zeros((0, 4), np.int32), *(c.triangles for c in self._chunks)]),
+            np.concatenate([np.zeros((0, 4), np.int32), *(c.clusters for c in self._chunks)]),
+            np.concatenate([np.zeros((0, 4), np.float32), *(c.spheres for c in self._chunks)]),
+        )
+
+    def _material(self, material: Material, color: tuple[float, ...]) -> int:
+        texture = -1 if material.image is None else self._textures.number(material.image)
+        flags = SHADELESS * material.shadeless | DOUBLE_SIDED * material.double_sided
+        flags |= DITHERED * (not color[3] >= _OPAQUE)
+        flags |= MASKED * (texture >= 0 and self._textures.has_holes(texture))
+        row = (*color, *material.emission, material.metallic, material.roughness, texture, int(flags), 0)
+        return self._materials.setdefault(row, len(self._materials))
+
+    # -- where it is -----------------------------------------------------------------------
+
+    def poses(self) -> Poses:
+        """Where all instances are now; what is not visible is nowhere."""
+        world = self._world
+        self._follow()
+        positions, rotations = world.slot_poses()
+        model = rotations[self._groups] @ self._offsets
+        model[:, :, 3] += positions[self._groups]
+        seen = self._shown & np.fromiter((obj.visible for obj in self._objects), bool, len(self._objects))
+        seen &= (np.abs(model) < 1e7).all(axis=(1, 2))
+        model[~seen] = 0.0
+        linear = model[:, :, :3]
+        # cofactors: the inverse transposed times the determinant, whose sign keeps mirrored meshes right
+        turns = np.cross(np.roll(linear, -1, axis=1), np.roll(linear, -2, axis=1))
+        turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
+        return Poses(
+            np.ascontiguousarray(model.reshape(-1, 12), dtype=np.float32),
+            np.ascontiguousarray(turns.reshape(-1, 9), dtype=np.float32),
+        )
+
+    def _follow(self) -> None:
+        """Take the places of parts that move within their groups."""
+        world = self._world
+        if self._layout != world.layout:
+            self._layout = world.layout
+            below = {member for node, frame in world.moving_nodes() if frame == "parent" for member in node.walk()}
+            was = self._displaced
+            self._displaced = [number for number, node in enumerate(self.nodes) if node in below]
+            self._settle(was)
+        self._settle(self._displaced)
+
+    def _settle(self, numbers: range | list[int]) -> None:
+        for number in numbers:
+            position, rotation = self._objects[number].offset
+            self._offsets[number, :, :3] = np.reshape(rotation, (3, 3)) @ self._stretches[number]
+            self._offsets[number, :, 3] = position
+
+    def node(self, number: int) -> Node:
+        """The node of an instance."""
+        return self.nodes[number]
+
+
+def _material_rows(table: NDArray[np.object_]) -> NDArray[np.void]:
+    rows = np.zeros(len(table), MATERIAL)
+    numbers = np.nan_to_num(table[:, :9].astype(np.float64), nan=0.0, posinf=1e6, neginf=0.0)
+    rows["color"], rows["emission"] = np.clip(numbers[:, :4], 0.0, 1.0), np.clip(numbers[:, 4:7], 0.0, 1e6)
+    rows["metallic"], rows["roughness"] = np.clip(numbers[:, 7:9], 0.0, 1.0).T
+    rows["texture"], rows["flags"] = table[:, 9:11].astype(np.int32).T
+    return rows

@@ -1,0 +1,93 @@
+"""How a camera projects."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: mm, of the sensor on which a focal length makes its picture
+SENSOR_WIDTH = 32.0
+#: pixels along one side, and of a picture
+MOST_PIXELS_ASIDE, MOST_PIXELS = 8192, 1 << 24
+_MOST_FOCAL = 1e7
+
+
+@dataclass(frozen=True, slots=True)
+class Lens:
+    """A pinhole lens and the sensor behind it.
+
+    Attributes:
+        width, height: pixels.
+        fx, fy: focal lengths, pixels.
+        cx, cy: where the optical axis meets the picture, pixels from its upper left corner; the middle of the first
+            pixel is at 0.5.
+        near, far: metres along the axis; what is nearer or farther is not seen.
+
+    Raises:
+        ValueError: numbers that make no picture.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    near: float = 0.1
+    far: float = 100.0
+
+    def __post_init__(self) -> None:
+        for name in ("width", "height"):
+            size = getattr(self, name)
+            if not 1 <= size <= MOST_PIXELS_ASIDE:
+                raise ValueError(f"the {name} of a picture is 1 to {MOST_PIXELS_ASIDE} pixels, got {size!r}")
+        if self.width * self.height > MOST_PIXELS:
+            raise ValueError(f"a picture has at most {MOST_PIXELS} pixels, got {self.width} x {self.height}")
+        for name in ("fx", "fy"):
+            if not 0.0 < getattr(self, name) <= _MOST_FOCAL:
+                raise ValueError(f"{name} is a focal length in pixels, greater than 0, got {getattr(self, name)!r}")
+        if not (math.isfinite(self.cx) and math.isfinite(self.cy)):
+            raise ValueError(f"cx and cy are pixels, got {self.cx!r} and {self.cy!r}")
+        if not 1e-6 <= self.near < self.far <= 1e6:
+            raise ValueError(
+                f"near and far are metres with 1e-6 <= near < far <= 1e6, got near={self.near!r}, far={self.far!r}"
+            )
+
+    @classmethod
+    def of_focal_length(
+        cls, width: int, height: int, millimetres: float, near: float = 0.1, far: float = 100.0
+    ) -> Lens:
+        """The lens of a focal length, for a sensor 32 mm wide."""
+        if not 0.0 < millimetres < math.inf:
+            raise ValueError(f"a focal length is greater than 0 mm, got {millimetres!r}")
+        f = width * millimetres / SENSOR_WIDTH
+        return cls(width, height, f, f, width / 2, height / 2, near, far)
+
+    @classmethod
+    def of_angle(cls, width: int, height: int, angle: float, near: float = 0.1, far: float = 100.0) -> Lens:
+        """The lens that sees so much from left to right, radians."""
+        if not 0.0 < angle < math.pi:
+            raise ValueError(
+                f"a field of view is between 0 and 180 degrees, got {math.degrees(angle):g}: "
+                "no flat picture shows half of the world"
+            )
+        f = width / 2 / math.tan(angle / 2)
+        return cls(width, height, f, f, width / 2, height / 2, near, far)
+
+    @property
+    def matrix(self) -> list[list[float]]:
+        """The intrinsic matrix, 3x3, pixels."""
+        return [[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]]
+
+    def rays(self) -> NDArray[np.float32]:
+        """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; X right, Y down, Z forward."""
+        found = np.ones((self.height, self.width, 3), np.float32)
+        found[..., 0] = (np.arange(self.width) + 0.5 - self.cx) / self.fx
+        found[..., 1] = ((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None]
+        return found

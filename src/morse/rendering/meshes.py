@@ -1,0 +1,129 @@
+"""Meshes as the kernel draws them: in clusters of neighbouring triangles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import CLUSTER, VERTEX
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.scene import Mesh
+
+#: m: what is farther from the origin of a mesh is no place
+_FARTHEST = 1e7
+#: texture coordinates repeat; beyond it they have no fraction to speak of
+_FARTHEST_UV = 1e4
+
+
+class Clusters(NamedTuple):
+    """A mesh cut into clusters; the numbers count from the first vertex and triangle of the mesh.
+
+    Attributes:
+        vertices: (V,) `VERTEX`.
+        triangles: (T, 4) int32, three vertices, counted from the first of the cluster, and the material slot.
+        clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
+        spheres: (C, 4) float32, centre and radius.
+    """
+
+    vertices: NDArray[np.void]
+    triangles: NDArray[np.int32]
+    clusters: NDArray[np.int32]
+    spheres: NDArray[np.float32]
+
+
+def clusters_of(mesh: Mesh, slots: int) -> Clusters:
+    """Cut a mesh into clusters, with corners that agree joined.
+
+    Triangles with corners that are no places, or that the mesh does not have, are left out.
+
+    Args:
+        slots: number of material slots; triangles of other slots get the last one.
+    """
+    index = np.asarray(mesh.triangles, dtype=np.int64).reshape(-1, 3)
+    points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
+    fine: NDArray[np.bool_] = np.asarray(((index >= 0) & (index < len(points))).all(axis=1))
+    places = np.abs(points) <= _FARTHEST
+    usable = np.asarray(places.all(axis=1))
+    fine[fine] = usable[index[fine]].all(axis=1)
+    corners = points[index[fine]]
+    slot = np.clip(_column(mesh.material_index, len(index))[fine], 0, slots - 1)
+    rows = np.zeros((len(corners), 3, 8), np.float32)
+    rows[..., :3] = corners
+    rows[..., 3:6] = _normals(mesh, fine, corners)
+    if mesh.uvs is not None and len(mesh.uvs) == len(index):
+        uvs = np.asarray(mesh.uvs, dtype=np.float32).reshape(-1, 3, 2)[fine]
+        rows[..., 6:] = np.clip(np.nan_to_num(uvs), -_FARTHEST_UV, _FARTHEST_UV)
+    rows += np.float32(0.0)  # the sum makes -0 and 0 one
+    order = _along_curve(corners.mean(axis=1, dtype=np.float64)) if len(corners) else np.zeros(0, np.int64)
+    return _joined(rows[order], slot[order])
+
+
+def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
+    found = np.zeros(count, np.int64)
+    if values is not None and len(values) == count:
+        found[:] = values
+    return found
+
+
+def _normals(mesh: Mesh, fine: NDArray[np.bool_], corners: NDArray[np.float32]) -> NDArray[np.float32]:
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
+    face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-30)
+    flat = np.repeat(face[:, None], 3, axis=1).astype(np.float32)
+    if mesh.normals is None or len(mesh.normals) != len(fine):
+        return flat
+    given = np.asarray(mesh.normals, dtype=np.float32).reshape(-1, 3, 3)[fine]
+    usable = (np.isfinite(given) & (np.abs(given) < 1e3)).all(axis=2, keepdims=True)
+    return np.where(usable, given, flat)
+
+
+def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
+    """Clusters of rows (T, 3, 8) that are neighbours; of each, equal corners become one vertex."""
+    count = len(rows)
+    cluster = np.arange(count) // CLUSTER
+    owner = np.repeat(cluster, 3)
+    flat = np.ascontiguousarray(rows.reshape(-1, 8))
+    # one number for each corner, so that sorting is quick; rows that share a number are compared below
+    words = flat.view(np.uint32).astype(np.uint64)
+    factors = np.random.default_rng(1).integers(1, 2**63, size=9, dtype=np.uint64) | np.uint64(1)
+    mixed = words * factors[:8]
+    mixed ^= mixed >> np.uint64(29)
+    key = (mixed.sum(axis=1, dtype=np.uint64) & np.uint64(0xFFFFFFFF)) | (owner.astype(np.uint64) << np.uint64(32))
+    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
+    inverse = inverse.reshape(-1)
+    if count and not np.array_equal(flat[first][inverse], flat):
+        first = inverse = np.arange(len(flat))  # never seen: two corners in one number
+    firsts = np.searchsorted(owner[first], np.arange(cluster[-1] + 1 if count else 0))
+    sizes = np.diff(np.append(firsts, len(first)))
+    starts = np.arange(0, count, CLUSTER)
+    triangles = np.empty((count, 4), np.int32)
+    triangles[:, :3] = inverse.reshape(-1, 3) - firsts[cluster][:, None] if count else 0
+    triangles[:, 3] = slot
+    vertices = flat[first].view(VERTEX).reshape(-1)
+    numbers = np.column_stack([firsts, sizes, starts, np.diff(np.append(starts, count))]).astype(np.int32)
+    return Clusters(vertices, triangles, numbers.reshape(-1, 4), _spheres(vertices["p"], firsts))
+
+
+def _spheres(points: NDArray[np.float32], firsts: NDArray[np.intp]) -> NDArray[np.float32]:
+    if not len(firsts):
+        return np.zeros((0, 4), np.float32)
+    low, high = np.minimum.reduceat(points, firsts), np.maximum.reduceat(points, firsts)
+    middle = (low + high) / 2
+    apart = points - np.repeat(middle, np.diff(np.append(firsts, len(points))), axis=0)
+    reach = np.maximum.reduceat(np.linalg.norm(apart, axis=1), firsts)
+    # a little more: the kernel works in single precision
+    return np.column_stack([middle, reach * 1.0001 + 1e-6]).astype(np.float32)
+
+
+def _along_curve(points: NDArray[np.float64]) -> NDArray[np.intp]:
+    """The order of points along a Z-order curve (G. M. Morton, 1966)."""
+    low, size = points.min(axis=0), max(float(np.ptp(points, axis=0).max()), 1e-9)
+    cell = ((points - low) / size * 1023).astype(np.int64)
+    key = np.zeros(len(points), np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            key |= ((cell[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return np.argsort(key, kind="stable")

@@ -1,0 +1,118 @@
+"""Draws what all cameras of a world see."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.drawing import Light, drawer
+from morse.kernel.drawing.arrays import CAMERA
+from morse.rendering.contents import Contents, MeshStore
+from morse.rendering.lights import lamps_of, light_nodes, sky_of
+from morse.rendering.request import CameraRequest, Picture
+from morse.rendering.shadows import Shadows
+from morse.rendering.textures import TextureStore
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from morse.physics import GameObject, World
+    from morse.rendering.lens import Lens
+
+#: of each pixel
+_SAMPLES = 5
+#: pixels that are drawn at once, so that many large cameras do not fill the memory
+_MOST_PIXELS = 1 << 25
+
+
+class Renderer:
+    """Draws what cameras see; all cameras that are due in a tick are drawn in one call."""
+
+    def __init__(self, world: World, samples: int = _SAMPLES) -> None:
+        self._world = world
+        self._samples = samples
+        self._meshes, self._textures = MeshStore(), TextureStore()
+        self._arrangement = self._repaints = -1
+        self._shadows: Shadows | None = None
+
+    def request(
+        self, obj: GameObject, lens: Lens, *, color: bool = True, wanted: Callable[[], bool] = lambda: True
+    ) -> CameraRequest:
+        """What a camera asks for whenever it acts; see `CameraRequest`."""
+        return CameraRequest(self, obj, lens, color=color, wanted=wanted)
+
+    def serve(self, requests: Sequence[CameraRequest]) -> None:
+        """Draw the pictures that are wanted."""
+        wanted = [request for request in requests if request.wanted()]
+        while wanted:
+            pixels, count = 0, 0
+            for request in wanted:
+                pixels += request.lens.width * request.lens.height
+                if count and pixels > _MOST_PIXELS:
+                    break
+                count += 1
+            self._draw(wanted[:count])
+            wanted = wanted[count:]
+
+    def _draw(self, requests: Sequence[CameraRequest]) -> None:
+        self._look()
+        contents = self._contents
+        poses = contents.poses()
+        cameras = np.zeros(len(requests), CAMERA)
+        for row, request in zip(cameras, requests, strict=True):
+            _fill(row, request)
+        light = self._light
+        if cameras["color"].any():
+            light = self._lit()
+            assert self._shadows is not None
+            self._shadows.update(poses)
+        made = self._drawer.draw(cameras, poses, light, self._samples)
+        for row, request in zip(cameras, requests, strict=True):
+            shape = (request.lens.height, request.lens.width)
+            part = slice(int(row["pixel"]), int(row["pixel"]) + shape[0] * shape[1])
+            request.picture = Picture(
+                made.rgb[part].reshape(*shape, 3) if request.color else None,
+                made.depth[part].reshape(shape),
+                made.ids[part].reshape(shape),
+                contents.nodes,
+            )
+
+    def _look(self) -> None:
+        """Look at all of the world anew if something has come or gone, or has another colour."""
+        world = self._world
+        if self._arrangement == world.arrangement and not self._is_repainted():
+            return
+        self._contents = Contents(world, self._meshes, self._textures)
+        self._drawer = drawer(self._contents.drawing)
+        self._light_nodes = light_nodes(world.scene)
+        self._shadows = None
+        lamps, sunny = lamps_of(self._light_nodes, world)
+        self._light = Light(lamps, sky_of(world.scene.settings.view, sunny), np.zeros(16, np.float32), None)
+        self._arrangement, self._repaints = world.arrangement, world.repaints
+        self._colors = [node.color for node in self._contents.nodes]
+
+    def _is_repainted(self) -> bool:
+        """Whether a colour has changed; shown and hidden things need no new drawing."""
+        if self._repaints == self._world.repaints:
+            return False
+        self._repaints = self._world.repaints
+        return self._colors != [node.color for node in self._contents.nodes]
+
+    def _lit(self) -> Light:
+        """The lamps as they are now, with the shadows of the sun."""
+        lamps, sunny = lamps_of(self._light_nodes, self._world)
+        if self._shadows is None or not np.array_equal(self._shadows.sunny, sunny):
+            self._shadows = Shadows(self._contents, self._drawer, sunny, self._light)
+        sky = sky_of(self._world.scene.settings.view, sunny)
+        self._shadows.light = self._shadows.light._replace(lamps=lamps, sky=sky)
+        return self._shadows.light
+
+
+def _fill(row: Any, request: CameraRequest) -> None:
+    lens = request.lens
+    position, rotation = request.obj.world_pose()
+    for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
+        row[name] = getattr(lens, name)
+    row["axes"] = np.reshape(rotation, (3, 3)).T.ravel()
+    row["eye"], row["color"] = position, request.color

@@ -1,0 +1,51 @@
+"""What a camera asks the renderer for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.physics import GameObject
+    from morse.rendering.lens import Lens
+    from morse.rendering.renderer import Renderer
+    from morse.scene import Node
+
+
+class Picture(NamedTuple):
+    """What a camera sees; its arrays are its own.
+
+    Attributes:
+        rgb: (H, W, 3) uint8, or None if it was not asked for.
+        depth: (H, W) float32, metres along the axis of the camera, 0 where nothing is.
+        ids: (H, W) int32, index in `nodes`, -1 where nothing is.
+        nodes: what the ids mean.
+    """
+
+    rgb: NDArray[np.uint8] | None
+    depth: NDArray[np.float32]
+    ids: NDArray[np.int32]
+    nodes: list[Node]
+
+
+class CameraRequest:
+    """A camera that looks along the Z axis of an object, with X to the right and Y down.
+
+    Attributes:
+        obj: the object.
+        lens: may be replaced between pictures.
+        color: whether the picture has colours, not only depth and ids.
+        wanted: tells whether a picture is wanted now.
+        picture: the last one; None before the first.
+    """
+
+    def __init__(
+        self, server: Renderer, obj: GameObject, lens: Lens, *, color: bool, wanted: Callable[[], bool]
+    ) -> None:
+        self.server = server
+        self.obj, self.lens, self.color, self.wanted = obj, lens, color, wanted
+        self.picture: Picture | None = None

@@ -1,0 +1,159 @@
+"""The shadows of the sun."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import NO_SURFACE, Light, Poses
+
+if TYPE_CHECKING:
+    from typing import Protocol
+
+    from numpy.typing import NDArray
+
+    from morse.rendering.contents import Contents
+
+    class Caster(Protocol):
+        """Draws into the map; see `morse.kernel.drawing`."""
+
+        def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
+            """The texels that parts may have filled."""
+
+
+#: m: no texel is smaller
+_FINEST = 0.02
+#: texels along the longer side, at most: of a map alone, and of the coarser one of two
+_MOST, _MOST_COARSE = 4096, 2048
+#: m around the scene, in which what moves casts shadows as well
+_AROUND = 5.0
+#: m around what moves, that the finer map covers
+_NEAR = 10.0
+#: texels at the border
+_BORDER = 4
+#: of more things that moved, all are drawn again
+_MANY = 256
+
+
+class Shadows:
+    """The shadows of the sun: a map of the whole scene, and in large scenes a finer one of where robots begin.
+
+    The maps cover what the scene has where the scene has it, so that they are the same whenever they are made.
+
+    Args:
+        sunny: (3,) unit vector to the sun.
+
+    Attributes:
+        light: the lamps with these maps; its lamps may be replaced.
+    """
+
+    def __init__(self, contents: Contents, drawer: Caster, sunny: NDArray[np.float64], light: Light) -> None:
+        self.sunny = sunny
+        axes = _axes(sunny)
+        low, high = _extent(contents, axes, np.ones(len(contents.moving), bool), _AROUND)
+        frame, shape = _frame(axes, low, high, _MOST)
+        self._maps = []
+        if contents.moving.any() and frame[12] > _FINEST:
+            around = _extent(contents, axes, contents.moving, _NEAR)
+            near = _frame(axes, np.maximum(around[0], low), np.minimum(around[1], high), _MOST)
+            if near[0][12] < 0.5 * frame[12]:
+                self._maps.append(ShadowMap(contents, drawer, light, *near))
+                frame, shape = _frame(axes, low, high, _MOST_COARSE)
+        self._maps.append(ShadowMap(contents, drawer, light, frame, shape))
+        self.light = self._maps[-1].light
+        if len(self._maps) > 1:
+            finer = self._maps[0].light
+            self.light = self.light._replace(near_sun=finer.sun, near_shadow=finer.shadow)
+
+    def update(self, poses: Poses) -> None:
+        """Move the shadows of what moved."""
+        for one in self._maps:
+            one.update(poses)
+
+
+class ShadowMap:
+    """How near to the sun the nearest surface is; only what has moved is drawn again.
+
+    Args:
+        frame: (16,) see `Light.sun`.
+        shape: rows and columns of texels.
+
+    Attributes:
+        light: with this map alone.
+    """
+
+    def __init__(
+        self, contents: Contents, drawer: Caster, light: Light, frame: NDArray[np.float64], shape: tuple[int, int]
+    ) -> None:
+        self._drawer = drawer
+        self.light = light._replace(sun=frame.astype(np.float32), shadow=np.full(shape, NO_SURFACE, np.float32))
+        moving = contents.moving
+        self._still, self._movers = np.flatnonzero(~moving), np.flatnonzero(moving)
+        parts = contents.drawing.parts
+        self._still_instances, self._instances = np.unique(parts[~moving, 1]), parts[moving, 1]
+        self._base: NDArray[np.float32] | None = None
+        self._stood = self._models = np.zeros((0, 12), np.float32)
+        self._touched = np.zeros((0, 4), np.int32)
+
+    def update(self, poses: Poses) -> None:
+        """Move the shadows of what moved."""
+        shadow = self.light.shadow
+        assert shadow is not None
+        stands, now = poses.models[self._still_instances], poses.models[self._instances]
+        if self._base is None or not np.array_equal(stands, self._stood):
+            shadow[:] = NO_SURFACE
+            self._drawer.cast_shadows(self._still, poses, self.light)
+            self._base, self._stood, self._models = shadow.copy(), stands, now
+            self._touched = self._drawer.cast_shadows(self._movers, poses, self.light)
+            return
+        moved = (now != self._models).any(axis=1)
+        if not moved.any():
+            return
+        left = self._touched[moved]
+        for x0, y0, x1, y1 in left.tolist():
+            shadow[y0:y1, x0:x1] = self._base[y0:y1, x0:x1]
+        # what stood in the same places is drawn again as well
+        if len(left) < _MANY:
+            mine, gone = self._touched[:, None], left[None]
+            moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
+        else:
+            moved[:] = True
+        self._touched[moved] = self._drawer.cast_shadows(self._movers[moved], poses, self.light)
+        self._models = now
+
+
+def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3, 3) rows: two directions across the light, and the one to the sun."""
+    right = np.cross(sunny, (0.0, 1.0, 0.0) if abs(sunny[1]) < 0.9 else (1.0, 0.0, 0.0))
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(sunny, right), sunny])
+
+
+def _extent(
+    contents: Contents, axes: NDArray[np.float64], chosen: NDArray[np.bool_], around: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lower and upper corner, along the axes, of a box around some parts where the scene has them."""
+    parts, spheres = contents.drawing.parts[chosen], contents.drawing.spheres
+    low, high = np.zeros(3), np.zeros(3)
+    shape = contents.placed[parts[:, 1]]
+    fine = (np.abs(shape) < 1e6).all(axis=(1, 2))
+    if fine.any():
+        balls = spheres[parts[fine, 0]].astype(np.float64)
+        centres = np.einsum("pij,pj->pi", shape[fine, :, :3], balls[:, :3]) + shape[fine, :, 3]
+        reach = (balls[:, 3] * np.linalg.norm(shape[fine, :, :3], axis=(1, 2)))[:, None]
+        low, high = (centres @ axes.T - reach).min(axis=0), (centres @ axes.T + reach).max(axis=0)
+    return low - around, high + around
+
+
+def _frame(
+    axes: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64], most: int
+) -> tuple[NDArray[np.float64], tuple[int, int]]:
+    """World to texels and metres towards the sun, see `Light`; and the shape of the map."""
+    texel = max(float((high - low)[:2].max()) / (most - 2 * _BORDER), _FINEST)
+    width, height = (int(size / texel) + 2 * _BORDER for size in (high - low)[:2])
+    frame = np.zeros(16)
+    frame[:12] = np.column_stack([axes, (_BORDER * texel - low[0], _BORDER * texel - low[1], 0.0)]).ravel()
+    frame[:8] /= texel
+    frame[12] = texel
+    return frame, (height, width)

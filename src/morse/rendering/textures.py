@@ -1,0 +1,119 @@
+"""The pictures of materials, as the kernel looks them up."""
+
+from __future__ import annotations
+
+import io
+import logging
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import TEXTURE
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.scene import Image
+
+logger = logging.getLogger(__name__)
+
+#: texels along a side; larger pictures are made smaller
+_MOST_ASIDE = 2048
+#: pixels of a file: more would fill the memory
+_MOST_PIXELS = 1 << 27
+_codes = np.arange(256) / 255
+#: (256,) linear light of the codes of sRGB
+LINEAR = np.where(_codes <= 0.04045, _codes / 12.92, ((_codes + 0.055) / 1.055) ** 2.4)
+
+
+class TextureStore:
+    """Textures by picture, decoded once."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[int, int] = {}
+        self._images: list[Image] = []
+        self._rows: list[tuple[int, ...]] = []
+        self._texels: list[NDArray[np.int32]] = []
+        self._masked: list[bool] = []
+        self._size = 0
+
+    def number(self, image: Image) -> int:
+        """The number of the texture of a picture."""
+        found = self._numbers.get(id(image))
+        if found is None:
+            found = self._numbers[id(image)] = len(self._images)
+            # kept, so that no other picture gets its id
+            self._images.append(image)
+            self._add(_pixels(image))
+        return found
+
+    def has_holes(self, number: int) -> bool:
+        """Whether some of a texture is transparent."""
+        return self._masked[number]
+
+    def arrays(self) -> tuple[NDArray[np.int32], NDArray[np.void]]:
+        """All texels (N,), and the textures (X,) `TEXTURE`."""
+        rows = np.zeros(len(self._rows), TEXTURE)
+        for row, (width, height, *firsts) in zip(rows, self._rows, strict=True):
+            row["width"], row["height"], row["levels"] = width, height, len(firsts)
+            row["first"][: len(firsts)] = firsts
+        return np.concatenate([*self._texels, np.full(1, -1, np.int32)]), rows
+
+    def _add(self, pixels: NDArray[np.uint8]) -> None:
+        self._masked.append(bool((pixels[..., 3] < 255).any()))
+        level = np.concatenate([LINEAR[pixels[..., :3]], pixels[..., 3:] / 255], axis=2)
+        firsts = []
+        while True:
+            firsts.append(self._size)
+            self._texels.append(_packed(level).ravel())
+            self._size += level.shape[0] * level.shape[1]
+            if level.shape[:2] == (1, 1):
+                break
+            level = (level[0::2] + level[1::2]) / 2 if level.shape[0] > 1 else level
+            level = (level[:, 0::2] + level[:, 1::2]) / 2 if level.shape[1] > 1 else level
+        self._rows.append((pixels.shape[1], pixels.shape[0], *firsts))
+
+
+def _packed(level: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Square roots of linear light, 10 bits each, and 2 bits of alpha on top: precise in the dark, quick to read."""
+    r, g, b = (np.sqrt(level[..., :3]) * 1023 + 0.5).astype(np.uint32).transpose(2, 0, 1)
+    alpha = (level[..., 3] * 3 + 0.5).astype(np.uint32)
+    packed: NDArray[np.int32] = (r | g << 10 | b << 20 | alpha << 30).astype(np.uint32).view(np.int32)
+    return packed
+
+
+def _pixels(image: Image) -> NDArray[np.uint8]:
+    """(H, W, 4) RGBA, the lowest row first, sizes powers of two; a checkered stand-in for what cannot be read."""
+    from PIL import Image as Picture
+
+    try:
+        with Picture.open(io.BytesIO(image.data)) as picture:
+            if picture.width * picture.height > _MOST_PIXELS:
+                raise ValueError(f"it has {picture.width} x {picture.height} pixels")
+            size = (_power_of_two(picture.width), _power_of_two(picture.height))
+            made = picture.convert("RGBA").resize(size, Picture.Resampling.BICUBIC)
+            return np.asarray(made, dtype=np.uint8)[::-1].copy()
+    except (
+        OSError,
+        ValueError,
+        SyntaxError,
+        EOFError,
+        IndexError,
+        MemoryError,
+        Picture.DecompressionBombError,
+    ) as error:
+        logger.warning(
+            "the picture '%s' cannot be read (%s): cameras see a chequered pattern instead", image.name, error
+        )
+        return _checkered()
+
+
+def _power_of_two(size: int) -> int:
+    return int(min(1 << max(0, round(float(np.log2(max(size, 1))))), _MOST_ASIDE))
+
+
+def _checkered() -> NDArray[np.uint8]:
+    y, x = np.mgrid[0:16, 0:16] // 4
+    made = np.full((16, 16, 4), 255, np.uint8)
+    made[(x + y) % 2 == 1] = (255, 0, 255, 255)
+    return made

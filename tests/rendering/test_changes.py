@@ -1,0 +1,110 @@
+"""What moves, hides, comes and goes is seen as it is."""
+
+import numpy as np
+import pytest
+from studio import Studio, Tripod, box, floor
+
+from morse.rendering import Lens, Renderer
+from morse.scene import PhysicsType
+
+LENS = Lens.of_focal_length(64, 64, 32.0, 0.1, 50)
+AHEAD = Tripod((0, 0, 1), (1, 0, 1))
+
+
+@pytest.fixture
+def made():
+    return Studio(floor(), box("Box", (4, 0, 1), (0.5, 0.5, 0.5)))
+
+
+def middle(made):
+    picture = made.look(AHEAD, LENS)
+    number = int(picture.ids[32, 32])
+    return None if number < 0 else picture.nodes[number].name, float(picture.depth[32, 32])
+
+
+def test_what_is_put_elsewhere(made):
+    assert middle(made) == ("Box", pytest.approx(3.5, rel=1e-5))
+    box = made.world.game_object("Box")
+    box.set_pose((6.0, 0.0, 1.0), box.world_pose()[1])
+    assert middle(made) == ("Box", pytest.approx(5.5, rel=1e-5))
+    made.world.reset()
+    assert middle(made) == ("Box", pytest.approx(3.5, rel=1e-5))
+
+
+def test_what_falls(made):
+    made = Studio(floor(), box("Box", (4, 0, 6), (0.5, 0.5, 0.5), kind=PhysicsType.RIGID_BODY))
+    assert middle(made) == (None, 0.0) or middle(made)[0] == "Floor"
+    for _ in range(240):
+        made.world.step()
+    made_box = made.world.game_object("Box").world_pose()[0]
+    assert made_box[2] == pytest.approx(0.5, abs=0.02)
+    low = made.look(Tripod((0, 0, 0.5), (1, 0, 0.5)), LENS)
+    assert low.nodes[low.ids[32, 32]].name == "Box"
+
+
+def test_what_is_hidden_and_shown(made):
+    made.world.game_object("Box").setVisible(False)
+    assert middle(made)[0] != "Box"
+    made.world.game_object("Box").setVisible(True)
+    assert middle(made)[0] == "Box"
+
+
+def test_what_is_hidden_from_the_start():
+    hidden, switched = box("A", (4, 0, 1), (0.5, 0.5, 0.5)), box("B", (6, 0, 1), (0.5, 0.5, 0.5))
+    hidden.visible = False
+    switched.properties["visible"] = False
+    assert middle(Studio(floor(), hidden, switched))[0] not in ("A", "B")
+
+
+def test_what_comes_and_goes(made):
+    from morse.assets.collision import resolve_shapes
+    from morse.scene import Scene
+
+    assert middle(made)[0] == "Box"
+    new = box("New", (2, 0, 1), (0.2, 0.2, 0.2))
+    resolve_shapes(Scene(roots=[new]))
+    added = made.world.add([new])
+    assert middle(made) == ("New", pytest.approx(1.8, rel=1e-5))
+    made.world.remove(added)
+    assert middle(made)[0] == "Box"
+    made.world.remove([made.world.game_object("Box")])
+    assert middle(made)[0] != "Box"
+
+
+def test_a_part_that_turns_on_its_parent():
+    mast, arm = box("Mast", (4, 0, 1), (0.1, 0.1, 1)), box("Arm", (0, 3, 0), (1, 0.5, 0.2))
+    mast.attach(arm)
+    made = Studio(floor(), mast)
+    assert middle(made)[0] == "Mast"
+    made.world.game_object("Arm").set_pose((2.0, 0.0, 1.0), (1, 0, 0, 0, 1, 0, 0, 0, 1))
+    name, depth = middle(made)
+    assert name == "Arm"
+    assert depth == pytest.approx(2.0 - 0.1, rel=1e-4)
+
+
+def test_the_same_picture_whenever_it_is_drawn(made):
+    """A renderer that is made later, when things have moved, draws what the first one draws."""
+    box = made.world.game_object("Box")
+    made.look(AHEAD, LENS)
+    box.set_pose((5.0, 0.4, 1.2), box.world_pose()[1])
+    one = made.look(AHEAD, LENS)
+    made.renderer = Renderer(made.world)
+    other = made.look(AHEAD, LENS)
+    np.testing.assert_array_equal(one.rgb, other.rgb)
+    np.testing.assert_array_equal(one.depth, other.depth)
+
+
+def test_all_cameras_of_a_tick_in_one_call(made):
+    wide = Lens.of_angle(48, 20, 1.5)
+    wanted = [True, False, True]
+    requests = [
+        made.renderer.request(AHEAD, LENS),
+        made.renderer.request(AHEAD, LENS, wanted=lambda: wanted[1]),
+        made.renderer.request(AHEAD, wide, color=False),
+    ]
+    made.renderer.serve(requests)
+    assert requests[0].picture.rgb.shape == (64, 64, 3)
+    assert requests[1].picture is None
+    assert requests[2].picture.rgb is None
+    assert requests[2].picture.depth.shape == (20, 48)
+    np.testing.assert_array_equal(requests[0].picture.rgb, made.look(AHEAD, LENS).rgb)
