@@ -1,72 +1,120 @@
-"""Which middlewares are installed, and which classes carry which component over them.
+"""Which middlewares are installed, and which classes carry components over them.
 
-Each middleware describes itself in ``morse/middleware/<name>/mapping.py``, by a module variable
-``MIDDLEWARE``.
+Each middleware describes itself by a `Middleware`: those of MORSE in ``morse/middleware/<name>/mapping.py`` as
+``MIDDLEWARE``, those of other packages by an entry point::
+
+    [project.entry-points."morse.middlewares"]
+    zenoh = "my_lab.zenoh.mapping:MIDDLEWARE"
+
+Descriptions import nothing of the middleware itself, so that a scene pays for what it uses only.
 """
 
 from __future__ import annotations
 
-import difflib
+import logging
 import pkgutil
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 import morse.middleware
 from morse.core.exceptions import MorseMiddlewareError
+from morse.core.hints import closest
+from morse.core.plugins import entry_points
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from importlib.metadata import EntryPoint
+
+    from morse.core.declarations import Option
+
+logger = logging.getLogger(__name__)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.declarations import Option
 
 #: middlewares that scripts may name although this installation does not have them
 _OTHER_NAMES = ("ros", "yarp", "yarp_json", "pocolibs", "moos", "hla", "mavlink", "text", "pprzlink")
+_GROUP = "morse.middlewares"
+_KIND_STREAM = "morse.core.kind_stream.KindStream"
 
 
 @dataclass(frozen=True, slots=True)
 class Middleware:
-    """What a middleware can carry; classes are given by class path.
+    """What a middleware is; classes are given by class path.
 
     Attributes:
         name: as scene scripts write it.
-        stream_manager: carries data streams, or None.
+        stream_manager: carries data streams (`morse.core.datastream.DatastreamManager`), or None.
         request_manager: offers services, or None.
-        default_publisher: serializes the data of any sensor, or None if there is no generic form.
-        default_reader: the same for actuators.
-        streams: name of a component class to level (``"all"`` for every level) to the classes that
-            carry its data, the default one first. None at all: the component cannot be streamed.
-            Subclasses of a component inherit its entry; a component without one has the generic form.
+        manager_options: of ``env.configure_stream_manager``; None if the manager checks them itself.
+        stream_options: of ``add_stream``; None if the streams check them themselves.
+        default_publisher: the class of the streams of sensors. The usual one carries message kinds by the methods
+            that the stream manager marks with `morse.core.mapping.maps`.
+        default_reader: the same for actuators; None if nothing can be commanded.
+        not_carried: names of component classes that have no stream.
     """
 
     name: str
     stream_manager: str | None = None
     request_manager: str | None = None
-    default_publisher: str | None = None
-    default_reader: str | None = None
-    streams: dict[str, dict[str, tuple[str, ...]]] = field(default_factory=dict)
+    manager_options: Mapping[str, Option] | None = field(default_factory=dict)
+    stream_options: Mapping[str, Option] | None = field(default_factory=dict)
+    default_publisher: str | None = _KIND_STREAM
+    default_reader: str | None = _KIND_STREAM
+    not_carried: tuple[str, ...] = ()
 
-    def streams_of(self, component: type, level: str | None, direction: str) -> tuple[str, ...]:
-        """The classes that can carry the data of a component, the default one first.
+    def stream_of(self, component: type, direction: str) -> str | None:
+        """The class that carries the data of a component by default; None if the middleware cannot.
 
         Args:
             component: its class.
-            level: its abstraction level, if it has levels.
             direction: ``IN`` or ``OUT``.
         """
-        for base in component.__mro__:
-            by_level = self.streams.get(base.__name__)
-            if by_level is not None:
-                return by_level.get(level or "all", by_level.get("all", ()))
-        generic = self.default_reader if direction == "IN" else self.default_publisher
-        return () if generic is None else (generic,)
+        if self.stream_manager is None or any(base.__name__ in self.not_carried for base in component.__mro__):
+            return None
+        return self.default_reader if direction == "IN" else self.default_publisher
 
 
 @cache
+def _ours(package: str) -> Middleware | None:
+    mapping = f"{package}.mapping"
+    if find_spec(mapping) is None:
+        return None
+    described: Middleware = import_module(mapping).MIDDLEWARE
+    return described
+
+
+def _brought(point: EntryPoint) -> Middleware:
+    try:
+        described = point.load()
+    except Exception as error:  # the package is third-party code
+        raise MorseMiddlewareError(
+            f"the middleware '{point.name}' of an installed package ({point.value}) cannot be loaded: "
+            f"{type(error).__name__}: {error}"
+        ) from None
+    if not isinstance(described, Middleware):
+        raise MorseMiddlewareError(
+            f"the entry point '{point.name}' of {_GROUP} ({point.value}) is not a morse.middleware.registry.Middleware"
+        )
+    return described
+
+
 def installed() -> dict[str, Middleware]:
-    """The middlewares of this installation by name."""
+    """The middlewares of this installation by name; the log names those that cannot be loaded."""
     found = {}
     for info in pkgutil.iter_modules(morse.middleware.__path__, "morse.middleware."):
-        mapping = f"{info.name}.mapping"
-        if info.ispkg and find_spec(mapping) is not None:
-            middleware: Middleware = import_module(mapping).MIDDLEWARE
-            found[middleware.name] = middleware
+        if info.ispkg and (described := _ours(info.name)) is not None:
+            found[described.name] = described
+    for point in entry_points(_GROUP):
+        try:
+            found.setdefault(point.name, _brought(point))
+        except MorseMiddlewareError as error:
+            logger.warning("%s", error)
     return found
 
 
@@ -74,16 +122,22 @@ def middleware(name: str) -> Middleware:
     """The middleware of that name.
 
     Raises:
-        MorseMiddlewareError: it is unknown or not installed.
+        MorseMiddlewareError: it is unknown, not installed or broken.
     """
+    package = f"morse.middleware.{name}"
+    if name.isidentifier() and find_spec(package) is not None and (described := _ours(package)) is not None:
+        return described
+    for point in entry_points(_GROUP):
+        if point.name == name:
+            return _brought(point)
     found = installed()
     if name in found:
         return found[name]
     names = ", ".join(sorted(found)) or "none"
     if name in _OTHER_NAMES:
         raise MorseMiddlewareError(f"the middleware '{name}' is not part of this installation (installed: {names})")
-    near = difflib.get_close_matches(str(name), [*found, *_OTHER_NAMES], n=1)
-    hint = f"; did you mean '{near[0]}'?" if near else ""
+    near = closest(name, [*found, *_OTHER_NAMES])
+    hint = f"; did you mean '{near}'?" if near else ""
     raise MorseMiddlewareError(f"there is no middleware '{name}'{hint} (installed: {names})")
 
 

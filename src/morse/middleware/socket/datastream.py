@@ -9,24 +9,25 @@ from typing import TYPE_CHECKING, Any
 from morse.core.classpath import load_class
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
-from morse.core.values import nearest
+from morse.core.mapping import maps
 from morse.middleware.socket.directory import StreamDirectory
-from morse.middleware.socket.lines import close_all
+from morse.middleware.socket.encoding import to_json
+from morse.middleware.socket.images import cloud_json, image_json
 from morse.middleware.socket.listener import allow_many_sockets, listen, port_of
+from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
+from morse.middleware.socket.server import close_all
 from morse.middleware.socket.stream_client import StreamServer
 from morse.middleware.socket.streams import SocketStream
-from morse.middleware.socket.time_sync import SYNC_PORT, TimeSync
+from morse.middleware.socket.time_sync import TimeSync
 
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.scene import StreamDeclaration
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 FIRST_PORT = 60000
-_LAST_PORT = 65535
-_OPTIONS = ("time_sync", "sync_port")
 
 
 class SocketDatastreamManager(DatastreamManager):
@@ -39,64 +40,71 @@ class SocketDatastreamManager(DatastreamManager):
     """
 
     classpath = "morse.middleware.socket_datastream.SocketDatastreamManager"
+    manager_options = MANAGER_OPTIONS
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
         self._servers: dict[str, StreamServer] = {}
         self._ports: dict[str, int] = {}
-        self._streams: dict[tuple[str, str], SocketStream] = {}
         self._outbox: list[tuple[StreamServer, bytes]] = []
         self._parcels: deque[list[tuple[StreamServer, bytes]]] = deque()
         self._posted = False
         self._next_port = FIRST_PORT
-        self._sync = self._make_sync()
         allow_many_sockets()
+        self._sync = self._make_sync()
         context.services.register_object("simulation", StreamDirectory(self._ports))
 
     def _make_sync(self) -> TimeSync | None:
-        for name in self.options:
-            if name not in _OPTIONS:
-                raise MorseMiddlewareError(f"the socket has no option '{name}'{nearest(name, list(_OPTIONS))}")
-        if not self.options.get("time_sync"):
+        if not self.options["time_sync"]:
             return None
-        port = _port(self.options.get("sync_port", SYNC_PORT), "sync_port")
+        port = self.options["sync_port"]
         sync = TimeSync(self.context, listen(self.context.host, [port]))
         self.context.network.call(sync.start())
         logger.info("a client of port %d may pace the simulation", port)
         return sync
 
-    def register_component(self, component: Object, declaration: StreamDeclaration) -> None:
-        """Give a component a stream.
+    # -- streams -----------------------------------------------------------------------------
+
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> SocketStream:
+        """See `DatastreamManager.make_stream`.
 
         Raises:
-            MorseMiddlewareError: no port for it, or its class is no socket stream.
+            MorseMiddlewareError: its class is not a socket stream.
         """
-        name = component.name()
         cls = load_class(declaration.stream)
         if not issubclass(cls, SocketStream):
             raise MorseMiddlewareError(
-                f"{declaration.stream} is no stream of the socket: it is to be a subclass of "
+                f"{declaration.stream} is not a stream of the socket: it has to be a subclass of "
                 "morse.middleware.socket_datastream.SocketPublisher or SocketReader"
             )
-        stream = cls(component, dict(declaration.options))
-        stream.server = self._server(name, declaration.options.get("port"))
+        stream: SocketStream = super().make_stream(component, declaration)
+        return stream
+
+    def opened(self, stream: SocketStream) -> None:
+        """Give a stream its port.
+
+        Raises:
+            MorseMiddlewareError: no port for it.
+        """
+        stream.server = self._server(stream.component_name, stream.kwargs.get("port"))
         stream.outbox = self._outbox
-        if (previous := self._streams.get((name, declaration.direction))) is not None:
-            previous.finalize()
-        self._streams[name, declaration.direction] = stream
-        if declaration.direction == "IN":
+        if stream.direction == "IN":
             stream.server.reads = True
-            stream.server.inbox.take()
-            component.input_functions.append(stream.default)
-        else:
-            component.output_functions.append(stream.default)
-        stream.initialize()
+            stream.server.inbox.take()  # discard messages to a former component
+
+    def left(self, name: str) -> None:
+        """A component is deleted: close its port."""
+        server = self._servers.pop(name, None)
+        if server is not None:
+            del self._ports[name]
+            self._outbox[:] = [(to, message) for to, message in self._outbox if to is not server]
+            self.context.network.call(server.close())
 
     def _server(self, name: str, hint: Any) -> StreamServer:
         if name in self._servers:
             return self._servers[name]
         first = self._next_port if hint is None else _port(hint, f"the option 'port' of {name}")
-        listener = listen(self.context.host, range(first, _LAST_PORT + 1) if first else (0,))
+        listener = listen(self.context.host, range(first, LAST_PORT + 1) if first else (0,))
         port = port_of(listener)
         if hint is None:
             self._next_port = port + 1
@@ -107,6 +115,25 @@ class SocketDatastreamManager(DatastreamManager):
         self._servers[name] = server
         self._ports[name] = port
         return server
+
+    # -- forms of messages -------------------------------------------------------------------
+
+    @maps("general")
+    def general(self, stream: SocketStream) -> bytes:
+        """The data of the component as JSON: what every kind has but those below."""
+        return to_json(stream.data)
+
+    @maps("image")
+    def image(self, stream: SocketStream) -> bytes | None:
+        """The pixels in base64."""
+        return image_json(stream)
+
+    @maps("cloud")
+    def cloud(self, stream: SocketStream) -> bytes | None:
+        """The points in base64."""
+        return cloud_json(stream)
+
+    # -- the tick ----------------------------------------------------------------------------
 
     def action(self) -> None:
         """A tick begins: wait for the client that paces the simulation, if there is one."""
@@ -124,8 +151,8 @@ class SocketDatastreamManager(DatastreamManager):
             self.context.network.post(self._send)
 
     def _send(self) -> None:
-        # Ticks may come faster than this thread gets its turn: what has gathered goes to each client at once,
-        # so that the more there is, the less each message takes
+        # Ticks may be faster than this thread is scheduled. All pending messages go to each client in one call,
+        # which costs less per message
         self._posted = False
         messages: dict[StreamServer, list[bytes]] = {}
         while self._parcels:
@@ -148,8 +175,7 @@ class SocketDatastreamManager(DatastreamManager):
 
     def finalize(self) -> None:
         """Send what is left and close."""
-        for stream in self._streams.values():
-            stream.finalize()
+        super().finalize()
         self.flush()
         self.context.network.call(self._close())
 
@@ -160,6 +186,6 @@ class SocketDatastreamManager(DatastreamManager):
 
 
 def _port(value: Any, what: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _LAST_PORT:
-        raise MorseMiddlewareError(f"{what} is a port number from 1 to {_LAST_PORT} (0: any free one), not {value!r}")
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= LAST_PORT:
+        raise MorseMiddlewareError(f"{what} is a port number from 1 to {LAST_PORT} (0: any free one), not {value!r}")
     return value

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from morse.core.abstractobject import AbstractObject
 from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.quoting import short
 from morse.core.services import service
-from morse.core.values import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,20 +29,20 @@ class StreamDirectory(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @service
+    @service(changes=False)
     def list_streams(self) -> list[str]:
         """The names of the components that have a stream."""
         return list(self._ports)
 
-    @service
+    @service(changes=False)
     def get_stream_port(self, name: str) -> int:
         """The TCP port of the stream of a component."""
         if not isinstance(name, str) or name not in self._ports:
             hint = nearest(str(name), list(self._ports))
-            raise MorseRPCInvokationError(f"Stream unavailable for component {name}{hint}")
+            raise MorseRPCInvokationError(f"Stream unavailable for component {short(name)}{hint}")
         return self._ports[name]
 
-    @service
+    @service(changes=False)
     def get_all_stream_ports(self) -> dict[str, int]:
         """The TCP ports of all streams, by the name of the component."""
         return dict(self._ports)

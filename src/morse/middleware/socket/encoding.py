@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 from enum import Enum
 from functools import lru_cache
 from typing import Any
@@ -15,7 +16,7 @@ from morse.mathutils import Euler, Matrix, Quaternion, Vector
 
 
 def plain(value: Any) -> Any:
-    """What JSON has no form for, in terms of what it has.
+    """A value without a JSON representation, as a value with one.
 
     Vectors become lists, matrices lists of rows, quaternions ``{x, y, z, w}``, Euler angles
     ``{yaw, pitch, roll}``, transformations ``{x, y, z, yaw, pitch, roll}``, numpy arrays lists,
@@ -51,6 +52,9 @@ def plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} {value!r:.80} cannot be written as JSON")
 
 
+#: an escape that may be half of a surrogate pair, and such a half
+_SURROGATE, _HALF_PAIR = re.compile(rb"\\u[dD][89a-fA-F]"), re.compile("[\ud800-\udfff]")
+
 _encoder = msgspec.json.Encoder(enc_hook=plain)
 
 
@@ -63,11 +67,11 @@ def to_json(value: Any) -> bytes:
     """A value as one line of JSON, without its end.
 
     Raises:
-        TypeError: it holds something that JSON has no form for (see `plain`).
-        ValueError: it holds itself.
+        TypeError: a value has no JSON representation (see `plain`).
+        ValueError: the value contains itself.
     """
-    # Numbers are most of what there is to send, and msgspec writes them ten times as fast as json.
-    # Where there are no strings but the keys, all that is missing are the blanks.
+    # Most of the data are numbers, which msgspec writes ten times as fast as json.
+    # If the keys are the only strings, only the blanks have to be added.
     if isinstance(value, dict):
         quotes = 2 * len(value)
         if not _are_simple(tuple(value)):
@@ -94,6 +98,8 @@ def _slowly(value: Any) -> bytes:
 def from_json(text: bytes) -> Any:
     """The value of a JSON text; ``NaN`` and ``Infinity`` are understood.
 
+    Half a surrogate pair, which is not a character and cannot be encoded, is read as U+FFFD.
+
     Raises:
         ValueError: it is no JSON, or nested too deeply.
     """
@@ -102,6 +108,9 @@ def from_json(text: bytes) -> Any:
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError):
         pass
     try:
-        return json.loads(text)
+        value = json.loads(text.decode("utf-8", "replace"))
+        if _SURROGATE.search(text):
+            value = json.loads(_HALF_PAIR.sub("\ufffd", json.dumps(value, ensure_ascii=False)))
     except RecursionError:
         raise ValueError("nested too deeply") from None
+    return value

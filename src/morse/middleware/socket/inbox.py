@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.middleware.socket.limits import Budget
 
 _MAX_LINES = 64
 _MAX_BYTES = 1 << 20
@@ -14,30 +18,47 @@ class Inbox:
 
     A client that sends far more than ticks can take loses the oldest messages, which the newer
     ones supersede.
+
+    Attributes:
+        budget: of all inboxes together; a message for which there is no room is lost.
+        arrived: empty while there is nothing to take.
     """
 
     def __init__(self) -> None:
+        self.budget: Budget | None = None
+        self.arrived: set[bool] = set()
         self._lock = threading.Lock()
         self._lines: deque[bytes] = deque()
         self._bytes = 0
         self._dropped = 0
 
     def __bool__(self) -> bool:
-        return bool(self._lines)
+        return bool(self._lines or self._dropped)
 
     def put(self, line: bytes) -> None:
         """Add a message."""
         with self._lock:
+            self.arrived.add(True)
+            if self.budget is not None and not self.budget.take(len(line)):
+                self._dropped += 1
+                return
             self._lines.append(line)
             self._bytes += len(line)
             while len(self._lines) > 1 and (len(self._lines) > _MAX_LINES or self._bytes > _MAX_BYTES):
-                self._bytes -= len(self._lines.popleft())
+                self._forget(len(self._lines.popleft()))
                 self._dropped += 1
 
     def take(self) -> tuple[list[bytes], int]:
         """The messages since the last time, oldest first, and how many were lost before them."""
         with self._lock:
             lines, dropped = list(self._lines), self._dropped
+            self.arrived.clear()
             self._lines.clear()
-            self._bytes = self._dropped = 0
+            self._forget(self._bytes)
+            self._dropped = 0
         return lines, dropped
+
+    def _forget(self, count: int) -> None:
+        self._bytes -= count
+        if self.budget is not None:
+            self.budget.give(count)

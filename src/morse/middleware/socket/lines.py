@@ -1,96 +1,149 @@
-"""TCP servers for lines; everything here runs in the network thread, except where it says otherwise."""
+"""The clients of servers for lines; everything here runs in the network loop, except where it says otherwise."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import logging
-import socket
-from typing import TYPE_CHECKING, Any
+import time
+from typing import TYPE_CHECKING
 
-from morse.middleware.socket.complaints import Complaints
+from morse.core.quoting import escaped
+from morse.middleware.socket.strangers import FirstLine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from morse.middleware.socket.connection import Connection
+    from morse.middleware.socket.server import LineServer
 
-    from morse.core.network import Network
-    from morse.middleware.socket.listener import Listener
-
-logger = logging.getLogger("morse." + __name__)
-
-MAX_LINE = 16 << 20
-"""Bytes of a line; a client that sends more without a line end is told so and disconnected."""
-MAX_CLIENTS = 256
-"""Connections to one port."""
-_FAREWELL = 1.0
-#: a client that says nothing is probed after so many seconds, and again so often; one whose machine has been switched
-#: off is given up after that many probes, one that has forgotten the connection answers the first
-_SILENCE, _PROBE, _PROBES = 10, 10, 6
+MAX_LINE = 4 << 20
+"""Maximum bytes of a line. A client that sends more without a line end gets an error and is disconnected."""
+#: bytes of a line that a message repeats
+_SHOWN = 80
 
 
-def _probe_when_silent(sock: socket.socket) -> None:
-    # the word of its end may be lost: it is sent once only
-    with contextlib.suppress(OSError):
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-        for option, value in (("TCP_KEEPINTVL", _PROBE), ("TCP_KEEPCNT", _PROBES), ("TCP_KEEPIDLE", _SILENCE)):
-            if hasattr(socket, option):  # not on every system
-                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
-
-
-class LineClient(asyncio.Protocol):
+class LineClient:
     """One connection: whole lines in, bytes out.
 
     Attributes:
         peer: address and port of the client.
+        heard: when it last sent something (`time.monotonic`), or connected.
+        spoken: it has sent something.
+        held: bytes that have arrived from it and are not used yet.
     """
 
     def __init__(self, server: LineServer) -> None:
         self.server = server
         self.peer = "?"
-        self.transport: asyncio.Transport
+        self.transport: Connection
         self.congested = False
         self.gone = asyncio.Event()
+        self.heard = time.monotonic()
+        self.spoken = False
+        self.held = 0
+        self._first_line: FirstLine | None = FirstLine()
         self._partial: list[bytes] = []
         self._size = 0
+        self._shut_out = False
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+    def connection_made(self, transport: Connection, peer: str) -> None:
         """A client has connected."""
-        assert isinstance(transport, asyncio.Transport)
         self.transport = transport
-        address = transport.get_extra_info("peername")
-        if isinstance(address, tuple):
-            self.peer = f"{address[0]}:{address[1]}"
-        if (sock := transport.get_extra_info("socket")) is not None:
-            _probe_when_silent(sock)
-        self.server.join(self)
+        self.peer = peer
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, error: OSError | None) -> None:
         """The connection has ended."""
         self.gone.set()
         self.server.leave(self)
-        if self._partial:
+        self.release(self._size)
+        if self._partial and not self._shut_out:
             self.unfinished(b"".join(self._partial))
+        self._partial.clear()
+
+    def eof_received(self) -> bool:
+        """Handle the end of the client's data; True keeps the connection for the pending answers."""
+        return False
+
+    def is_welcome(self, data: bytes) -> bool:
+        """Whether received bytes may be processed. A client that speaks another protocol is disconnected.
+
+        Call this method for all received bytes.
+        """
+        self.heard = time.monotonic()
+        self.spoken = True
+        if self._first_line is None:
+            return not self._shut_out
+        stranger = self._first_line.stranger(data)
+        if stranger is not None:
+            self._shut_out = True
+            self._first_line = None
+            text = f"{self.server.name}: {self.peer} is turned away: it speaks {stranger}; nothing of it was used"
+            self.server.complaints.warn("stranger", text)
+            self.transport.abort()
+            return False
+        if self._first_line.over:
+            self._first_line = None
+        return True
 
     def data_received(self, data: bytes) -> None:
         """Cut what arrived into lines."""
+        if not self.is_welcome(data):
+            return
         if not self._partial and data.find(b"\n") == len(data) - 1:
             self.line(data[:-1])  # one line, as nearly always
             return
         first, *others = data.split(b"\n")
         if others:
-            self.line(b"".join([*self._partial, first]))
-            for line in others[:-1]:
-                self.line(line)
+            whole = b"".join([*self._partial, first])
             self._partial.clear()
+            self.release(self._size)
             self._size = 0
+            for line in (whole, *others[:-1]):
+                if self._shut_out:
+                    return
+                self.line(line)
             first = others[-1]
-        if first:
-            self._partial.append(first)
-            self._size += len(first)
-            if self._size > MAX_LINE:
-                self._partial.clear()
-                self.overlong()
-                self.transport.close()
+        if not first or self._shut_out:
+            return
+        self._partial.append(first)
+        self._size += len(first)
+        if self._size > MAX_LINE:
+            self.overlong()
+            self._shut_out = True
+            self.transport.close()
+        else:
+            self.hold(len(first))
+
+    # -- bytes held in memory --------------------------------------------------------------
+
+    def hold(self, count: int) -> bool:
+        """So many bytes wait to be used; False if that was too much and this client is disconnected for it."""
+        limits = self.server.limits
+        while not limits.held.take(count):
+            greediest: LineClient = limits.greediest()
+            if greediest.held <= self.held + count:
+                greediest = self
+            greediest.give_up()
+            if greediest is self:
+                return False
+        self.held += count
+        return True
+
+    def release(self, count: int) -> None:
+        """So many bytes that were held are used."""
+        count = min(count, self.held)
+        self.held -= count
+        self.server.limits.held.give(count)
+
+    def give_up(self) -> None:
+        """There is no room for what this client has sent: disconnect it, and use nothing more of it."""
+        text = f"{self.server.name}: {self.peer} is disconnected: it has sent {self.held} bytes that wait to be used"
+        self.server.complaints.warn("greedy", text)
+        self._partial.clear()
+        self._size = 0
+        self._shut_out = True
+        self.release(self.held)
+        self.server.leave(self)
+        self.transport.abort()
+
+    # -- being told --------------------------------------------------------------------------
 
     def pause_writing(self) -> None:
         """The client does not read as fast as it is written to."""
@@ -109,65 +162,14 @@ class LineClient(asyncio.Protocol):
     def overlong(self) -> None:
         """The client sent more than `MAX_LINE` bytes without a line end; it is about to be disconnected."""
 
+    def importance(self) -> tuple[float, ...]:
+        """Where there are too many clients, the one with the least is disconnected.
 
-class LineServer:
-    """Listens on one port.
-
-    Attributes:
-        clients: who is connected.
-        connected: how many; any thread may read it.
-        complaints: about what the clients do.
-    """
-
-    def __init__(self, name: str, listener: Listener, make: Callable[[LineServer], LineClient]) -> None:
-        self.name = name
-        self.clients: set[Any] = set()
-        self.connected = 0
-        self.complaints = Complaints(logger)
-        self._listener = listener
-        self._make = make
-        self._server: asyncio.Server | None = None
-
-    async def start(self, network: Network) -> None:
-        """Begin to accept clients."""
-
-        def make() -> LineClient:
-            network.newcomer()  # again, for loops that accept in another way
-            return self._make(self)
-
-        self._listener.accepting = network.newcomer
-        self._server = await network.loop.create_server(make, sock=self._listener)
-
-    def join(self, client: LineClient) -> None:
-        """A client has connected."""
-        if self.connected >= MAX_CLIENTS:
-            self.complaints.warn("many", f"{self.name}: {client.peer} is turned away, {MAX_CLIENTS} clients are enough")
-            client.transport.abort()
-            return
-        self.clients.add(client)
-        self.connected = len(self.clients)
-
-    def leave(self, client: LineClient) -> None:
-        """A client has gone."""
-        self.clients.discard(client)
-        self.connected = len(self.clients)
-
-    async def close(self) -> None:
-        """Accept nobody, send what is left, close; clients that do not read are cut off."""
-        if self._server is not None:
-            self._server.close()
-        leaving = list(self.clients)
-        for client in leaving:
-            client.transport.close()
-        if leaving:
-            waiting = [asyncio.ensure_future(client.gone.wait()) for client in leaving]
-            _, late = await asyncio.wait(waiting, timeout=_FAREWELL)
-            for task in late:
-                task.cancel()
-        for client in leaving:
-            client.transport.abort()
+        A client that has never sent anything has the least, then the client that has been silent for longest.
+        """
+        return (self.spoken, self.heard)
 
 
-async def close_all(servers: Iterable[LineServer]) -> None:
-    """Close several servers, at the same time."""
-    await asyncio.gather(*(server.close() for server in servers))
+def beginning(line: bytes) -> str:
+    """The first characters of a line, as they may stand in a message."""
+    return escaped(repr(line[:_SHOWN])[2:-1])

@@ -6,35 +6,18 @@ import contextlib
 import errno
 import os
 import socket
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from morse.core.exceptions import MorseMiddlewareError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
 _TAKEN = (errno.EADDRINUSE, errno.EACCES, getattr(errno, "WSAEACCES", errno.EACCES))
 _BACKLOG = 128
 
 
-class Listener(socket.socket):
-    """A socket that listens.
-
-    Attributes:
-        accepting: called for each connection that is accepted, by loops that accept by `accept`.
-    """
-
-    accepting: Callable[[], object] | None = None
-
-    def accept(self) -> tuple[socket.socket, Any]:
-        """Accept a connection."""
-        accepted = super().accept()
-        if self.accepting is not None:
-            self.accepting()
-        return accepted
-
-
-def listen(host: str, ports: Iterable[int]) -> Listener:
+def listen(host: str, ports: Iterable[int]) -> socket.socket:
     """Listen on the first free one of several ports.
 
     Args:
@@ -45,7 +28,7 @@ def listen(host: str, ports: Iterable[int]) -> Listener:
         A socket that listens.
 
     Raises:
-        MorseMiddlewareError: all are in use, or ``host`` is no address of this machine.
+        MorseMiddlewareError: all are in use, or ``host`` is not an address of this machine.
     """
     tried = []
     for port in ports:
@@ -61,11 +44,11 @@ def listen(host: str, ports: Iterable[int]) -> Listener:
     raise MorseMiddlewareError(f"{which} in use on {host}: end the programs that use them, or take other ports")
 
 
-def _bound(host: str, port: int) -> Listener:
+def _bound(host: str, port: int) -> socket.socket:
     family, kind, protocol, _, address = socket.getaddrinfo(
         host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
     )[0]
-    listener = Listener(family, kind, protocol)
+    listener = socket.socket(family, kind, protocol)
     try:
         # a simulation that has just ended leaves its ports in a state that only this option overlooks;
         # on Windows the same option would let two programs share a port
@@ -94,3 +77,19 @@ def allow_many_sockets() -> None:
         wanted = 1 << 16 if hard == resource.RLIM_INFINITY else min(hard, 1 << 16)
         if soft != resource.RLIM_INFINITY and soft < wanted:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+
+
+#: sockets that `select` of Windows takes
+_WINDOWS = 512
+#: the most that other systems are asked to serve, and what other parts of the process need
+_MOST, _OTHERS = 1 << 14, 128
+
+
+def most_sockets() -> int:
+    """The number of sockets that clients may have the simulation open."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        return _MOST if soft == resource.RLIM_INFINITY else max(64, min(_MOST, soft - _OTHERS))
+    return _WINDOWS - _OTHERS

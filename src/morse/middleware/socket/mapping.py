@@ -1,26 +1,27 @@
-"""What the socket middleware carries: JSON for every component, images and clouds in base64."""
+"""What the socket middleware carries, and its options."""
 
 from __future__ import annotations
 
+from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
-_VIDEO = ("morse.middleware.sockets.video_camera.VideoPublisher",)
-_DEPTH = ("morse.middleware.sockets.depth_camera.DepthCameraPublisher",)
+SYNC_PORT = 6000
+LAST_PORT = 65535
+
+MANAGER_OPTIONS = {
+    "time_sync": Option(bool, False, "a client paces the simulation: each tick waits for its bytes"),
+    "sync_port": Option(int, SYNC_PORT, "TCP port of that client; 0 for any free one", low=0, high=LAST_PORT),
+}
+STREAM_OPTIONS = {"port": Option(int, None, "TCP port of the stream; 0 for any free one", low=0, high=LAST_PORT)}
 
 MIDDLEWARE = Middleware(
     name="socket",
     stream_manager="morse.middleware.socket_datastream.SocketDatastreamManager",
     request_manager="morse.middleware.socket_request_manager.SocketRequestManager",
+    manager_options=MANAGER_OPTIONS,
+    stream_options=STREAM_OPTIONS,
     default_publisher="morse.middleware.socket_datastream.SocketPublisher",
     default_reader="morse.middleware.socket_datastream.SocketReader",
-    streams={
-        "VideoCamera": {"all": _VIDEO},
-        "DepthVideoCamera": {"all": _VIDEO},
-        "DepthCamera": {"all": _DEPTH},
-        "DepthCameraAggregator": {"all": _DEPTH},
-        "PR2JointState": {"all": ("morse.middleware.sockets.jointstate.PR2JointStatePublisher",)},
-        # it carries cameras and measures nothing
-        "StereoUnit": {"all": ()},
-        "MocapControl": {"all": ()},
-    },
+    # they carry cameras, or nothing, and measure nothing
+    not_carried=("StereoUnit", "MocapControl"),
 )

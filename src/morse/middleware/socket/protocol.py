@@ -9,13 +9,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from morse.core import status
+from morse.core.quoting import short
 from morse.middleware.socket.encoding import from_json, to_json
 
+_LONGEST_ID = 256
 _FALSE = frozenset((b"null", b"false", b"0", b"0.0", b"-0.0", b"[]", b"{}", b'""'))
 
 
 class MalformedRequest(ValueError):
-    """A line that is no request.
+    """A line that is not a request.
 
     Attributes:
         request: the id to answer under.
@@ -39,12 +41,14 @@ def parse_request(line: bytes) -> Request | None:
     """Read a line; None if it is blank.
 
     Raises:
-        MalformedRequest: it is no request.
+        MalformedRequest: the line is not a request.
     """
-    words = line.decode("utf-8", "replace").strip().split(maxsplit=3)
+    words = line.decode("utf-8", "replace").split(maxsplit=3)
     if not words:
         return None
     request = words[0]
+    if len(request) > _LONGEST_ID:
+        raise MalformedRequest(short(request), f"the id of a request has at most {_LONGEST_ID} characters")
     if len(words) == 2 and words[1] == "cancel":
         return Request(request, "", None, [])
     if len(words) < 3:
@@ -52,11 +56,11 @@ def parse_request(line: bytes) -> Request | None:
     arguments: Any = []
     if len(words) == 4:
         try:
-            arguments = from_json(words[3].encode())
+            arguments = from_json(words[3].rstrip().encode())
         except ValueError as error:
-            raise MalformedRequest(request, f"the arguments are no JSON ({error}): {words[3]:.80}") from None
+            raise MalformedRequest(request, f"the arguments are no JSON ({error}): {short(words[3])}") from None
         if not isinstance(arguments, list):
-            raise MalformedRequest(request, f"the arguments have to be a JSON list: {words[3]:.80}")
+            raise MalformedRequest(request, f"the arguments have to be a JSON list: {short(words[3])}")
     return Request(request, words[1], words[2], arguments)
 
 

@@ -6,15 +6,19 @@ import logging
 import os
 import traceback
 from collections import deque
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError, MorseMiddlewareError, MorseRPCNbArgsError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
-from morse.middleware.socket.lines import LineServer
+from morse.middleware.socket.calls import Calls
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.socket.protocol import MalformedRequest, Request, format_failure, format_reply, parse_request
+from morse.middleware.socket.server import LineServer
 from morse.middleware.socket.service_client import ServiceClient
+from morse.middleware.socket.turns import Turns
 
 if TYPE_CHECKING:
     import uuid
@@ -25,17 +29,22 @@ if TYPE_CHECKING:
     #: bytes, or what gives them when they are sent
     _Reply = bytes | Callable[[], bytes]
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 PORT = 4000
 _TRIES = 10
 _PORT_VARIABLE = "MORSE_SOCKET_PORT"
 #: a tick takes no more than this from its clients; the rest waits for the next one
 _REQUESTS_PER_TICK = 512
-_REMEMBERED = 1024
-#: the service whose reply says, if asked, how many messages each client of a stream has been sent; who knows that
+_REPLIES_PER_TICK = 4 << 20
+#: share of the wall-clock time that services may take if clients want more than that
+_SHARE = 1 / 3
+#: seconds that services may take in each tick, however short it is, and in any tick, however long it was
+_LEAST, _MOST = 0.0003, 0.05
+#: asynchronous calls of one client that go on
+_MAX_CALLS = 1024
+#: the service whose reply says, if asked, how many messages each client of a stream has been sent
 _STEP = ("simulation", "step")
-_STREAMS = "morse.middleware.socket_datastream.SocketDatastreamManager"
 
 
 class SocketRequestManager(RequestManager):
@@ -43,6 +52,9 @@ class SocketRequestManager(RequestManager):
 
     Listens on the first free port from 4000 to 4009, or from the number in the environment
     variable ``MORSE_SOCKET_PORT`` on (0: any free port).
+
+    Services get a share of the time of a tick. Requests beyond that share wait; the client that has used the least time
+    is served next (see `Turns`). Calls that only concern the client, such as sleep and step, end when it disconnects.
 
     Attributes:
         port: where it listens.
@@ -54,14 +66,18 @@ class SocketRequestManager(RequestManager):
     def __init__(self, context: Context) -> None:
         super().__init__(context)
         self._context = context
-        self._inbox: deque[tuple[ServiceClient, bytes]] = deque()
+        self._inbox = Turns()
         self._arriving: list[tuple[ServiceClient, bytes]] = []
+        self._left: deque[tuple[ServiceClient, bool]] = deque()
         self._outbox: list[tuple[ServiceClient, _Reply]] = []
-        self._consumed: dict[ServiceClient, int] = {}
-        self._calls: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
+        self._outbox_size = 0
+        self._consumed: dict[ServiceClient, tuple[int, int]] = {}
+        self._calls = Calls()
         self._steps: set[uuid.UUID] = set()
-        self._issued: dict[tuple[ServiceClient, str], None] = {}
         self._server: LineServer | None = None
+        self._complaints = Complaints(logger)
+        self._debt = 0.0
+        self._rested = perf_counter()
         self.port = 0
 
     def initialization(self) -> bool:
@@ -86,7 +102,7 @@ class SocketRequestManager(RequestManager):
             )
         else:
             logger.info("services are on port %d", self.port)
-        self._server = LineServer("services", listener, lambda server: ServiceClient(server, self._arrived))
+        self._server = LineServer("services", listener, self._welcome)
         self._context.network.call(self._server.start(self._context.network))
         return True
 
@@ -98,6 +114,9 @@ class SocketRequestManager(RequestManager):
             self._server = None
         return True
 
+    def _welcome(self, server: LineServer) -> ServiceClient:
+        return ServiceClient(server, self._arrived, self._has_left)
+
     def _arrived(self, client: ServiceClient, line: bytes) -> None:
         if not self._arriving:
             self._context.network.when_read(self._all_arrived)
@@ -108,99 +127,140 @@ class SocketRequestManager(RequestManager):
         self._arriving.clear()
         self._context.wake()
 
+    def _has_left(self, client: ServiceClient, broken: bool) -> None:
+        self._left.append((client, broken))
+        self._context.wake()
+
     def update(self) -> None:
         """One tick: requests, outcomes, and all replies in one parcel to the network thread."""
         super().update()
         self._hand_over()
 
     def main(self) -> None:
-        """Read the requests that have arrived."""
-        if not self._inbox:
+        """Process the requests that have arrived, within the share of time of a tick."""
+        if self._inbox:
+            self._serve()
+        while self._left:
+            self._forget(*self._left.popleft())
+
+    def _serve(self) -> None:
+        begin = perf_counter()
+        idle = begin - self._rested
+        self._debt -= _SHARE * idle
+        if self._debt > 0.0:
+            self._rested = begin
             return
+        allowed = begin + max(_LEAST, min(_MOST, _SHARE * idle))
+        self._debt = 0.0
+        now = begin
         for _ in range(_REQUESTS_PER_TICK):
-            try:
-                client, line = self._inbox.popleft()
-            except IndexError:
-                return
-            self._consumed[client] = self._consumed.get(client, 0) + 1
+            taken = self._inbox.next()
+            if taken is None:
+                break
+            client, line = taken
+            count, size = self._consumed.get(client, (0, 0))
+            self._consumed[client] = (count + 1, size + len(line))
             self._handle(client, line)
-        self._context.wake()
+            before, now = now, perf_counter()
+            self._inbox.served(client, now - before)
+            if now > allowed or self._outbox_size > _REPLIES_PER_TICK:
+                self._debt = max(0.0, now - allowed)
+                break
+        self._rested = now
+        if self._inbox and self._debt <= 0.0:
+            self._context.wake()
+
+    def _forget(self, client: ServiceClient, broken: bool) -> None:
+        self._inbox.forget(client, with_requests=broken)
+        self._consumed.pop(client, None)
+        for call in self._calls.forget(client):
+            self.abandon(call)
 
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """An asynchronous call has ended: answer who asked."""
-        client, request = self._calls.pop(request_id)
+        """Send the result of an asynchronous call to the client that made it."""
+        client, request = self._calls.remove(request_id)
         if request_id in self._steps:
             # how much its streams have been sent is known when the reply is sent: after all that was published before
             self._steps.discard(request_id)
-            self._outbox.append((client, lambda: self._step_reply(request, *result)))
+            self._answer(client, lambda: self._step_reply(request, *result))
         else:
-            self._outbox.append((client, format_reply(request, *result)))
+            self._answer(client, format_reply(request, *result))
+
+    def _answer(self, client: ServiceClient, reply: _Reply) -> None:
+        self._outbox.append((client, reply))
+        if isinstance(reply, bytes):
+            self._outbox_size += len(reply)
 
     def _step_reply(self, request: str, state: str, result: Any) -> bytes:
-        manager = self._context.stream_managers.get(_STREAMS)
-        if state == SUCCESS and manager is not None:
-            result = manager.sent()
+        if state == SUCCESS:
+            result = {}
+            for manager in self._context.stream_managers.values():
+                result.update(manager.sent())
         return format_reply(request, state, result)
 
     def _handle(self, client: ServiceClient, line: bytes) -> None:
         try:
             request = parse_request(line)
         except MalformedRequest as error:
-            self._outbox.append((client, format_failure(error.request, str(error))))
+            self._answer(client, format_failure(error.request, str(error)))
             return
         if request is None:
             return
         if request.service is None:
             self._cancel(client, request.id)
             return
-        self._remember(client, request.id)
+        self._calls.issued(client, request.id)
+        if client.calls >= _MAX_CALLS:
+            text = f"{_MAX_CALLS} calls of this client go on: cancel some, or wait for their end"
+            self._answer(client, format_failure(request.id, text))
+            return
         try:
             done, outcome = self.on_incoming_request(request.component, request.service, request.arguments)
         except MorseRPCNbArgsError as error:
-            self._outbox.append((client, format_failure(request.id, f"{self.title}: {error}")))
+            self._answer(client, format_failure(request.id, f"{self.title}: {error}"))
         except MorseError as error:
-            self._outbox.append((client, format_failure(request.id, str(error))))
+            self._answer(client, format_failure(request.id, str(error)))
         except Exception as error:
-            self._outbox.append((client, format_failure(request.id, _report(request, error))))
+            self._answer(client, format_failure(request.id, self._report(request, error)))
         else:
             if done:
-                self._outbox.append((client, format_reply(request.id, *outcome)))
+                self._answer(client, format_reply(request.id, *outcome))
             else:
-                self._calls[outcome] = (client, request.id)
+                self._calls.add(outcome, client, request.id)
                 if (request.component, request.service) == _STEP and request.arguments[1:] == [True]:
                     self._steps.add(outcome)
 
-    def _remember(self, client: ServiceClient, request: str) -> None:
-        self._issued[client, request] = None
-        if len(self._issued) > _REMEMBERED:
-            del self._issued[next(iter(self._issued))]
-
     def _cancel(self, client: ServiceClient, request: str) -> None:
-        own = [call for call, caller in self._calls.items() if caller == (client, request)]
-        # what another client has started may be cancelled, but not by an id that was used for something of its own
-        others = [call for call, (_, asked) in self._calls.items() if asked == request]
-        calls = own or ([] if (client, request) in self._issued else others)
-        if calls:
-            self.abort_request(calls[-1])
-        else:
-            logger.debug("the client %s cancels %s, which is not running", client.peer, request)
+        call = self._calls.find(client, request)
+        if call is not None:
+            self.abort_request(call)
+
+    def _report(self, request: Request, error: Exception) -> str:
+        """Log the exception of a service, and return the message for its caller."""
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        name = f"the service {request.service} of {request.component}"
+        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self._complaints.log(logging.ERROR, name, text)
+        return what
 
     def _hand_over(self) -> None:
         if not self._consumed and not self._outbox:
             return
         self._context.network.post(_deliver, self._outbox, self._consumed)
         self._outbox = []
+        self._outbox_size = 0
         self._consumed = {}
 
 
-def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, int]) -> None:
+def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, tuple[int, int]]) -> None:
     by_client: dict[ServiceClient, list[bytes]] = {}
     for client, reply in replies:
         by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())
     for client, parts in by_client.items():
         client.reply(b"".join(parts))
-    for client, count in consumed.items():
-        client.consumed(count)
+    for client, (count, size) in consumed.items():
+        client.consumed(count, size)
 
 
 def _wanted_port() -> int:
@@ -208,19 +268,3 @@ def _wanted_port() -> int:
     if not text.isdecimal() or int(text) > 65535:
         raise MorseMiddlewareError(f"{_PORT_VARIABLE} is a port number from 0 to 65535, not '{text}'")
     return int(text)
-
-
-def _report(request: Request, error: Exception) -> str:
-    """Log that a service broke down, and return what its caller is told."""
-    what = f"{type(error).__name__}: {error}"
-    frame = traceback.extract_tb(error.__traceback__)[-1]
-    logger.error(
-        'the service %s of %s failed: %s\n  File "%s", line %s, in %s',
-        request.service,
-        request.component,
-        what,
-        frame.filename,
-        frame.lineno,
-        frame.name,
-    )
-    return what

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
+from morse.middleware.socket.limits import MAX_UNSENT
+from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
 from morse.middleware.socket.protocol import format_failure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from morse.middleware.socket.server import LineServer
+
 MAX_UNREAD = 16 << 20
 """Bytes of replies that a client leaves unread before it is disconnected."""
 _MAX_WAITING = 1024
 _RESUME_BELOW = 256
+#: bytes of requests that wait: the client is not read from until there are fewer
+_MANY_BYTES = 1 << 20
+#: bytes that a request takes beside its line
+_OVERHEAD = 256
 
 
 class ServiceClient(LineClient):
@@ -24,19 +31,32 @@ class ServiceClient(LineClient):
 
     Args:
         arrived: called with the client and each of its lines.
+        left: called when the connection has ended.
+
+    Attributes:
+        calls: number of its calls that go on; any thread may write it.
     """
 
-    def __init__(self, server: LineServer, arrived: Callable[[ServiceClient, bytes], None]) -> None:
+    def __init__(
+        self,
+        server: LineServer,
+        arrived: Callable[[ServiceClient, bytes], None],
+        left: Callable[[ServiceClient, bool], None],
+    ) -> None:
         super().__init__(server)
         self._arrived = arrived
+        self._left = left
         self._waiting = 0
-        self._held = self._leaving = False
+        self._held_back = self._leaving = False
+        self.calls = 0
 
     def line(self, line: bytes) -> None:
         """A request has arrived."""
+        if not self.hold(len(line) + _OVERHEAD):
+            return
         self._waiting += 1
-        if self._waiting > _MAX_WAITING and not self._held:
-            self._held = True
+        if (self._waiting > _MAX_WAITING or self.held > _MANY_BYTES) and not self._held_back:
+            self._held_back = True
             self.transport.pause_reading()
         self._arrived(self, line)
 
@@ -45,33 +65,51 @@ class ServiceClient(LineClient):
         self._leaving = self._waiting > 0
         return self._leaving
 
-    def consumed(self, count: int) -> None:
-        """The simulation has taken ``count`` of the requests, and answered what could be answered at once."""
+    def connection_lost(self, error: OSError | None) -> None:
+        """The connection has ended; by a reset if there is an error."""
+        super().connection_lost(error)
+        self._left(self, error is not None or self._shut_out)
+
+    def consumed(self, count: int, size: int) -> None:
+        """The simulation has taken ``count`` of the requests, and answered what could be answered at once.
+
+        Args:
+            size: bytes of these requests.
+        """
         self._waiting -= count
+        self.release(size + count * _OVERHEAD)
         if self._leaving and not self._waiting:
             self.transport.close()
-        if self._held and self._waiting < _RESUME_BELOW and not self.transport.is_closing():
-            self._held = False
+        if self._held_back and self._waiting < _RESUME_BELOW and self.held < _MANY_BYTES // 2:
+            self._held_back = False
             self.transport.resume_reading()
+
+    def importance(self) -> tuple[float, ...]:
+        """Clients that wait for an answer are the most important."""
+        return (self.calls > 0 or self._waiting > 0, *super().importance())
 
     def reply(self, data: bytes) -> None:
         """Send replies."""
         if self.transport.is_closing():
             return
-        if self.transport.get_write_buffer_size() > MAX_UNREAD:
+        unread = self.transport.get_write_buffer_size()
+        if unread > MAX_UNREAD or (unread and self._all_unread() > MAX_UNSENT):
             text = f"the client {self.peer} does not read the replies to its requests: disconnected"
             self.server.complaints.warn("unread", text)
             self.transport.abort()
             return
         self.transport.write(data)
 
+    def _all_unread(self) -> int:
+        return sum(client.transport.get_write_buffer_size() for client in self.server.clients)
+
     def overlong(self) -> None:
-        """A line without an end: nobody knows where the next request would begin."""
+        """Disconnect after a line without an end: the start of the next request is unknown."""
         text = f"the client {self.peer} sent more than {MAX_LINE} bytes without a line end: disconnected"
         self.server.complaints.warn("overlong", text)
         self.transport.write(format_failure("?", f"Malformed request! A line has at most {MAX_LINE} bytes"))
 
     def unfinished(self, rest: bytes) -> None:
         """The client left in the middle of a request."""
-        text = f"the client {self.peer} left in the middle of a request, which is ignored: {rest[:80]!r}"
+        text = f"the client {self.peer} left in the middle of a request, which is ignored: {beginning(rest)}"
         self.server.complaints.warn("unfinished", text)

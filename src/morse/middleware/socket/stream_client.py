@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING
 
 from morse.middleware.socket.inbox import Inbox
-from morse.middleware.socket.lines import MAX_LINE, LineClient, LineServer
+from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
+from morse.middleware.socket.server import LineServer
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Iterator, Sequence
 
-    from morse.middleware.socket.listener import Listener
+    from morse.core.network import Network
+    from morse.middleware.socket.connection import Connection
 
+#: messages are put together to pieces of about that size
 _HIGH_WATER = 1 << 18
 
 
@@ -33,13 +36,16 @@ class StreamClient(LineClient):
         self._behind = False
         self.sent = 0
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+    def connection_made(self, transport: Connection, peer: str) -> None:
         """A client has connected."""
-        assert isinstance(transport, asyncio.Transport)
-        transport.set_write_buffer_limits(high=_HIGH_WATER)
-        super().connection_made(transport)
+        super().connection_made(transport, peer)
+        transport.high_water = self.server.limits.high_water()
         if self.server.reads and self.server.connected > 1:
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
+
+    def importance(self) -> tuple[float, ...]:
+        """The importance of a listener grows with the time since it connected, because listeners send nothing."""
+        return super().importance() if self.server.reads else (not self.congested, -self.heard)
 
     def offer(self, parcels: Sequence[tuple[bytes, int]], last: bytes) -> None:
         """Send messages now; of those for which the client has no room only the last one, as soon as it has.
@@ -73,6 +79,8 @@ class StreamClient(LineClient):
         """Bytes have arrived; a stream that only sends takes no notice."""
         if self.server.reads:
             super().data_received(data)
+        else:
+            self.is_welcome(data)
 
     def line(self, line: bytes) -> None:
         """A message has arrived."""
@@ -81,7 +89,7 @@ class StreamClient(LineClient):
 
     def unfinished(self, rest: bytes) -> None:
         """The client left in the middle of a message."""
-        text = f"the client {self.peer} left in the middle of a message, which is ignored: {rest[:80]!r}"
+        text = f"the client {self.peer} left in the middle of a message, which is ignored: {beginning(rest)}"
         self._complain("unfinished", text)
 
     def overlong(self) -> None:
@@ -101,10 +109,15 @@ class StreamServer(LineServer):
         reads: whether the component takes data.
     """
 
-    def __init__(self, name: str, listener: Listener) -> None:
-        super().__init__(name, listener, lambda _: StreamClient(self))
+    def __init__(self, name: str, listener: socket.socket) -> None:
+        super().__init__(name, listener, lambda _: StreamClient(self), comes_first=True)
         self.inbox = Inbox()
         self.reads = False
+
+    async def start(self, network: Network) -> None:
+        """Begin to accept clients."""
+        await super().start(network)
+        self.inbox.budget = self.limits.commands
 
     def publish(self, messages: Sequence[bytes]) -> None:
         """Send messages to every client."""

@@ -5,16 +5,20 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
+from morse.core.complaints import Complaints
 from morse.core.datastream import AbstractDatastream
-from morse.middleware.socket.complaints import Complaints
+from morse.core.declarations import kinds
+from morse.core.kinds.table import GENERAL
+from morse.core.validation import CommandError, Commands
 from morse.middleware.socket.encoding import from_json, to_json
-from morse.middleware.socket.fields import Fields, WrongMessage
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
     from morse.core.object import Object
     from morse.middleware.socket.stream_client import StreamServer
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
 
 class SocketStream(AbstractDatastream):
@@ -29,18 +33,40 @@ class SocketStream(AbstractDatastream):
     outbox: list[tuple[StreamServer, bytes]]
 
 
+def main_kind(component: Any) -> str:
+    """The message kind of a component's own topic: ``general`` if it declares none."""
+    uses = [use for use in kinds(type(component)) if not use.topic and use.on_level(component.level)]
+    return next((use.kind for use in uses if use.when is None or use.when(component)), GENERAL)
+
+
+def _as_it_is(stream: SocketStream) -> bytes:
+    return to_json(stream.data)
+
+
 class SocketPublisher(SocketStream):
     """Sends the data of a component as one line of JSON to every client, at each of its actions.
 
     Subclass it and override `encode` to send something else.
     """
 
+    _form: Callable[[SocketStream], bytes | None] = staticmethod(_as_it_is)
+
+    def initialize(self) -> None:
+        """Find out which form the message kind of the component has."""
+        form = self.manager.mapping(main_kind(self.component_instance)) if self.manager is not None else None
+        self._form = form or _as_it_is
+
+    @property
+    def waiting(self) -> Collection[Any] | None:
+        """The clients."""
+        return self.server.clients if type(self).default is SocketPublisher.default else None
+
     def encode(self) -> bytes | str | None:
         """The message, or None if there is nothing to send; a line end is added if it is missing."""
-        return to_json(self.data)
+        return self._form(self)
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish; nothing is encoded while nobody is connected."""
+        """Publish the data; without a connected client, nothing is encoded."""
         if not self.server.connected:
             return False
         message = self.encode()
@@ -56,7 +82,7 @@ class SocketReader(SocketStream):
     """Takes lines of JSON from clients into the data of a component.
 
     Messages that arrived since the last tick are taken in their order, so that the last one wins;
-    fields that a message does not have stay as they are. A message that is no JSON, or does not fit
+    fields that a message does not have stay as they are. A message that is not JSON, or does not fit
     the fields of the component, is refused as a whole, and the log says why.
 
     Subclass it and override `decode` to take something else.
@@ -64,8 +90,13 @@ class SocketReader(SocketStream):
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
         super().__init__(component_instance, kwargs)
-        self._fields = Fields(component_instance)
+        self._commands = Commands(component_instance)
         self._complaints = Complaints(logger)
+
+    @property
+    def waiting(self) -> Collection[Any] | None:
+        """What clients have sent."""
+        return self.server.inbox.arrived if type(self).default is SocketReader.default else None
 
     def decode(self, msg: bytes) -> Any:
         """The fields that a message sets.
@@ -91,18 +122,24 @@ class SocketReader(SocketStream):
         try:
             message = self.decode(line)
         except Exception as error:  # decode may be the user's: a client's message must not stop the component
-            self._complain("decode", f"this message cannot be read ({type(error).__name__}: {error}): {line[:80]!r}")
+            self._refuse("decode", f"this message cannot be read ({type(error).__name__}: {error}): {line[:80]!r}")
             return False
         if message is None:
             return False
         try:
-            remark = self._fields.merge(message)
-        except WrongMessage as error:
-            self._complain("field " + error.field, f"a message is refused: {error}")
+            remark = self._commands.take(message)
+        except CommandError as error:
+            self._refuse("field " + error.field, f"a message is refused: {error}")
             return False
         if remark is not None:
             logger.warning("%s: %s", self.component_name, remark)
         return True
+
+    def _refuse(self, kind: str, text: str) -> None:
+        if self.component_instance.context.strict:
+            self._complaints.log(logging.ERROR, kind, f"[ERROR][MORSE] {self.component_name}: {text}")
+        else:
+            self._complain(kind, text)
 
     def _complain(self, kind: str, text: str) -> None:
         self._complaints.warn(kind, f"{self.component_name}: {text}")

@@ -5,17 +5,17 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from morse.middleware.socket.lines import LineClient, LineServer
+from morse.middleware.socket.lines import LineClient
+from morse.middleware.socket.server import LineServer
 
 if TYPE_CHECKING:
-    import asyncio
+    import socket
 
     from morse.core.context import Context
-    from morse.middleware.socket.listener import Listener
+    from morse.middleware.socket.connection import Connection
 
-logger = logging.getLogger("morse." + __name__)
+logger = logging.getLogger(__name__)
 
-SYNC_PORT = 6000
 #: how long the simulation thread waits before it looks whether the simulation is to end, s
 _SLICE = 0.02
 
@@ -27,7 +27,7 @@ class TimeSync:
     last one began; how many does not matter. Services are answered in the meantime.
     """
 
-    def __init__(self, context: Context, listener: Listener) -> None:
+    def __init__(self, context: Context, listener: socket.socket) -> None:
         self._context = context
         self._released = False
         self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
@@ -45,7 +45,7 @@ class TimeSync:
         self._context.network.when_read(self.release)
 
     def release(self) -> None:
-        """Let one tick begin, or see that nobody paces any more; runs in the network loop."""
+        """Let one tick begin, or find that no client paces the simulation any more; runs in the network loop."""
         self._released = True
         self._context.wake()
 
@@ -62,14 +62,15 @@ class _SyncClient(LineClient):
         super().__init__(server)
         self._sync = sync
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        super().connection_made(transport)
-        logger.info("the client %s paces the simulation", self.peer)
+    def connection_made(self, transport: Connection, peer: str) -> None:
+        super().connection_made(transport, peer)
+        self.server.complaints.log(logging.INFO, "begin", f"the client {self.peer} paces the simulation")
 
     def data_received(self, data: bytes) -> None:
-        self._sync.arrived()
+        if self.is_welcome(data):
+            self._sync.arrived()
 
-    def connection_lost(self, exc: Exception | None) -> None:
-        super().connection_lost(exc)
-        logger.info("the client %s no longer paces the simulation", self.peer)
+    def connection_lost(self, error: OSError | None) -> None:
+        super().connection_lost(error)
+        self.server.complaints.log(logging.INFO, "end", f"the client {self.peer} no longer paces the simulation")
         self._sync.release()

@@ -1,0 +1,198 @@
+"""One TCP connection, served by the loop of the network; everything here runs in that loop."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from morse.core.network import Network
+
+_CHUNK = 1 << 18
+#: default number of unsent bytes above which the other side counts as slow
+_HIGH_WATER = 1 << 16
+
+
+class Listening(Protocol):
+    """The callbacks of a connection."""
+
+    def data_received(self, data: bytes) -> None:
+        """Bytes have arrived."""
+
+    def eof_received(self) -> bool:
+        """The other side sends no more; True keeps the connection, to send the rest."""
+
+    def connection_lost(self, error: OSError | None) -> None:
+        """The connection has ended."""
+
+    def pause_writing(self) -> None:
+        """More is unsent than the other side takes."""
+
+    def resume_writing(self) -> None:
+        """The other side has caught up."""
+
+
+class Connection:
+    """One TCP connection.
+
+    Unlike an asyncio transport, it can be read at any time (`read`): the received bytes of a connection have to be
+    known before a request that came later on another one is carried out.
+
+    Args:
+        sock: as `socket.socket.accept` returned it.
+        comes_first: what arrives here is read before requests are handed over (see `Network.when_read`).
+
+    Attributes:
+        high_water: the other side counts as slow when more bytes are unsent.
+    """
+
+    def __init__(self, network: Network, sock: socket.socket, *, comes_first: bool) -> None:
+        self._network = network
+        self._socket = sock
+        self._comes_first = comes_first
+        self._listener: Listening
+        self._rest = bytearray()
+        self._reading = self._writing = False
+        self._slow = self._closing = self._ended = False
+        self.high_water = _HIGH_WATER
+        sock.setblocking(False)
+        with contextlib.suppress(OSError):  # the other side may have gone
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def start(self, listener: Listening) -> None:
+        """Tell ``listener`` from now on."""
+        self._listener = listener
+        self.resume_reading()
+
+    def get_write_buffer_size(self) -> int:
+        """Number of bytes that wait to be sent."""
+        return len(self._rest)
+
+    def is_closing(self) -> bool:
+        """Whether the connection has ended or is about to."""
+        return self._closing or self._ended
+
+    # -- reading -----------------------------------------------------------------------------
+
+    def pause_reading(self) -> None:
+        """Take nothing for a while: the other side has to wait when the system's buffers are full."""
+        if self._reading:
+            self._reading = False
+            self._network.ignore(self._socket)
+
+    def resume_reading(self) -> None:
+        """Take what arrives."""
+        if not self._reading and not self.is_closing():
+            self._reading = True
+            self._network.on_readable(self._socket, self.read, comes_first=self._comes_first)
+
+    def read(self) -> None:
+        """Take what has arrived."""
+        if not self._reading:
+            return
+        try:
+            data = self._socket.recv(_CHUNK)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError as error:
+            self._end(error)
+            return
+        if data:
+            self._listener.data_received(data)
+        else:
+            self.pause_reading()
+            if not self._listener.eof_received():
+                self.close()
+
+    # -- writing -----------------------------------------------------------------------------
+
+    def write(self, data: bytes) -> None:
+        """Send what the system takes now, and the rest as soon as it takes more."""
+        if self.is_closing():
+            return
+        if not self._rest:
+            try:
+                sent = self._socket.send(data)
+            except (BlockingIOError, InterruptedError):
+                sent = 0
+            except OSError as error:
+                self._end(error)
+                return
+            if sent == len(data):
+                return
+            data = data[sent:]
+            self._watch_writable(True)
+        self._rest += data
+        if not self._slow and len(self._rest) > self.high_water:
+            self._slow = True
+            self._listener.pause_writing()
+
+    def _writable(self) -> None:
+        try:
+            del self._rest[: self._socket.send(self._rest)]
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError as error:
+            self._end(error)
+            return
+        if not self._rest:
+            self._watch_writable(False)
+            if self._closing:
+                self._end(None)
+                return
+        if self._slow and len(self._rest) <= self.high_water // 4:
+            self._slow = False
+            self._listener.resume_writing()
+
+    def _watch_writable(self, wanted: bool) -> None:
+        if wanted != self._writing:
+            self._writing = wanted
+            loop = self._network.loop
+            if wanted:
+                loop.add_writer(self._socket, self._writable)
+            else:
+                loop.remove_writer(self._socket)
+
+    # -- the end -----------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """End when all is sent."""
+        if self.is_closing():
+            return
+        self._closing = True
+        self.pause_reading()
+        if not self._rest:
+            self._end(None)
+
+    def abort(self) -> None:
+        """End now; the other side notices at once."""
+        if not self._ended:
+            with contextlib.suppress(OSError):
+                self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+        self._end(None)
+
+    def _end(self, error: OSError | None) -> None:
+        if self._ended:
+            return
+        self._ended = True
+        self.pause_reading()
+        self._watch_writable(False)
+        self._rest.clear()
+        # called later: the set of clients must not change while a message is sent to all of them
+        self._network.loop.call_soon(self._tell_end, error)
+
+    def _tell_end(self, error: OSError | None) -> None:
+        self._socket.close()
+        self._listener.connection_lost(error)
+
+
+def _at_once() -> Any:
+    import struct
+    import sys
+
+    return struct.pack("hh" if sys.platform == "win32" else "ii", 1, 0)
+
+
+#: the value of ``SO_LINGER`` by which a connection is reset
+_AT_ONCE = _at_once()

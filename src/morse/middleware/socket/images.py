@@ -1,0 +1,74 @@
+"""Images and point clouds as JSON, pixels and points in base64."""
+
+from __future__ import annotations
+
+import base64
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.middleware.socket.encoding import to_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.datastream import AbstractDatastream
+
+#: the share of each colour in the brightness of a pixel (ITU-R BT.709)
+_LUMA = (0.2126, 0.7152, 0.0722)
+
+
+def image_json(stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None = None) -> bytes | None:
+    """``{timestamp, height, width, image, intrinsic_matrix}``; the image is RGBA, 8 bits each, in base64.
+
+    None while the camera does not capture.
+
+    Args:
+        stream: of a component with the fields ``image`` and ``intrinsic_matrix``.
+        pixels: makes the bytes of the image of the field; RGBA if not given.
+    """
+    return _json(stream, "image", pixels or as_bytes)
+
+
+def cloud_json(stream: AbstractDatastream) -> bytes | None:
+    """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32, in base64.
+
+    None while the camera does not capture. Data of other components are sent unchanged.
+    """
+    if "points" not in stream.data or not hasattr(stream.component_instance, "image_height"):
+        return to_json(stream.data)
+    return _json(stream, "points", points_as_bytes)
+
+
+def _json(stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes]) -> bytes | None:
+    camera: Any = stream.component_instance
+    data = stream.data
+    # None: no camera of its own, but it has a cloud
+    if getattr(camera, "capturing", None) not in (None, True):
+        return None
+    height, width = np.shape(data[field])[:2] if np.ndim(data[field]) >= 2 else (None, None)
+    message = {
+        "timestamp": data["timestamp"],
+        "height": getattr(camera, "image_height", height),
+        "width": getattr(camera, "image_width", width),
+        field: base64.b64encode(encode(data[field])).decode("ascii"),
+    }
+    if "intrinsic_matrix" in data:
+        message["intrinsic_matrix"] = data["intrinsic_matrix"]
+    return to_json(message)
+
+
+def as_bytes(value: Any) -> bytes:
+    """The bytes of an array, or bytes as they are, row by row."""
+    return value.tobytes() if hasattr(value, "tobytes") else bytes(value)
+
+
+def points_as_bytes(points: Any) -> bytes:
+    """Points as float32; bytes as they are."""
+    return bytes(points) if isinstance(points, (bytes, bytearray, memoryview)) else np.float32(points).tobytes()
+
+
+def grey(image: Any) -> bytes:
+    """The brightness of each pixel of an RGBA image, 8 bits."""
+    rgba = np.frombuffer(as_bytes(image), dtype=np.uint8).reshape(-1, 4)
+    return bytes((rgba[:, :3] @ np.array(_LUMA)).astype(np.uint8).tobytes())

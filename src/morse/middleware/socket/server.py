@@ -1,0 +1,156 @@
+"""TCP servers for lines; everything here runs in the network loop, except where it says otherwise."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import socket
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.middleware.socket.connection import Connection
+from morse.middleware.socket.limits import MAX_CLIENTS, Limits, limits_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from morse.core.network import Network
+    from morse.middleware.socket.lines import LineClient
+
+logger = logging.getLogger(__name__)
+
+#: seconds for which clients may read the remaining bytes when a server closes
+_FAREWELL = 1.0
+#: connections that are accepted before the loop does something else
+_AT_A_TIME = 64
+#: seconds without accepting connections after the system has refused a socket
+_PAUSE = 1.0
+#: TCP keep-alive: seconds of silence before the first probe, seconds between probes, and number of probes without an
+#: answer after which the connection is closed
+_SILENCE, _PROBE, _PROBES = 10, 10, 6
+
+
+class LineServer:
+    """Listens on one port.
+
+    Args:
+        make: makes the client of a new connection.
+        comes_first: what arrives here is read before requests are handed over (see `Network.when_read`).
+
+    Attributes:
+        clients: the connected clients.
+        connected: the number of connected clients; any thread may read it.
+        complaints: about what the clients do.
+        limits: what all clients of the simulation have in common.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        listener: socket.socket,
+        make: Callable[[LineServer], LineClient],
+        *,
+        comes_first: bool = False,
+    ) -> None:
+        self.name = name
+        self.clients: set[Any] = set()
+        self.connected = 0
+        self.complaints = Complaints(logger)
+        self.limits: Limits
+        self._listener = listener
+        self._make = make
+        self._comes_first = comes_first
+        self._network: Network | None = None
+
+    async def start(self, network: Network) -> None:
+        """Begin to accept clients."""
+        self._network = network
+        self.limits = limits_of(network)
+        self.limits.servers.add(self)
+        self._listen()
+
+    def _listen(self) -> None:
+        if self._network is not None:
+            self._network.on_readable(self._listener, self._accept, comes_first=self._comes_first)
+
+    def _accept(self) -> None:
+        for _ in range(_AT_A_TIME):
+            try:
+                sock, address = self._listener.accept()
+            except (BlockingIOError, InterruptedError, ConnectionError):
+                return
+            except OSError as error:
+                if self._network is None:
+                    return
+                self.complaints.warn("accept", f"{self.name}: nobody can connect for a while: {error.strerror}")
+                self._network.ignore(self._listener)
+                self._network.loop.call_later(_PAUSE, self._listen)
+                return
+            self._join(sock, address)
+
+    def _join(self, sock: socket.socket, address: Any) -> None:
+        assert self._network is not None
+        self._make_room()
+        with contextlib.suppress(OSError):  # it may have gone
+            _probe_when_silent(sock)
+        client = self._make(self)
+        connection = Connection(self._network, sock, comes_first=self._comes_first)
+        peer = f"{address[0]}:{address[1]}" if isinstance(address, tuple) else "?"
+        self.clients.add(client)
+        self.connected = len(self.clients)
+        client.connection_made(connection, peer)
+        connection.start(client)
+        if self._comes_first:
+            connection.read()  # it may have sent something before it was accepted
+
+    def _make_room(self) -> None:
+        """Disconnect the least important client if there are too many."""
+        crowded = self if self.connected >= MAX_CLIENTS else self.limits.fullest()
+        if crowded is None or not crowded.clients:
+            return
+        leaving = crowded.least_missed()
+        text = f"{crowded.name}: {leaving.peer} is turned away to make room: there are {crowded.connected} clients"
+        crowded.complaints.warn("many", text)
+        crowded.leave(leaving)
+        leaving.transport.abort()
+
+    def least_missed(self) -> Any:
+        """The client that is disconnected first if there are too many."""
+        return min(self.clients, key=lambda client: client.importance())
+
+    def leave(self, client: LineClient) -> None:
+        """A client has gone."""
+        self.clients.discard(client)
+        self.connected = len(self.clients)
+
+    async def close(self) -> None:
+        """Stop accepting, send the remaining bytes, and close. Clients that do not read are disconnected."""
+        if self._network is not None:
+            self._network.ignore(self._listener)
+            self._network = None
+            self.limits.servers.discard(self)
+        self._listener.close()
+        leaving = list(self.clients)
+        for client in leaving:
+            client.transport.close()
+        if leaving:
+            waiting = [asyncio.ensure_future(client.gone.wait()) for client in leaving]
+            _, late = await asyncio.wait(waiting, timeout=_FAREWELL)
+            for task in late:
+                task.cancel()
+        for client in leaving:
+            client.transport.abort()
+
+
+def _probe_when_silent(sock: socket.socket) -> None:
+    # the word of its end may be lost: it is sent once only
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in (("TCP_KEEPINTVL", _PROBE), ("TCP_KEEPCNT", _PROBES), ("TCP_KEEPIDLE", _SILENCE)):
+        if hasattr(socket, option):  # not on every system
+            sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+
+
+async def close_all(servers: Iterable[LineServer]) -> None:
+    """Close several servers, at the same time."""
+    await asyncio.gather(*(server.close() for server in servers))

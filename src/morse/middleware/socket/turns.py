@@ -1,0 +1,88 @@
+"""Whose request is next."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import threading
+from collections import deque
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.middleware.socket.service_client import ServiceClient
+
+#: seconds: clients that have taken so little more time than others are served in the order of their requests
+_GRAIN = 0.005
+
+
+class Turns:
+    """The queue of requests. The client that has used the least time is served next.
+
+    Among clients that have used about the same time, the request that arrived first is served next; so a few clients
+    with cheap requests are served in the order of arrival. A new client starts with the time of the client that was
+    served last.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._numbers = itertools.count()
+        self._waiting: dict[ServiceClient, deque[tuple[int, bytes]]] = {}
+        self._taken: dict[ServiceClient, float] = {}
+        self._order: list[tuple[int, int, ServiceClient]] = []
+        self._now = 0.0
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def extend(self, requests: Iterable[tuple[ServiceClient, bytes]]) -> None:
+        """Requests have arrived."""
+        with self._lock:
+            for client, line in requests:
+                number = next(self._numbers)
+                queue = self._waiting.get(client)
+                if queue is None:
+                    queue = self._waiting[client] = deque()
+                    self._taken[client] = max(self._taken.get(client, 0.0), self._now)
+                    heapq.heappush(self._order, (int(self._taken[client] / _GRAIN), number, client))
+                queue.append((number, line))
+                self._count += 1
+
+    def next(self) -> tuple[ServiceClient, bytes] | None:
+        """The next request, or None; to be followed by `served`."""
+        with self._lock:
+            while self._order:
+                _, _, client = heapq.heappop(self._order)
+                queue = self._waiting.get(client)
+                if queue:
+                    self._count -= 1
+                    self._now = max(self._now, self._taken[client])
+                    return client, queue.popleft()[1]
+            return None
+
+    def served(self, client: ServiceClient, seconds: float) -> None:
+        """The request of that client took so long."""
+        with self._lock:
+            queue = self._waiting.get(client)
+            if queue is None:
+                return
+            self._taken[client] += seconds
+            if queue:
+                heapq.heappush(self._order, (int(self._taken[client] / _GRAIN), queue[0][0], client))
+            else:
+                del self._waiting[client]
+                if self._taken[client] <= self._now:
+                    del self._taken[client]
+
+    def forget(self, client: ServiceClient, *, with_requests: bool) -> int:
+        """A client has gone; the number of its requests that are dropped."""
+        with self._lock:
+            dropped = 0
+            if with_requests:
+                dropped = len(self._waiting.pop(client, ()))
+                self._count -= dropped
+            if client not in self._waiting:
+                self._taken.pop(client, None)
+            return dropped
