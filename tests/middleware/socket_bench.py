@@ -7,12 +7,11 @@ import time
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from morse.core import context as core_context
 from morse.core import status
 from morse.core.abstractobject import AbstractObject
 from morse.core.actuator import Actuator
 from morse.core.clock import Clock
-from morse.core.context import Context
+from morse.core.context import Context, acting
 from morse.core.declarations import add_data
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.network import Network
@@ -132,7 +131,8 @@ class Bench:
         )
         self.context.wake = self._wake  # type: ignore[method-assign]
         self.stopping = False
-        core_context.set_current(self.context)
+        self._acting = acting(self.context)
+        self._acting.__enter__()
         self.requests = SocketRequestManager(self.context)
         self.context.services.add_request_manager(self.requests)
         for name in ("simulation", "robot1.motion"):
@@ -149,7 +149,7 @@ class Bench:
     def add(self, component: Any, direction: str, stream: str | None = None, **options: object) -> Any:
         classpath = stream or (READER if direction == "IN" else PUBLISHER)
         declaration = StreamDeclaration(self.streams.classpath, classpath, direction, dict(options))
-        self.streams.register_component(component, declaration)
+        self.streams.connect(component, declaration)
         if component not in self.components:
             self.components.append(component)
         return component
@@ -201,7 +201,7 @@ class Bench:
         self.requests.finalization()
         self.streams.finalize()
         self.context.network.stop()
-        core_context.set_current(None)
+        self._acting.__exit__(None, None, None)
 
 
 class Peer:

@@ -15,7 +15,7 @@ from socket_bench import Bench, Peer, wait_until
 from morse.core import status
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
-from morse.middleware.socket.lines import MAX_CLIENTS
+from morse.middleware.socket.limits import MAX_CLIENTS
 from morse.middleware.socket.request_manager import SocketRequestManager
 
 
@@ -262,16 +262,26 @@ def test_a_client_that_does_not_read_its_replies_is_disconnected(
     deaf.close()
 
 
-def test_more_clients_than_anybody_needs_are_turned_away(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+def test_the_client_that_has_been_silent_for_longest_makes_room(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     server = bench.requests._server
     assert server is not None
-    peers = [Peer(bench.requests.port) for _ in range(MAX_CLIENTS)]
-    wait_until(lambda: server.connected == MAX_CLIENTS)
-    extra = Peer(bench.requests.port)
-    wait_until(extra.has_ended)
-    assert "turned away" in caplog.text
-    assert bench.call(peers[0], b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"
-    for peer in (*peers, extra):
+    speaking, waiting = bench.connect(), bench.connect()
+    assert bench.call(speaking, b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"
+    waiting.send(b"2 robot1.motion goto [1, 2, 3]\n")
+    bench.tick_until(lambda: bench.arm.running_service)
+    idle = [bench.connect() for _ in range(MAX_CLIENTS - 2)]
+    for n in range(300):
+        newcomer = bench.connect()
+        if n % 50 == 0:
+            assert bench.call(newcomer, b"3 robot1.motion echo [true]\n") == b"3 SUCCESS true\n"
+        idle.append(newcomer)
+    assert server.connected == MAX_CLIENTS
+    wait_until(idle[0].has_ended)
+    assert caplog.text.count("turned away") == 1
+    assert bench.call(speaking, b"4 robot1.motion nothing\n") == b"4 SUCCESS\n"
+    bench.arm.completed(status.SUCCESS, True)
+    bench.tick_until(lambda: waiting.lines() == [b"2 SUCCESS true"])
+    for peer in (*idle, speaking, waiting):
         peer.close()
     wait_until(lambda: server.connected == 0)
 

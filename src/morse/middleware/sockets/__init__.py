@@ -1,1 +1,1 @@
-"""Streams over the socket that are more than the data of a component as JSON."""
+"""The class paths of MORSE 1.4 for streams of images and point clouds over the socket."""

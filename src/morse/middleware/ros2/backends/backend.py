@@ -1,0 +1,82 @@
+"""What a backend offers; everything else of ROS 2 is made by MORSE itself and is the same on all backends."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+
+class Qos(NamedTuple):
+    """Quality of service of a topic.
+
+    Attributes:
+        depth: number of messages that are kept.
+        reliable: lost messages are sent again.
+        latched: who comes later gets the last messages, too (durability transient local).
+    """
+
+    depth: int = 10
+    reliable: bool = True
+    latched: bool = False
+
+
+class Publisher(ABC):
+    """Sends the messages of a topic."""
+
+    @abstractmethod
+    def publish(self, data: bytes) -> bool:
+        """Send a message, as `morse.middleware.ros2.cdr.encode` makes it.
+
+        Returns:
+            False if it is lost, since readers are too slow.
+        """
+
+    @abstractmethod
+    def wanted(self) -> bool:
+        """Whether somebody has subscribed."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """End the topic."""
+
+
+class Subscription(ABC):
+    """Takes the messages of a topic."""
+
+    @abstractmethod
+    def take(self) -> list[bytes]:
+        """What has arrived, oldest first; never waits."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Take nothing more."""
+
+
+class Backend(ABC):
+    """A participant of a ROS 2 domain. All calls come from the simulation thread, and none of them waits.
+
+    Attributes:
+        name: as ``env.configure_stream_manager('ros2', backend=...)`` says it.
+        opens: what it opens on which interface, for the log.
+    """
+
+    name: str
+    opens: str
+
+    @abstractmethod
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        """Offer a topic; None if this backend does not have the type of message.
+
+        Args:
+            topic: absolute name, ``/robot/pose``.
+            type_name: ``geometry_msgs/msg/PoseStamped``.
+            qos: quality of service.
+        """
+
+    @abstractmethod
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
+        """Subscribe to a topic; None if this backend does not have the type of message."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Leave the domain."""

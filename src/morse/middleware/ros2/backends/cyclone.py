@@ -1,0 +1,172 @@
+"""ROS 2 without ROS: topics over Cyclone DDS, under the names that ROS nodes give them.
+
+There is no node in the graph of ROS, and no services, actions or parameters: tools list the topics as those of a bare
+DDS application.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from contextlib import nullcontext
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import quoteattr
+
+from cyclonedds.core import DDSException
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy
+from cyclonedds.qos import Qos as DdsQos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.cyclone_types import sample_type
+from morse.middleware.ros2.backends.loopback import Confined, confined, described
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: how long a reliable writer waits for a reader whose queue is full; the simulation must not
+_NO_TIME = 0.0
+#: messages that are taken in one tick
+_MOST = 64
+_LOOPBACK = """<CycloneDDS><Domain><General>
+<Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast>
+</General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
+<Peers><Peer Address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>"""
+_INTERFACE = """<CycloneDDS><Domain><General>
+<Interfaces><NetworkInterface {} multicast="default"/></Interfaces>
+</General></Domain></CycloneDDS>"""
+
+
+@dataclass
+class _Joined:
+    """A domain that participants of this process are in: Cyclone DDS has one configuration for all of them."""
+
+    domain: Domain
+    settings: str
+    participants: int = 0
+
+
+_domains: dict[int, _Joined] = {}
+
+
+def _configuration(interface: str) -> tuple[str, str]:
+    """The settings for an interface, and how the log calls it."""
+    if os.environ.get("CYCLONEDDS_URI"):
+        return "", "as CYCLONEDDS_URI says"
+    if interface in ("", "lo", "127.0.0.1", "localhost"):
+        return _LOOPBACK, "127.0.0.1"
+    attribute = "autodetermine='true'" if interface == "any" else f"name={quoteattr(interface)}"
+    if interface.replace(".", "").isdigit():
+        attribute = f"address={quoteattr(interface)}"
+    return _INTERFACE.format(attribute), interface
+
+
+def _join(domain: int, interface: str) -> tuple[DomainParticipant, str]:
+    settings, place = _configuration(interface)
+    try:
+        if not settings:
+            return DomainParticipant(domain), place
+        known = _domains.get(domain)
+        if known is not None and known.settings != settings:
+            raise MorseMiddlewareError(
+                f"ros2: another simulation of this process uses the domain {domain} on another interface; "
+                "give this one its own domain_id"
+            )
+        with confined() if settings == _LOOPBACK else nullcontext(Confined()) as sockets:
+            joined = known or _Joined(Domain(domain, settings), settings)
+            participant = DomainParticipant(domain)
+    except DDSException as error:
+        present = ", ".join(name for _, name in socket.if_nameindex())
+        raise MorseMiddlewareError(
+            f"ros2: Cyclone DDS cannot join the domain {domain} on {place} (interfaces: {present}): {error}"
+        ) from None
+    joined.participants += 1
+    _domains[domain] = joined
+    return participant, described(sockets) if settings == _LOOPBACK else f"on {place}"
+
+
+def _leave(domain: int) -> None:
+    joined = _domains.get(domain)
+    if joined is not None:
+        joined.participants -= 1
+        if not joined.participants:
+            del _domains[domain]
+
+
+def _qos(qos: Qos) -> DdsQos:
+    return DdsQos(
+        Policy.Reliability.Reliable(duration(seconds=_NO_TIME)) if qos.reliable else Policy.Reliability.BestEffort,
+        Policy.History.KeepLast(qos.depth),
+        Policy.Durability.TransientLocal if qos.latched else Policy.Durability.Volatile,
+        Policy.DataRepresentation(use_cdrv0_representation=True),
+    )
+
+
+class _Writer(Publisher):
+    def __init__(self, participant: DomainParticipant, topic: Any, qos: Qos) -> None:
+        self._topic, self._writer = topic, DataWriter(participant, topic, qos=_qos(qos))
+
+    def publish(self, data: bytes) -> bool:
+        sample = self._topic.data_type()
+        sample.data = data
+        try:
+            self._writer.write(sample)
+        except DDSException:  # readers that want all messages have not taken the former ones
+            return False
+        return True
+
+    def wanted(self) -> bool:
+        return bool(self._writer.get_publication_matched_status().current_count)
+
+    def close(self) -> None:
+        self._writer = self._topic = None
+
+
+class _Reader(Subscription):
+    def __init__(self, participant: DomainParticipant, topic: Any, qos: Qos) -> None:
+        self._reader = DataReader(participant, topic, qos=_qos(qos))
+
+    def take(self) -> list[bytes]:
+        # a writer that ends leaves a sample without data
+        return [sample.data for sample in self._reader.take(_MOST) if sample.sample_info.valid_data]
+
+    def close(self) -> None:
+        self._reader = None
+
+
+class CycloneBackend(Backend):
+    """A participant of Cyclone DDS."""
+
+    name = "cyclonedds"
+
+    def __init__(self, options: Mapping[str, Any]) -> None:
+        self._domain = domain = options["domain_id"]
+        self._participant, place = _join(domain, options["interface"])
+        self.opens = f"domain {domain}, UDP {place}"
+        self._topics: dict[tuple[str, str], Any] = {}
+
+    def _topic(self, topic: str, type_name: str) -> Any:
+        key = (topic, type_name)
+        if key not in self._topics:
+            self._topics[key] = Topic(self._participant, f"rt{topic}", sample_type(type_name))
+        return self._topics[key]
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """See `Backend.publisher`."""
+        return _Writer(self._participant, self._topic(topic, type_name), qos)
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
+        """See `Backend.subscription`."""
+        return _Reader(self._participant, self._topic(topic, type_name), qos)
+
+    def close(self) -> None:
+        """See `Backend.close`."""
+        self._topics.clear()
+        del self._participant
+        _leave(self._domain)

@@ -1,0 +1,206 @@
+"""Carries data streams as topics of ROS 2."""
+
+from __future__ import annotations
+
+import logging
+import os
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.datastream import DatastreamManager
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2.backends.backend import Qos
+from morse.middleware.ros2.backends.choice import make_backend
+from morse.middleware.ros2.cdr import encode
+from morse.middleware.ros2.kinds.sensing import SensingKinds
+from morse.middleware.ros2.kinds.spatial import SpatialKinds
+from morse.middleware.ros2.kinds.states import StateKinds, clock
+from morse.middleware.ros2.kinds.vision import VisionKinds
+from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS
+from morse.middleware.ros2.names import Names, robot_of
+from morse.middleware.ros2.outlets import COMMAND
+from morse.middleware.ros2.transforms import Transforms
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.core.context import Context
+    from morse.core.kinds import BoundKind
+    from morse.middleware.ros2.backends.backend import Publisher, Subscription
+    from morse.middleware.ros2.outlets import Inlet, Outlet
+    from morse.middleware.ros2.stream import Ros2Stream
+
+logger = logging.getLogger(__name__)
+
+_TF = "tf2_msgs/msg/TFMessage"
+_CLOCK = "rosgraph_msgs/msg/Clock"
+
+
+class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds, DatastreamManager):
+    """Topics of ROS 2, and simulated time and the tree of frames.
+
+    Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2.mapping`.
+
+    Attributes:
+        names: of topics and frames.
+        transforms: the tree of frames.
+        backend: carries the bytes.
+    """
+
+    classpath = "morse.middleware.ros2.datastream.Ros2DatastreamManager"
+    manager_options = MANAGER_OPTIONS
+
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        super().__init__(options, context)
+        self.names = Names(self.options)
+        self.backend = make_backend({**self.options, "domain_id": self._domain()})
+        logger.info("ros2: %s, %s", self.backend.name, self.backend.opens)
+        self._complaints = Complaints(logger)
+        #: topics by name: their type, and the component that has them
+        self._claims: dict[str, tuple[str, str]] = {}
+        self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
+        self._subscriptions: dict[tuple[str, str, Qos], Subscription] = {}
+        self._aliases: dict[str, str] = {}
+        self._clock = self._own("/clock", _CLOCK, Qos(1, reliable=False)) if self.options["clock"] else None
+        self._tf = self._own("/tf", _TF, Qos(100)) if self.options["tf"] else None
+        self._tf_static = self._own("/tf_static", _TF, Qos(1, latched=True)) if self.options["tf"] else None
+        self.transforms = Transforms(
+            self.options["localization"],
+            lambda message: self._publish(self._tf, _TF, message),
+            lambda message: self._publish(self._tf_static, _TF, message),
+        )
+
+    def _domain(self) -> int:
+        if self.options["domain_id"] is not None:
+            return int(self.options["domain_id"])
+        given = os.environ.get("ROS_DOMAIN_ID") or "0"
+        if not given.isdecimal() or int(given) > LAST_DOMAIN:
+            raise MorseMiddlewareError(f"ros2: ROS_DOMAIN_ID is {given!r}, expected a number from 0 to {LAST_DOMAIN}")
+        return int(given)
+
+    def _own(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        self._claims[topic] = (type_name, "the simulation")
+        made = self.backend.publisher(topic, type_name, qos)
+        if made is None:
+            logger.warning("ros2: %s is not published: %s", topic, self._lacks(type_name))
+        return made
+
+    def _lacks(self, type_name: str) -> str:
+        return f"{self.backend.name} has no {type_name} here (sudo apt install ros-$ROS_DISTRO-{_package(type_name)})"
+
+    def _publish(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
+        if publisher is not None:
+            publisher.publish(encode(type_name, message))
+
+    # -- topics ------------------------------------------------------------------------------
+
+    def offer(self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet) -> tuple[str, Outlet, Publisher]:
+        """A topic that a stream publishes.
+
+        Raises:
+            MorseMiddlewareError: the topic is that of another component, or the backend has no such message.
+        """
+        base = self.names.topic(stream.component_instance, stream.kwargs)
+        # a component that has the message on a topic of that name already wants no second one below it
+        below = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
+        topic = "/".join(part for part in (base, bound.topic, below) if part)
+        qos = outlet.qos._replace(reliable=False) if stream.kwargs["qos"] == "sensor" else outlet.qos
+        owner = self._claims.get(topic)
+        if owner is not None:
+            raise MorseMiddlewareError(
+                f"{stream.component_name}: the topic {topic} is that of {owner[1]}; "
+                "give one of them another: topic='...'"
+            )
+        self._claims[topic] = (outlet.type, stream.component_name)
+        key = (topic, outlet.type, qos)
+        if key not in self._publishers:
+            self._publishers[key] = self._made(self.backend.publisher(*key), stream, outlet.type)
+        return topic, outlet, self._publishers[key]
+
+    def hear(self, stream: Ros2Stream, bound: BoundKind, inlet: Inlet) -> Iterator[tuple[str, Subscription]]:
+        """The topics by which a stream is commanded.
+
+        Raises:
+            MorseMiddlewareError: another component uses the topic with another message.
+        """
+        base = self.names.topic(stream.component_instance, stream.kwargs)
+        topics = ["/".join(part for part in (base, bound.topic, inlet.topic) if part)]
+        if inlet.also:
+            alias = f"{self.names.namespace(stream.robot, stream.kwargs['namespace'])}/{inlet.also}"
+            if self._aliases.setdefault(alias, stream.component_name) == stream.component_name:
+                topics.append(alias)
+        for topic in dict.fromkeys(topics):
+            known = self._claims.setdefault(topic, (inlet.type, stream.component_name))
+            if known[0] != inlet.type:
+                raise MorseMiddlewareError(
+                    f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and "
+                    f"cannot have {inlet.type} as well; give one of them another: topic='...'"
+                )
+            qos = COMMAND._replace(reliable=False) if stream.kwargs["qos"] == "sensor" else COMMAND
+            # each listener has a subscription of its own: what one has taken is gone
+            key = (f"{stream.component_name} {topic}", inlet.type, qos)
+            if key not in self._subscriptions:
+                made = self.backend.subscription(topic, inlet.type, qos)
+                self._subscriptions[key] = self._made(made, stream, inlet.type)
+            self._subscriptions[key].take()  # what was sent to a former component is void
+            yield topic, self._subscriptions[key]
+
+    def _made(self, made: Any, stream: Ros2Stream, type_name: str) -> Any:
+        if made is None:
+            raise MorseMiddlewareError(f"{stream.component_name}: {self._lacks(type_name)}")
+        return made
+
+    def opened(self, stream: Ros2Stream) -> None:
+        """Refuse a second robot if names do not tell robots apart."""
+        others = {robot_of(other.component_instance).name() for streams in self.streams.values() for other in streams}
+        if self.names.for_one_robot and len(others) > 1:
+            raise MorseMiddlewareError(
+                f"the options 'namespace' and 'frame_prefix' of ros2 are for one robot, and there are "
+                f"{', '.join(sorted(others))}"
+            )
+
+    def closed(self, stream: Ros2Stream) -> None:
+        """Its topics are free; they stay open for a component that follows it: readers need not look for them again."""
+        name = stream.component_name
+        self._claims = {topic: claim for topic, claim in self._claims.items() if claim[1] != name}
+        self._aliases = {alias: owner for alias, owner in self._aliases.items() if owner != name}
+        if stream.direction == "OUT":
+            self.transforms.remove(stream)
+
+    def left(self, name: str) -> None:
+        """A component is deleted: close the topics that nobody uses any more."""
+        for key in [key for key in self._publishers if key[0] not in self._claims]:
+            self._publishers.pop(key).close()
+        for key in [key for key in self._subscriptions if key[0].startswith(f"{name} ")]:
+            self._subscriptions.pop(key).close()
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def wants_transforms(self) -> bool:
+        """Whether somebody listens to what moves."""
+        return self._tf is not None and self._tf.wanted()
+
+    def flush(self) -> None:
+        """A tick ends: say which time it is, and where all frames are."""
+        stamp = self.context.clock.stamp()
+        if self._clock is not None and self._clock.wanted():
+            self._publish(self._clock, _CLOCK, clock(stamp))
+        if self._tf is not None:
+            self.transforms.publish(stamp, wanted=self._tf.wanted())
+
+    def finalize(self) -> None:
+        """Close all topics and leave the domain."""
+        super().finalize()
+        publishers = [self._clock, self._tf, self._tf_static, *self._publishers.values()]
+        for publisher in publishers:
+            if publisher is not None:
+                publisher.close()
+        for subscription in self._subscriptions.values():
+            subscription.close()
+        self._publishers.clear()
+        self._subscriptions.clear()
+        self.backend.close()
+
+
+def _package(type_name: str) -> str:
+    return type_name.partition("/")[0].replace("_", "-")

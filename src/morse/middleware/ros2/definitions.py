@@ -1,0 +1,144 @@
+"""The messages of ROS 2 Jazzy that are in use, field by field.
+
+Names and types are those of the packages common_interfaces, rcl_interfaces and geometry2.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import NamedTuple
+
+from morse.core.exceptions import MorseMiddlewareError
+
+_MESSAGES = """
+builtin_interfaces/Time: int32 sec, uint32 nanosec
+builtin_interfaces/Duration: int32 sec, uint32 nanosec
+std_msgs/Header: builtin_interfaces/Time stamp, string frame_id
+std_msgs/Bool: bool data
+std_msgs/Float64: float64 data
+std_msgs/Int64: int64 data
+std_msgs/String: string data
+std_msgs/MultiArrayDimension: string label, uint32 size, uint32 stride
+std_msgs/MultiArrayLayout: std_msgs/MultiArrayDimension[] dim, uint32 data_offset
+std_msgs/Float32MultiArray: std_msgs/MultiArrayLayout layout, float32[] data
+std_msgs/Float64MultiArray: std_msgs/MultiArrayLayout layout, float64[] data
+rosgraph_msgs/Clock: builtin_interfaces/Time clock
+geometry_msgs/Vector3: float64 x, float64 y, float64 z
+geometry_msgs/Point: float64 x, float64 y, float64 z
+geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w = 1
+geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
+geometry_msgs/PoseStamped: std_msgs/Header header, geometry_msgs/Pose pose
+geometry_msgs/PoseWithCovariance: geometry_msgs/Pose pose, float64[36] covariance
+geometry_msgs/PoseWithCovarianceStamped: std_msgs/Header header, geometry_msgs/PoseWithCovariance pose
+geometry_msgs/PointStamped: std_msgs/Header header, geometry_msgs/Point point
+geometry_msgs/QuaternionStamped: std_msgs/Header header, geometry_msgs/Quaternion quaternion
+geometry_msgs/Twist: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
+geometry_msgs/TwistStamped: std_msgs/Header header, geometry_msgs/Twist twist
+geometry_msgs/TwistWithCovariance: geometry_msgs/Twist twist, float64[36] covariance
+geometry_msgs/TwistWithCovarianceStamped: std_msgs/Header header, geometry_msgs/TwistWithCovariance twist
+geometry_msgs/Accel: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
+geometry_msgs/AccelWithCovariance: geometry_msgs/Accel accel, float64[36] covariance
+geometry_msgs/AccelWithCovarianceStamped: std_msgs/Header header, geometry_msgs/AccelWithCovariance accel
+geometry_msgs/Wrench: geometry_msgs/Vector3 force, geometry_msgs/Vector3 torque
+geometry_msgs/WrenchStamped: std_msgs/Header header, geometry_msgs/Wrench wrench
+geometry_msgs/Transform: geometry_msgs/Vector3 translation, geometry_msgs/Quaternion rotation
+geometry_msgs/TransformStamped: std_msgs/Header header, string child_frame_id, geometry_msgs/Transform transform
+tf2_msgs/TFMessage: geometry_msgs/TransformStamped[] transforms
+nav_msgs/Odometry: std_msgs/Header header, string child_frame_id,
+    geometry_msgs/PoseWithCovariance pose, geometry_msgs/TwistWithCovariance twist
+sensor_msgs/Imu: std_msgs/Header header,
+    geometry_msgs/Quaternion orientation, float64[9] orientation_covariance,
+    geometry_msgs/Vector3 angular_velocity, float64[9] angular_velocity_covariance,
+    geometry_msgs/Vector3 linear_acceleration, float64[9] linear_acceleration_covariance
+sensor_msgs/MagneticField: std_msgs/Header header,
+    geometry_msgs/Vector3 magnetic_field, float64[9] magnetic_field_covariance
+sensor_msgs/NavSatStatus: int8 status = -2, uint16 service
+sensor_msgs/NavSatFix: std_msgs/Header header, sensor_msgs/NavSatStatus status,
+    float64 latitude, float64 longitude, float64 altitude,
+    float64[9] position_covariance, uint8 position_covariance_type
+sensor_msgs/TimeReference: std_msgs/Header header, builtin_interfaces/Time time_ref, string source
+sensor_msgs/FluidPressure: std_msgs/Header header, float64 fluid_pressure, float64 variance
+sensor_msgs/Temperature: std_msgs/Header header, float64 temperature, float64 variance
+sensor_msgs/BatteryState: std_msgs/Header header, float32 voltage, float32 temperature, float32 current,
+    float32 charge, float32 capacity, float32 design_capacity, float32 percentage,
+    uint8 power_supply_status, uint8 power_supply_health, uint8 power_supply_technology, bool present,
+    float32[] cell_voltage, float32[] cell_temperature, string location, string serial_number
+sensor_msgs/Range: std_msgs/Header header, uint8 radiation_type, float32 field_of_view,
+    float32 min_range, float32 max_range, float32 range, float32 variance
+sensor_msgs/LaserScan: std_msgs/Header header, float32 angle_min, float32 angle_max, float32 angle_increment,
+    float32 time_increment, float32 scan_time, float32 range_min, float32 range_max,
+    float32[] ranges, float32[] intensities
+sensor_msgs/PointField: string name, uint32 offset, uint8 datatype, uint32 count
+sensor_msgs/PointCloud2: std_msgs/Header header, uint32 height, uint32 width, sensor_msgs/PointField[] fields,
+    bool is_bigendian, uint32 point_step, uint32 row_step, uint8[] data, bool is_dense
+sensor_msgs/Image: std_msgs/Header header, uint32 height, uint32 width, string encoding, uint8 is_bigendian,
+    uint32 step, uint8[] data
+sensor_msgs/RegionOfInterest: uint32 x_offset, uint32 y_offset, uint32 height, uint32 width, bool do_rectify
+sensor_msgs/CameraInfo: std_msgs/Header header, uint32 height, uint32 width, string distortion_model,
+    float64[] d, float64[9] k, float64[9] r, float64[12] p,
+    uint32 binning_x, uint32 binning_y, sensor_msgs/RegionOfInterest roi
+sensor_msgs/JointState: std_msgs/Header header, string[] name,
+    float64[] position, float64[] velocity, float64[] effort
+trajectory_msgs/JointTrajectoryPoint: float64[] positions, float64[] velocities, float64[] accelerations,
+    float64[] effort, builtin_interfaces/Duration time_from_start
+trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names,
+    trajectory_msgs/JointTrajectoryPoint[] points
+"""
+
+#: of numbers, in numpy's letters
+PRIMITIVES = {
+    "bool": "?", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I",
+    "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
+}  # fmt: skip
+SINGLE, SEQUENCE = -1, 0
+
+
+class MessageField(NamedTuple):
+    """A field of a message.
+
+    Attributes:
+        name: of the field.
+        type: a name of `PRIMITIVES`, ``string``, or the full name of a message.
+        size: `SINGLE`, `SEQUENCE`, or the length of an array.
+        default: of a number.
+    """
+
+    name: str
+    type: str
+    size: int
+    default: float
+
+
+def _full(name: str) -> str:
+    return name.replace("/", "/msg/") if "/" in name else name
+
+
+@cache
+def messages() -> dict[str, tuple[MessageField, ...]]:
+    """All messages by their full name (``std_msgs/msg/Header``), each after those that it contains."""
+    found = {}
+    for line in re.sub(r",\n +", ", ", _MESSAGES).strip().splitlines():
+        name, _, fields = line.partition(": ")
+        found[_full(name)] = tuple(_field(text) for text in fields.split(", "))
+    return found
+
+
+def _field(text: str) -> MessageField:
+    declared, _, default = text.partition(" = ")
+    spelled, _, name = declared.strip().partition(" ")
+    kind, bracket, length = spelled.rstrip("]").partition("[")
+    size = SINGLE if not bracket else int(length or SEQUENCE)
+    return MessageField(name, _full(kind), size, float(default or 0))
+
+
+def fields_of(type_name: str) -> tuple[MessageField, ...]:
+    """The fields of a message.
+
+    Raises:
+        MorseMiddlewareError: there is no such message.
+    """
+    try:
+        return messages()[type_name]
+    except KeyError:
+        raise MorseMiddlewareError(f"the ROS message {type_name} is not known") from None

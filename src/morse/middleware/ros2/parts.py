@@ -1,0 +1,61 @@
+"""Parts that many messages have."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from morse.core.kinds import Message
+
+_SECOND = 10**9
+#: of a covariance: there is no such datum (definition of sensor_msgs/Imu)
+ABSENT = np.array([-1.0] + [0.0] * 8)
+
+
+def time(stamp: int) -> dict[str, int]:
+    """``builtin_interfaces/Time`` of whole ns."""
+    return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
+
+
+def header(message: Message, frame: str) -> dict[str, Any]:
+    """``std_msgs/Header``."""
+    return {"stamp": time(message.stamp), "frame_id": frame}
+
+
+def xyz(vector: Sequence[float] | None) -> dict[str, float]:
+    """``Vector3`` or ``Point``; zero for None."""
+    if vector is None:
+        return {}
+    x, y, z = vector
+    return {"x": float(x), "y": float(y), "z": float(z)}
+
+
+def quaternion(wxyz: Sequence[float] | None) -> dict[str, float]:
+    """``Quaternion`` of length 1; no rotation for None, or for one without length."""
+    if wxyz is None:
+        return {}
+    w, x, y, z = (float(number) for number in wxyz)
+    length = math.sqrt(w * w + x * x + y * y + z * z)
+    if not 0.0 < length < math.inf:
+        return {}
+    return {"x": x / length, "y": y / length, "z": z / length, "w": w / length}
+
+
+def covariance(matrix: Any) -> Any:
+    """Row by row; None, which is all zeros, means unknown."""
+    return None if matrix is None else np.asarray(matrix).reshape(-1)
+
+
+def from_xyz(vector: Mapping[str, float]) -> list[float]:
+    """(3,) from ``Vector3`` or ``Point``."""
+    return [vector["x"], vector["y"], vector["z"]]
+
+
+def from_quaternion(given: Mapping[str, float]) -> list[float]:
+    """(4,) w, x, y, z."""
+    return [given["w"], given["x"], given["y"], given["z"]]

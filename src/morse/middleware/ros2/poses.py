@@ -1,0 +1,70 @@
+"""Products of poses, and odometry of a robot from that of a sensor somewhere on it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.helpers.transformation import Transformation3d
+from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_quaternion
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+NO_DISPLACEMENT = Transformation3d()
+
+
+class Motion(NamedTuple):
+    """Pose since the start, and velocity of a robot.
+
+    Attributes:
+        pose: of the robot in the frame of its pose at the start.
+        linear: (3,) m/s along the axes of the robot.
+        angular: (3,) rad/s about the axes of the robot.
+    """
+
+    pose: Transformation3d
+    linear: Any
+    angular: Any
+
+
+def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Transformation3d:
+    """A pose from a position and a unit quaternion w, x, y, z."""
+    made = Transformation3d()
+    w, x, y, z = (float(number) for number in quaternion)
+    px, py, pz = (float(number) for number in position)
+    made.set_pose((px, py, pz), rotation_from_quaternion(w, x, y, z))
+    return made
+
+
+def inverse(pose: Transformation3d) -> Transformation3d:
+    """The pose that undoes another."""
+    return pose.transformation3d_with(NO_DISPLACEMENT)
+
+
+def product(first: Transformation3d, second: Transformation3d) -> Transformation3d:
+    """The second pose, which is given in the frame of the first, in the frame that the first is given in."""
+    return inverse(first).transformation3d_with(second)
+
+
+def quaternion_of(pose: Transformation3d) -> tuple[float, ...]:
+    """The rotation of a pose as a quaternion w, x, y, z."""
+    return quaternion_from_rotation(tuple(pose.get_pose()[1]))  # type: ignore[arg-type]
+
+
+def motion_of_robot(sensor: Transformation3d, linear: Any, angular: Any, mounting: Transformation3d) -> Motion:
+    """What the robot does, if a sensor on it has moved.
+
+    Args:
+        sensor: pose of the sensor in the frame of its own pose at the start.
+        linear: (3,) m/s along the axes of the sensor.
+        angular: (3,) rad/s about the axes of the sensor.
+        mounting: pose of the sensor on the robot.
+    """
+    pose = product(mounting, product(sensor, inverse(mounting)))
+    rotation = np.array(mounting.rotation_matrix, dtype=np.float64)
+    turning = rotation @ np.asarray(angular, dtype=np.float64)
+    # the velocity of a point of a rigid body is that of another one plus the rotation times their distance
+    moving = rotation @ np.asarray(linear, dtype=np.float64) - np.cross(turning, [mounting.x, mounting.y, mounting.z])
+    return Motion(pose, moving, turning)

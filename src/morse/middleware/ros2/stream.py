@@ -1,0 +1,199 @@
+"""The stream of a component: its messages as topics."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.core.kind_stream import KindStream
+from morse.middleware.ros2.cdr import CdrError, decode, encode
+from morse.middleware.ros2.fields import field_outlet, unsaid
+from morse.middleware.ros2.mapping import STREAM_OPTIONS
+from morse.middleware.ros2.names import robot_of
+from morse.middleware.ros2.parts import covariance, header, quaternion, xyz
+from morse.middleware.ros2.poses import motion_of_robot, pose_of, product, quaternion_of
+
+if TYPE_CHECKING:
+    from morse.core.kinds import BoundKind, Message
+    from morse.core.object import Object
+    from morse.helpers.transformation import Transformation3d
+    from morse.middleware.ros2.backends.backend import Publisher, Subscription
+    from morse.middleware.ros2.outlets import Inlet, Outlet
+
+_UNFIT = (ValueError, TypeError, OverflowError, struct.error, RecursionError)
+
+
+class _Sending(NamedTuple):
+    topic: str
+    outlet: Outlet
+    publisher: Publisher
+
+
+class _Hearing(NamedTuple):
+    topic: str
+    bound: BoundKind
+    inlet: Inlet
+    subscription: Subscription
+
+
+class Ros2Stream(KindStream):
+    """Sends the messages of a component, each on its topic; or gives the component what topics bring."""
+
+    options = STREAM_OPTIONS
+
+    def initialize(self) -> None:
+        """Open the topics.
+
+        Raises:
+            MorseMiddlewareError: a topic is taken, or has a name that ROS does not allow.
+        """
+        super().initialize()
+        self.robot = robot_of(self.component_instance)
+        self._sending: list[tuple[BoundKind, list[_Sending]]] = []
+        self._hearing: list[_Hearing] = []
+        for bound in self.kinds:
+            method = self.manager.mapping(bound.kind.name, self.direction)
+            if method is None:
+                continue
+            ports = method(self, bound)
+            if self.direction == "IN":
+                self._hearing += [
+                    _Hearing(topic, bound, inlet, subscription)
+                    for inlet in ports
+                    for topic, subscription in self.manager.hear(self, bound, inlet)
+                ]
+            else:
+                self._sending.append((bound, [_Sending(*self.manager.offer(self, bound, outlet)) for outlet in ports]))
+        if self.direction == "OUT":
+            self._offer_fields()
+            self.manager.transforms.add(self)
+
+    def _offer_fields(self) -> None:
+        if self.kwargs["fields"] and self.kinds:
+            outlets = [field_outlet(self.component_instance, name) for name in unsaid(self.kinds)]
+            main = next((kind for kind in self.kinds if not kind.topic), self.kinds[0])
+            self._sending.append((main, [_Sending(*self.manager.offer(self, main, outlet)) for outlet in outlets]))
+
+    # -- frames ------------------------------------------------------------------------------
+
+    def frame_id(self, frame: str) -> str:
+        """The name of a frame of the component; that of its messages may be an option of the stream."""
+        given = self.kwargs["frame_id"]
+        if given and (not self.kinds or frame == self.kinds[0].frame):
+            return str(given)
+        name: str = self.manager.names.frame(self.component_instance, frame)
+        return name
+
+    def own_frame(self) -> str:
+        """The name of the frame of the component itself."""
+        return self.frame_id("own")
+
+    def child_frame_id(self) -> str:
+        """The name of the frame of the robot."""
+        return str(self.kwargs["child_frame_id"] or self.manager.names.base(self.robot))
+
+    def frames(self) -> set[str]:
+        """The frames that messages of the component are in."""
+        return {bound.frame for bound in self.kinds}
+
+    def mounting(self) -> Transformation3d:
+        """The present pose of the component on its robot."""
+        return self.component_instance.sensor_to_robot_position_3d()
+
+    @property
+    def gives_transform(self) -> bool:
+        """Whether the transform from odom to base_link follows from it."""
+        return bool(self.kwargs["tf"]) and any(bound.kind.name == "odometry" for bound in self.kinds)
+
+    # -- what goes out -----------------------------------------------------------------------
+
+    def default(self, ci: Object | None = None) -> bool:
+        """Publish; or take what has arrived, True if something did."""
+        if self.direction == "IN":
+            for hearing in self._hearing:
+                for data in hearing.subscription.take():
+                    self._read(hearing, data)
+            return super().default(ci)
+        for bound, lines in self._sending:
+            wanted = [line for line in lines if line.publisher.wanted()]
+            moves = self.gives_transform and bound.kind.name == "odometry" and self.manager.wants_transforms()
+            if not wanted and not moves:
+                continue
+            message = bound.gather()
+            if moves:
+                self.manager.transforms.moved(self, self._motion(message).pose)
+            for line in wanted:
+                self._send(line, message)
+        return False
+
+    def _send(self, line: _Sending, message: Message) -> None:
+        try:
+            made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))
+            if made is None:
+                return
+            data = encode(line.outlet.type, made)
+        except _UNFIT as error:
+            self.complain(
+                f"encode {line.topic}", f"a message for {line.topic} is no {line.outlet.type} and is left out: {error}"
+            )
+            return
+        if not line.publisher.publish(data):
+            self.complain(f"slow {line.topic}", f"who reads {line.topic} is too slow: a message is lost")
+
+    def _motion(self, message: Message) -> Any:
+        sensor = pose_of(message.position, message.orientation)
+        return motion_of_robot(sensor, message.linear, message.angular, self.mounting())
+
+    def odometry(self, message: Message, frame: str) -> dict[str, Any]:
+        """``nav_msgs/Odometry`` of the robot, wherever on it the sensor is."""
+        pose, linear, angular = self._motion(message)
+        return {
+            "header": header(message, frame),
+            "child_frame_id": self.child_frame_id(),
+            "pose": {
+                "pose": {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))},
+                "covariance": covariance(message.pose_covariance),
+            },
+            "twist": {
+                "twist": {"linear": xyz(linear), "angular": xyz(angular)},
+                "covariance": covariance(message.twist_covariance),
+            },
+        }
+
+    # -- what comes in -----------------------------------------------------------------------
+
+    def _read(self, hearing: _Hearing, data: bytes) -> None:
+        try:
+            message = decode(hearing.inlet.type, data)
+            slots = hearing.inlet.take(message)
+        except (CdrError, *_UNFIT) as error:
+            self.complain(f"read {hearing.topic}", f"a message on {hearing.topic} is refused: {error}")
+            return
+        frame_id = message.get("header", {}).get("frame_id", "")
+        frame = ""
+        if frame_id and any(hearing.bound.kind.slots[name].moves for name in slots if name in hearing.bound.kind.slots):
+            known = self._from_frame(frame_id, slots)
+            if known is None:
+                self.complain(
+                    f"frame {hearing.topic}", f"a message on {hearing.topic} is in the unknown frame {frame_id!r:.80}"
+                )
+                return
+            frame = known
+        self.receive(hearing.bound, slots, frame)
+
+    def _from_frame(self, frame_id: str, slots: dict[str, Any]) -> str | None:
+        """The frame of a command; a pose since the start becomes one in the world."""
+        names = self.manager.names
+        if frame_id.lstrip("/") != names.odom(self.robot) or "position" not in slots:
+            known: str | None = names.frame_of(self.component_instance, frame_id)
+            return known
+        given = slots.get("orientation", (1.0, 0.0, 0.0, 0.0))
+        turned = bool(np.any(given))
+        place = pose_of(slots["position"], given if turned else (1.0, 0.0, 0.0, 0.0))
+        pose = product(self.robot.initial_position_3d, place)
+        slots["position"] = [pose.x, pose.y, pose.z]
+        if "orientation" in slots and turned:
+            slots["orientation"] = list(quaternion_of(pose))
+        return "world"

@@ -1,0 +1,147 @@
+"""The tree of frames: /tf and /tf_static (REP 105: map, odom, base_link, sensors)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.helpers.transformation import Transformation3d
+from morse.middleware.ros2.names import MAP, relative_name
+from morse.middleware.ros2.parts import quaternion, time, xyz
+from morse.middleware.ros2.poses import pose_of, quaternion_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    _Send = Callable[[dict[str, Any]], object]
+
+    from morse.middleware.ros2.stream import Ros2Stream
+
+#: rotations between the frames of a component, as quaternions w, x, y, z: camera images have X right, Y down, Z forward
+_FROM_OWN = {"optical": (0.5, -0.5, 0.5, -0.5), "frd": (0.0, 1.0, 0.0, 0.0)}
+#: north-east-down in a world whose X axis is east
+_NED = (0.0, 0.7071067811865476, 0.7071067811865476, 0.0)
+
+
+class _RobotFrames:
+    """The frames of one robot.
+
+    Attributes:
+        odom, base: names of frames.
+        source: name of the sensor whose odometry moves the robot in the tree; None: the truth does.
+        moved: pose of the robot in the frame odom, as that sensor has said last.
+    """
+
+    def __init__(self, robot: Any, odom: str, base: str) -> None:
+        self.robot, self.odom, self.base = robot, odom, base
+        self.source: str | None = None
+        self.moved = Transformation3d()
+        self.streams: list[Ros2Stream] = []
+
+    def pose(self) -> Transformation3d:
+        """Of the robot, in the frame odom."""
+        if self.source is not None:
+            return self.moved
+        return self.robot.initial_position_3d.transformation3d_with(Transformation3d(self.robot.bge_object))  # type: ignore[no-any-return]
+
+
+class Transforms:
+    """All frames of the robots that have streams.
+
+    Args:
+        localization: another node publishes the transform from map to odom.
+        send, send_static: take a ``tf2_msgs/TFMessage``.
+    """
+
+    def __init__(self, localization: bool, send: _Send, send_static: _Send) -> None:
+        self._localization, self._send, self._send_static = localization, send, send_static
+        self._robots: dict[str, _RobotFrames] = {}
+        self._changed = False
+
+    def add(self, stream: Ros2Stream) -> None:
+        """A stream of a sensor begins.
+
+        Raises:
+            MorseMiddlewareError: the transform of its robot comes from another sensor already.
+        """
+        robot = stream.robot
+        names = stream.manager.names
+        frames = self._robots.get(robot.name())
+        if frames is None or frames.robot is not robot:
+            frames = self._robots[robot.name()] = _RobotFrames(robot, names.odom(robot), names.base(robot))
+        if stream.gives_transform:
+            if frames.source is not None:
+                raise MorseMiddlewareError(
+                    f"{stream.component_name}: tf {frames.odom} → {frames.base} already comes from {frames.source}; "
+                    "say tf=False"
+                )
+            frames.source = stream.component_name
+            frames.odom, frames.base = stream.frame_id("start"), stream.child_frame_id()
+        frames.streams.append(stream)
+        self._changed = True
+
+    def remove(self, stream: Ros2Stream) -> None:
+        """A stream ends."""
+        frames = self._robots.get(stream.robot.name())
+        if frames is None or stream not in frames.streams:
+            return
+        frames.streams.remove(stream)
+        if frames.source == stream.component_name:
+            frames.source = None
+        if not frames.streams:
+            del self._robots[stream.robot.name()]
+
+    def moved(self, stream: Ros2Stream, pose: Transformation3d) -> None:
+        """The odometry of a robot says where it is."""
+        self._robots[stream.robot.name()].moved = pose
+
+    def publish(self, stamp: int, *, wanted: bool) -> None:
+        """Send what moves; and what does not if that has changed.
+
+        Args:
+            stamp: simulated time, ns. Time 0 has a meaning of its own in tf, and is not sent.
+            wanted: whether somebody listens to what moves.
+        """
+        if stamp <= 0:
+            return
+        if self._changed:
+            self._changed = False
+            self._send_static({"transforms": [_transform(stamp, *one) for one in self._static()]})
+        if wanted and self._robots:
+            self._send({"transforms": [_transform(stamp, *one) for one in self._moving()]})
+
+    def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
+        frames_of_world = set()
+        for frames in self._robots.values():
+            if not self._localization:
+                yield MAP, frames.odom, frames.robot.initial_position_3d
+            for stream in frames.streams:
+                if not _is_carried(stream):
+                    yield frames.base, stream.own_frame(), stream.mounting()
+                used = stream.frames()
+                for frame, rotation in _FROM_OWN.items():
+                    if frame in used:
+                        yield stream.own_frame(), stream.frame_id(frame), pose_of((0.0, 0.0, 0.0), rotation)
+                frames_of_world |= used
+        if "ned" in frames_of_world:
+            yield MAP, f"{MAP}_ned", pose_of((0.0, 0.0, 0.0), _NED)
+
+    def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
+        for frames in self._robots.values():
+            yield frames.odom, frames.base, frames.pose()
+            for stream in frames.streams:
+                if _is_carried(stream):
+                    yield frames.base, stream.own_frame(), stream.mounting()
+
+
+def _is_carried(stream: Ros2Stream) -> bool:
+    """Whether the component is on another component, which may move it."""
+    return "." in relative_name(stream.component_instance)
+
+
+def _transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:
+    return {
+        "header": {"stamp": time(stamp), "frame_id": parent},
+        "child_frame_id": child,
+        "transform": {"translation": xyz((pose.x, pose.y, pose.z)), "rotation": quaternion(quaternion_of(pose))},
+    }

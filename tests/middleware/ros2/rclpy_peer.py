@@ -1,0 +1,60 @@
+"""The other side: a ROS 2 node of its own, in a process of its own. It prints what it has got as JSON."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from typing import Any
+
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["ROS_DOMAIN_ID"] = sys.argv[1]
+
+import rclpy
+from geometry_msgs.msg import PoseStamped, Twist
+from nav_msgs.msg import Odometry
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+
+_LIMIT = 40.0
+
+
+def plain(value: Any) -> Any:
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return [plain(v) for v in value] if isinstance(value, (list, tuple)) else value
+
+
+def main() -> None:
+    rclpy.init()
+    node = rclpy.create_node("peer")
+    got: dict[str, list[Any]] = {}
+    for topic, kind, qos in (
+        ("/robot/pose", PoseStamped, 10),
+        ("/robot/odometry", Odometry, 10),
+        ("/robot/scan", LaserScan, qos_profile_sensor_data),
+        ("/clock", Clock, qos_profile_sensor_data),
+    ):
+        messages = got.setdefault(topic, [])
+        node.create_subscription(kind, topic, messages.append, qos)
+    drive = node.create_publisher(Twist, "/robot/cmd_vel", 10)
+    command = Twist()
+    command.linear.x = 0.5
+    end = time.monotonic() + _LIMIT
+    while time.monotonic() < end:
+        rclpy.spin_once(node, timeout_sec=0.02)
+        drive.publish(command)
+        odometry = got["/robot/odometry"]
+        if all(len(messages) > 5 for messages in got.values()) and odometry[-1].pose.pose.position.x > 0.3:
+            break
+    types = dict(node.get_topic_names_and_types())
+    print(json.dumps({"messages": {topic: plain(m[-6:]) for topic, m in got.items()}, "types": types}))
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+main()

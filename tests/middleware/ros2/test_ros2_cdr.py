@@ -1,0 +1,125 @@
+"""Messages as bytes, judged by the definitions and the decoder of the rosbags package."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from morse.middleware.ros2.cdr import CdrError, decode, encode
+from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
+
+typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
+STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
+SIZES = {"b": 8, "h": 16, "i": 32, "q": 64}
+
+
+def numbers(type_name: str) -> st.SearchStrategy[Any]:
+    letter = PRIMITIVES[type_name]
+    if letter == "?":
+        return st.booleans()
+    if letter in "fd":
+        return st.floats(width=32 if letter == "f" else 64)
+    bits = SIZES[letter.lower()]
+    return st.integers(0, 2**bits - 1) if letter.isupper() else st.integers(-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def values(type_name: str, size: int) -> st.SearchStrategy[Any]:
+    if size != SINGLE:
+        length = {"min_size": size, "max_size": size} if size != SEQUENCE else {"max_size": 4}
+        if type_name in PRIMITIVES:
+            dtype = np.dtype(PRIMITIVES[type_name])
+            return st.lists(numbers(type_name), **length).map(lambda v: np.array(v, dtype=dtype))
+        return st.lists(values(type_name, SINGLE), **length)
+    if type_name == "string":
+        return st.text(st.characters(exclude_characters="\0", exclude_categories=("Cs",)), max_size=9)
+    if type_name in PRIMITIVES:
+        return numbers(type_name)
+    return st.fixed_dictionaries({f.name: values(f.type, f.size) for f in fields_of(type_name)})
+
+
+def message_of(draw: st.DataObject) -> tuple[str, dict[str, Any]]:
+    name = draw.draw(st.sampled_from(sorted(messages())))
+    return name, draw.draw(values(name, SINGLE))
+
+
+def as_plain(value: Any) -> Any:
+    """What rosbags has read, as dictionaries."""
+    if hasattr(value, "__dataclass_fields__"):
+        fields = [name for name in value.__dataclass_fields__ if name == name.lower() and name[0] != "_"]
+        return {name: as_plain(getattr(value, name)) for name in fields}
+    return [as_plain(v) for v in value] if isinstance(value, list) else value
+
+
+def assert_same(a: Any, b: Any) -> None:
+    if isinstance(a, dict):
+        assert a.keys() == b.keys()
+        for key in a:
+            assert_same(a[key], b[key])
+    elif isinstance(a, list):
+        assert len(a) == len(b)
+        for one, other in zip(a, b, strict=True):
+            assert_same(one, other)
+    elif isinstance(a, (float, np.ndarray)):
+        np.testing.assert_array_equal(a, b)
+    else:
+        assert a == b
+
+
+@pytest.mark.parametrize("name", sorted(messages()))
+def test_fields_are_those_of_the_definition(name: str) -> None:
+    theirs = []
+    for field, (node, what) in STORE.fielddefs[name][1]:
+        inner, size = (what, SINGLE) if node.name in ("BASE", "NAME") else (what[0][1], what[1])
+        theirs.append((field, inner if isinstance(inner, str) else inner[0], size))
+    assert [(field.name, field.type, field.size) for field in fields_of(name)] == theirs
+
+
+@given(st.data())
+@settings(max_examples=150, deadline=None)
+def test_others_read_what_we_write(data: st.DataObject) -> None:
+    name, message = message_of(data)
+    assert_same(as_plain(STORE.deserialize_cdr(encode(name, message), name)), message)
+
+
+@given(st.data(), st.booleans())
+@settings(max_examples=150, deadline=None)
+def test_we_read_what_others_write(data: st.DataObject, little: bool) -> None:
+    name, message = message_of(data)
+    theirs = STORE.deserialize_cdr(encode(name, message), name)
+    assert_same(decode(name, bytes(STORE.serialize_cdr(theirs, name, little_endian=little))), message)
+
+
+@given(st.sampled_from(sorted(messages())), st.binary(max_size=200), st.booleans())
+@settings(max_examples=300, deadline=None)
+def test_garbage_is_refused_or_read_but_nothing_else(name: str, garbage: bytes, header: bool) -> None:
+    with contextlib.suppress(CdrError):
+        decode(name, b"\x00\x01\x00\x00" + garbage if header else garbage)
+
+
+def test_a_huge_length_is_refused_at_once() -> None:
+    with pytest.raises(CdrError, match="too few"):
+        decode("tf2_msgs/msg/TFMessage", b"\x00\x01\x00\x00\xff\xff\xff\xff")
+    with pytest.raises(CdrError, match="too few"):
+        decode("sensor_msgs/msg/JointState", b"\x00\x01\x00\x00" + bytes(16) + b"\xff\xff\xff\xff")
+
+
+def test_half_a_message_is_refused() -> None:
+    whole = encode("geometry_msgs/msg/Twist", {"linear": {"x": 1.0}})
+    for length in range(len(whole)):
+        with pytest.raises(CdrError):
+            decode("geometry_msgs/msg/Twist", whole[:length])
+
+
+def test_what_a_message_lacks_has_its_default() -> None:
+    assert decode("geometry_msgs/msg/Pose", encode("geometry_msgs/msg/Pose", {}))["orientation"]["w"] == 1.0
+    assert decode("sensor_msgs/msg/NavSatStatus", encode("sensor_msgs/msg/NavSatStatus", {}))["status"] == -2
+
+
+def test_unknown_fields_are_refused() -> None:
+    with pytest.raises(ValueError, match="yaw"):
+        encode("geometry_msgs/msg/Point", {"yaw": 1.0})

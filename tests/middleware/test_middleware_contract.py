@@ -1,0 +1,291 @@
+"""What the base of middlewares does for those who write one."""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import pytest
+from socket_bench import Bench, Body
+
+from morse.core.actuator import Actuator
+from morse.core.datastream import AbstractDatastream, DatastreamManager
+from morse.core.declarations import Option, add_data, add_kind, euler
+from morse.core.exceptions import MorseDeclarationError, MorseMiddlewareError
+from morse.core.kind_stream import KindStream
+from morse.core.mapping import maps
+from morse.core.sensor import Sensor
+from morse.core.validation import OptionError
+from morse.scene import StreamDeclaration
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+KIND_STREAM = "morse.core.kind_stream.KindStream"
+
+
+class Place(Sensor):
+    add_data("x", 1.0, "float", "X", unit="m", frame="world")
+    add_data("y", 2.0, "float", "Y", unit="m", frame="world")
+    add_data("z", 3.0, "float", "Z", unit="m", frame="world")
+    add_data("yaw", 0.0, "float", "yaw", unit="rad", frame="world")
+    add_data("pitch", 0.0, "float", "pitch", unit="rad", frame="world")
+    add_data("roll", 0.0, "float", "roll", unit="rad", frame="world")
+    add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
+
+
+class Smell(Sensor):
+    add_data("intensity", 0.5, "float", "of something")
+
+
+class Wheels(Actuator):
+    add_data("v", 0.0, "float", "speed", unit="m/s", frame="own")
+    add_data("w", 0.0, "float", "turn rate", unit="rad/s", frame="own")
+    add_kind("twist", linear=("v", None, None), angular=(None, None, "w"))
+
+
+class Pigeons(DatastreamManager):
+    """Carries messages by pigeon: everything is put into a list."""
+
+    manager_options: ClassVar = {"loft": Option(str, "roof", "where the pigeons live")}
+
+    def __init__(self, options: dict[str, Any], context: Any) -> None:
+        super().__init__(options, context)
+        self.sky: list[tuple[str, str, Any]] = []
+        self.told: list[tuple[str, str]] = []
+
+    def opened(self, stream: Any) -> None:
+        self.told.append(("opened", stream.component_name))
+
+    def closed(self, stream: Any) -> None:
+        self.told.append(("closed", stream.component_name))
+
+    def left(self, name: str) -> None:
+        self.told.append(("left", name))
+
+    @maps("general")
+    def general(self, stream: Any, message: Any) -> None:
+        self.sky.append((stream.component_name, "general", dict(message.fields)))
+
+    @maps("pose")
+    def pose(self, stream: Any, message: Any) -> None:
+        self.sky.append((stream.component_name, "pose", [float(v) for v in message.position]))
+
+
+class FastPigeons(Pigeons):
+    def wanted(self, stream: Any, topic: str) -> bool:
+        return bool(stream.component_name == "robot1.smell")
+
+
+class Recorder(AbstractDatastream):
+    """A stream of a user's own."""
+
+    made: list[Recorder] = []  # noqa: RUF012 - the test empties it
+
+    def initialize(self) -> None:
+        self.events = ["initialize", self.direction, self.kwargs]
+        self.made.append(self)
+
+    def default(self, ci: Any = None) -> bool:
+        assert ci is self.component_instance
+        self.events.append("default")
+        return False
+
+    def finalize(self) -> None:
+        self.events.append("finalize")
+
+
+class Asks(Recorder):
+    options: ClassVar = {"topic": Option(str, "/a", "where to")}
+
+
+class Of14(DatastreamManager):
+    """Written for MORSE 1.4."""
+
+    def __init__(self, args: Any, kwargs: Any) -> None:
+        DatastreamManager.__init__(self, args, kwargs)
+        self.seen: list[Any] = []
+
+    def register_component(self, component_name, component_instance, mw_data):  # type: ignore[no-untyped-def,override]
+        self.seen.append((component_name, component_instance, mw_data))
+        DatastreamManager.register_component(self, component_name, component_instance, mw_data)
+
+
+def declared(direction: str, stream: str = KIND_STREAM, **options: object) -> StreamDeclaration:
+    return StreamDeclaration("pigeons", stream, direction, options)
+
+
+def test_every_component_is_carried_by_its_kind_or_as_general(bench: Bench) -> None:
+    pigeons = Pigeons({}, bench.context)
+    place, smell = Place(Body("robot1.place")), Smell(Body("robot1.smell"))
+    for component in (place, smell):
+        pigeons.connect(component, declared("OUT"))
+        component.action()
+    assert [(name, kind) for name, kind, _ in pigeons.sky] == [("robot1.place", "pose"), ("robot1.smell", "general")]
+    assert pigeons.sky[0][2] == [1.0, 2.0, 3.0]
+    assert pigeons.sky[1][2]["intensity"] == 0.5
+
+
+def test_nothing_is_gathered_for_nobody(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    pigeons = FastPigeons({}, bench.context)
+    place = Place(Body("robot1.place"))
+    pigeons.connect(place, declared("OUT"))
+    (stream,) = pigeons.streams["robot1.place"]
+    monkeypatch.setattr(type(stream.kinds[0]), "gather", lambda self: pytest.fail("nobody listens"))
+    place.action()
+    assert pigeons.sky == []
+
+
+def test_commands_come_in_by_slots_and_are_checked(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
+    pigeons = Pigeons({}, bench.context)
+    wheels = Wheels(Body("robot1.wheels"))
+    pigeons.connect(wheels, declared("IN"))
+    (stream,) = pigeons.streams["robot1.wheels"]
+    assert isinstance(stream, KindStream)
+    (twist,) = stream.kinds
+    stream.receive(twist, {"linear": [0.5, 0.0, 0.0], "angular": [0.0, 0.0, 0.1]})
+    assert wheels.local_data["v"] == 0.0, "not before the component acts"
+    wheels.action()
+    assert (wheels.local_data["v"], wheels.local_data["w"]) == (0.5, 0.1)
+    for wrong in ({"linear": "fast"}, {"lineer": [1, 0, 0]}, {"linear": [float("nan"), 0.0, 0.0]}, {"linear": [1]}):
+        stream.receive(twist, wrong)
+        wheels.action()
+        assert (wheels.local_data["v"], wheels.local_data["w"]) == (0.5, 0.1), wrong
+    assert "robot1.wheels: a message is refused" in caplog.text
+
+
+def test_the_base_keeps_the_streams(bench: Bench) -> None:
+    pigeons = Pigeons({}, bench.context)
+    Recorder.made.clear()
+    stream = f"{__name__}.Recorder"
+    old, other = Place(Body("robot1.place")), Smell(Body("robot1.smell"))
+    for component, direction in ((old, "OUT"), (old, "IN"), (other, "OUT")):
+        pigeons.connect(component, declared(direction, stream, colour="grey"))
+    assert {name: len(streams) for name, streams in pigeons.streams.items()} == {"robot1.place": 2, "robot1.smell": 1}
+    first = Recorder.made[0]
+    old.action()
+    assert first.events == ["initialize", "OUT", {"colour": "grey"}, "default"]
+
+    new = Place(Body("robot1.place"))  # as after a reset
+    pigeons.connect(new, declared("OUT", stream))
+    assert first.events[-1] == "finalize"
+    assert [s.component_instance for s in pigeons.streams["robot1.place"]] == [new]
+
+    pigeons.disconnect("robot1.smell")
+    assert pigeons.told[-2:] == [("closed", "robot1.smell"), ("left", "robot1.smell")]
+    pigeons.finalize()
+    assert pigeons.streams == {}
+    assert all(made.events[-1] == "finalize" for made in Recorder.made)
+
+
+def test_options_are_declared(bench: Bench) -> None:
+    assert Pigeons({}, bench.context).options == {"loft": "roof"}
+    with pytest.raises(OptionError, match="did you mean 'loft'"):
+        Pigeons({"lofd": "cellar"}, bench.context)
+    with pytest.raises(OptionError, match="loft"):
+        Pigeons({"loft": 3}, bench.context)
+    pigeons = Pigeons({}, bench.context)
+    Recorder.made.clear()
+    pigeons.connect(Place(Body("robot1.place")), declared("OUT", f"{__name__}.Asks"))
+    assert Recorder.made[0].kwargs == {"topic": "/a"}
+    with pytest.raises(OptionError, match="did you mean 'topic'"):
+        pigeons.connect(Smell(Body("robot1.smell")), declared("OUT", f"{__name__}.Asks", topik="/b"))
+
+
+def test_general_has_to_be_mapped() -> None:
+    with pytest.raises(MorseDeclarationError, match="but not 'general'"):
+
+        class Half(DatastreamManager):
+            @maps("pose")
+            def pose(self, stream: Any, message: Any) -> None: ...
+
+    with pytest.raises(MorseDeclarationError, match="did you mean 'pose'"):
+        maps("posse")
+
+
+def test_a_manager_of_1_4_works(bench: Bench) -> None:
+    manager = Of14({}, bench.context)
+    place = Place(Body("robot1.place"))
+    Recorder.made.clear()
+    manager.connect(place, declared("OUT", f"{__name__}.Recorder", topic="/place"))
+    assert manager.seen == [("robot1.place", place, ["pigeons", f"{__name__}.Recorder", "OUT", {"topic": "/place"}])]
+    place.action()
+    assert Recorder.made[0].events == ["initialize", "OUT", {"topic": "/place"}, "default"]
+    again = Place(Body("robot1.place"))
+    manager.connect(again, declared("OUT", f"{__name__}.Recorder"))
+    assert [stream.component_instance for stream in manager.streams["robot1.place"]] == [again]
+
+
+def test_what_is_no_stream_is_refused(bench: Bench) -> None:
+    with pytest.raises(MorseMiddlewareError, match="no method 'default'"):
+        Pigeons({}, bench.context).connect(Place(Body("robot1.place")), declared("OUT", "morse.core.clock.Clock"))
+
+
+def test_the_port_of_a_component_that_is_deleted_is_closed(bench: Bench) -> None:
+    bench.sensor("robot1.pose", port=0)
+    port = bench.port_of("robot1.pose")
+    client = bench.connect("robot1.pose")
+    bench.streams.disconnect("robot1.pose")
+    assert client.has_ended() or client.has_ended()
+    client.close()
+    bench.components.clear()
+    bench.sensor("robot1.pose", port=port)
+    assert bench.port_of("robot1.pose") == port
+
+
+# -- packages that bring a middleware -------------------------------------------------------------
+
+MAPPING = """
+from morse.core.declarations import Option
+from morse.middleware.registry import Middleware
+
+MIDDLEWARE = Middleware(
+    "pigeon", stream_manager="my_lab.manager.Pigeons", stream_options={"wind": Option(float, 0.0, "m/s")}
+)
+"""
+USE = """
+import logging, sys
+from morse.builder import *
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware import registry
+robot = FakeRobot()
+pose = Pose()
+robot.append(pose)
+pose.add_stream("pigeon", wind=3.0)
+(stream,) = pose._declaration(robot).streams
+print(stream.manager, stream.options, "my_lab.manager" in sys.modules)
+for name in ("broken", "wrong"):
+    try:
+        pose.add_stream(name)
+    except MorseMiddlewareError as error:
+        print(error)
+print(sorted(registry.installed()))
+"""
+
+
+def test_a_package_brings_a_middleware(tmp_path: Path) -> None:
+    for path, text in {
+        "my_lab/__init__.py": "",
+        "my_lab/mapping.py": MAPPING,
+        "my_lab/manager.py": "raise RuntimeError('nobody has asked for it')",
+        "my_lab/broken.py": "import nonsense_that_does_not_exist",
+        "my_lab-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: my_lab\nVersion: 1.0\n",
+        "my_lab-1.0.dist-info/entry_points.txt": (
+            "[morse.middlewares]\npigeon = my_lab.mapping:MIDDLEWARE\nbroken = my_lab.broken:MIDDLEWARE\n"
+            "wrong = my_lab.mapping:Option\n"
+        ),
+    }.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    script = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{USE}"
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 0, run.stderr
+    lines = run.stdout.splitlines()
+    assert lines[0] == "my_lab.manager.Pigeons {'wind': 3.0} False"
+    assert "'broken' of an installed package" in lines[1]
+    assert "nonsense_that_does_not_exist" in lines[1]
+    assert "'wrong'" in lines[2]
+    assert lines[3] == "['pigeon', 'ros2', 'socket']"
+    logging.getLogger(__name__).debug(run.stderr)
