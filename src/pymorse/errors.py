@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class MorseServiceError(Exception):
-    """Base of all answers that are no success."""
+    """Base class of all answers other than success."""
 
 
 class MorseServiceFailed(MorseServiceError):

@@ -51,8 +51,8 @@ class MorseFuture(Future[Any]):
         if simu.robot.gripper.grab() == "Ball": ...
 
     Attributes:
-        request: number of the call, as `pymorse.Morse.cancel` takes it.
-        abandoned: nobody waits for the result any more, and closing does not either.
+        request: number of the call, the argument of `pymorse.Morse.cancel`.
+        abandoned: the result is not needed any more; closing the connection does not wait for it.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class MorseFuture(Future[Any]):
             MorseServicePreempted: it was cancelled or interrupted.
             TypeError: wrong number of arguments.
             ConnectionError: the simulation ended before it answered.
-            TimeoutError: it takes longer than ``timeout``; the service goes on.
+            TimeoutError: the service takes longer than ``timeout``; it continues to run.
         """
         self._wait(timeout)
         return super().result(0)
@@ -142,7 +142,7 @@ class MorseFuture(Future[Any]):
     def __ge__(self, other: Any) -> bool:
         return bool(self.result() >= _value(other))
 
-    # a future is what it is, whatever it compares equal to: it is kept in sets and dictionaries
+    # futures are kept in sets and dictionaries, so the hash is that of the identity, not of the result
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:

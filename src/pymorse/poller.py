@@ -51,7 +51,7 @@ class Poller(threading.Thread):
         self._wake_out.setblocking(False)
         self._wake_in.setblocking(False)
         self._selector.register(self._wake_out, _READ, None)
-        # who serves holds the turn; one guest at a time
+        # the serving thread holds the turn; one guest at a time
         self._turn = threading.Lock()
         self._serving = 0
         self._guest = threading.Lock()
@@ -135,7 +135,7 @@ class Poller(threading.Thread):
         try:
             while not self._stopping:
                 with self._turn:
-                    # a guest that came in between has seen nobody whom to wake up
+                    # a guest that arrived in the meantime has found no thread to wake up
                     if not self._has_guest():
                         self._round(None)
                 self._stand_back()
@@ -173,7 +173,7 @@ class Poller(threading.Thread):
 
     def _take_turn(self) -> bool:
         # A guest that the system has let wait for longer than the courtesy lasts finds the thread asleep, although
-        # it was not when the guest came: so wake it up as often as it takes
+        # it was not serving when the guest arrived: wake it up until the guest has the turn
         while not self._turn.acquire(blocking=False):
             with self._lock:
                 if self._ended:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pymorse.discovery import discover
 from pymorse.errors import MorseTimeoutError
+from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
 from pymorse.requests import ServiceConnection
@@ -37,7 +38,7 @@ class Morse:
     """A simulation, its robots and its services.
 
     Robots are attributes; robots that a loop of the scene made (``m``, ``m_001``, ...) are also in a
-    list ``ms``. Use it as a context, so that what was published arrives and what was opened closes::
+    list ``ms``. Use it as a context manager, so that published messages are sent and connections are closed::
 
         with Morse() as simu:
             simu.robot.motion.publish({"v": 1.0, "w": 0.0})
@@ -132,7 +133,7 @@ class Morse:
         """Call a service and wait at most ``timeout`` seconds for its result.
 
         Raises:
-            MorseTimeoutError: no answer in time; the service goes on.
+            MorseTimeoutError: no answer within the timeout; the service continues to run.
         """
         future = self.call(component, service, *args)
         try:
@@ -155,7 +156,7 @@ class Morse:
         self.close(cancel_async_services=True)
 
     def reset(self, seed: int | None = None) -> Any:
-        """Put every object where it was at the start; with a seed, start all anew.
+        """Put every object where it was at the start; with a seed, restart the whole simulation.
 
         Args:
             seed: of the random numbers. Time, components and their noise begin again, too: the same seed
@@ -251,7 +252,7 @@ class Morse:
 
         Args:
             cancel_async_services: abort the services that still run, instead of waiting for them.
-            wait_publishers: let what was published be sent first, at most `TIMEOUT` seconds.
+            wait_publishers: send pending messages first, for at most `TIMEOUT` seconds.
         """
         if self._closed:
             return
@@ -288,6 +289,8 @@ class Morse:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if isinstance(error, KeyboardInterrupt):
+            end_quietly(error)
         self.close(cancel_async_services=kind is not None)
 
 

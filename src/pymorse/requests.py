@@ -37,7 +37,7 @@ def parse_response(line: str) -> Response:
     """Read the answer to a service call.
 
     Raises:
-        ValueError: the line is no answer.
+        ValueError: the line is not an answer.
     """
     parts = line.strip().split(maxsplit=2)
     if len(parts) < 2 or not parts[0].isdecimal() or parts[1] not in (SUCCESS, FAILURE, PREEMPTED):
@@ -58,7 +58,7 @@ def format_request(request: int, component: str, service: str, arguments: Sequen
     """
     for name in (component, service):
         if not name or name.split() != [name]:
-            raise ValueError(f"{name!r} is no name of a component or service: it is empty or has blanks")
+            raise ValueError(f"{name!r} is not the name of a component or service: it is empty or has blanks")
     return f"{request} {component} {service} {to_json(list(arguments))}"
 
 
@@ -96,7 +96,7 @@ class ServiceConnection(StreamB):
         self.publish(f"{number} cancel".encode())
 
     def pending(self) -> list[MorseFuture]:
-        """The calls without an answer that somebody still waits for."""
+        """The calls without an answer whose futures are still in use."""
         with self._lock:
             return [future for future, _ in self._open.values() if not future.abandoned]
 
@@ -115,7 +115,7 @@ class ServiceConnection(StreamB):
         try:
             response = parse_response(msg.decode())
         except ValueError as error:
-            logger.error("%s sent what is no answer: %s", self.peer, error)
+            logger.error("%s sent a line that is not an answer: %s", self.peer, error)
             return
         with self._lock:
             future, name = self._open.pop(response.request, (None, ""))

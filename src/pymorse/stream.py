@@ -152,7 +152,7 @@ class StreamB(Channel):
             self.handle_msg(line)
 
     def handle_msg(self, msg: bytes) -> None:
-        """A line has arrived: keep it, wake up who waits for it, tell the subscribers."""
+        """Store a received line, wake up waiting callers, and call the subscribers."""
         with self._arrival:
             if len(self._kept) == self._kept.maxlen:
                 self._kept_bytes -= len(self._kept.popleft())
@@ -176,7 +176,7 @@ class StreamB(Channel):
                 logger.exception("a callback of subscribe() failed on a message of %s", self.peer)
 
     def closed(self) -> None:
-        """The connection has ended: nobody should wait any longer."""
+        """Wake up all waiting callers, because the connection has ended."""
         with self._arrival:
             self._arrival.notify_all()
 
@@ -185,7 +185,7 @@ class Stream(StreamB):
     """A connection that carries lines of text."""
 
     def encode(self, msg: Any) -> bytes:
-        """The bytes of a text."""
+        """The bytes of a string."""
         return str(msg).encode()
 
     def decode(self, msg: bytes) -> Any:
@@ -223,7 +223,7 @@ def _plain(value: Any) -> Any:
             return getattr(value, conversion)()
     if isinstance(value, (set, frozenset, range)):
         return list(value)
-    raise TypeError(f"{value!r} cannot be sent: JSON knows numbers, texts, booleans, None, lists and dictionaries")
+    raise TypeError(f"{value!r} cannot be sent: JSON has numbers, strings, booleans, None, lists and dictionaries")
 
 
 def connect(host: str, port: int, timeout: float = TIMEOUT) -> _socket.socket:

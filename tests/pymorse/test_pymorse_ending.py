@@ -235,3 +235,43 @@ def test_ctrl_c_ends_a_script_whatever_it_waits_for(simulation: ScriptedSimulati
     assert process.returncode == 0
     assert out in ("interrupted\n", "" if waiting == "simu.spin()" else "interrupted\n")
     assert simulation.streams["robot1.motion"].lines == [b'{"v": 1.0}\n']
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+@pytest.mark.parametrize("waiting", ["simu.robot1.pose.get()", "while True: pass", "simu.rpc('robot1.motion', 'goto')"])
+def test_ctrl_c_ends_a_script_without_a_traceback(simulation: ScriptedSimulation, waiting: str) -> None:
+    simulation.replies["robot1.motion goto"] = None
+    process = script(
+        simulation,
+        f"""
+        from pymorse import Morse
+        with Morse("127.0.0.1", PORT) as simu:
+            print("waiting", flush=True)
+            {waiting}
+        print("not reached")
+        """,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "waiting\n"
+    time.sleep(0.05)  # it cannot say that it has begun to wait
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    assert (out, err) == ("", "")
+    assert process.returncode != 0, "it did not end by itself"
+
+
+def test_other_errors_keep_their_traceback(simulation: ScriptedSimulation) -> None:
+    process = script(
+        simulation,
+        """
+        from pymorse import Morse
+        try:
+            with Morse("127.0.0.1", PORT):
+                raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            pass
+        raise KeyboardInterrupt("of somebody else")
+        """,
+    )
+    _, err = process.communicate(timeout=20)
+    assert "of somebody else" in err

@@ -30,9 +30,9 @@ def test_a_request_is_one_line_of_four_parts(
 
 @pytest.mark.parametrize("name", ["", " ", "two words", "line\nbreak", " lead", "tab\t"])
 def test_a_name_that_would_change_the_meaning_of_the_line_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match="no name of a component or service"):
+    with pytest.raises(ValueError, match="not the name of a component or service"):
         format_request(0, name, "service", [])
-    with pytest.raises(ValueError, match="no name of a component or service"):
+    with pytest.raises(ValueError, match="not the name of a component or service"):
         format_request(0, "component", name, [])
 
 
