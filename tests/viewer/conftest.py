@@ -70,6 +70,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))
+        page.on("dialog", lambda dialog: dialog.accept())  # a page that is left while it flies asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")
         if wait:
             until(

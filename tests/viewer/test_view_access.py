@@ -68,6 +68,18 @@ def test_token_shown_once_becomes_a_cookie(make_server) -> None:
         page.expect("welcome")
 
 
+@pytest.mark.parametrize("token", ["a&b#c d", "käse+wein", "100%", 'a;b"c=d/e?', "機"])
+def test_the_address_and_the_cookie_hold_any_token(make_server, token) -> None:
+    _, url = make_server(token=token)
+    status, headers, _ = fetch(url)
+    assert status == 200
+    base, _, query = url.partition("?")
+    with Client(base, query=query) as page:
+        page.expect("welcome")
+    cookie = headers["Set-Cookie"].split(";")[0]
+    assert fetch(base, {"Cookie": cookie})[0] == 200
+
+
 def test_an_address_that_others_reach_is_never_open() -> None:
     assert Access("127.0.0.1", None).token is None
     assert Access("::1", None).token is None

@@ -13,6 +13,7 @@ from view_pages import until
 from view_worlds import box, mesh_node, playground
 
 from morse.scene import Material, Scene
+from morse.viewer.page_messages import Reset
 from morse.viewer.view_messages import Appearance, Listening, Pace
 
 if TYPE_CHECKING:
@@ -134,9 +135,13 @@ def test_the_world_moves(running, open_page) -> None:
 
 def test_time_is_shown_and_controlled(running, open_page) -> None:
     driver, url = running
-    driver.server.send(Pace("Best Effort", 2.5, "robot0.camera", 31.0))
+    driver.server.send(Pace("Best Effort", 2.5, "most time goes to robot0.camera: 31.0 ms a tick"))
     page = open_page(url)
-    assert "2.5 s behind; robot0.camera takes 31.0 ms a tick" in page.locator(".late").inner_text()
+    assert page.locator(".late").inner_text() == "2.5 s behind; most time goes to robot0.camera: 31.0 ms a tick"
+    driver.server.send(Pace("Best Effort", 3.5))
+    until(lambda: page.locator(".late").inner_text() == "3.5 s behind")
+    driver.server.send(Pace("Best Effort"))
+    until(lambda: not page.locator(".late").is_visible())
     page.get_by_role("button", name="Pause").click()
     until(lambda: not driver.running)
     until(lambda: page.locator(".factor").inner_text() == "paused")
@@ -150,7 +155,11 @@ def test_time_is_shown_and_controlled(running, open_page) -> None:
     assert int(minutes) == 0
     assert float(seconds) > 0
     page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="cancel").click()
+    page.keyboard.press("F11")
+    page.get_by_role("dialog").get_by_role("button", name="reset").click()
     until(lambda: driver.time == 0.0)
+    assert len([event for event in driver.events if isinstance(event, Reset)]) == 1
     page.get_by_role("button", name="Play").click()
     until(lambda: driver.running)
     page.get_by_label("speed").select_option("×5")

@@ -44,8 +44,7 @@ def tree(tmp_path: Path) -> Path:
 
 
 def initialize(module: Any, root: Path, app: App) -> None:
-    hook = module.ViewerBuildHook(str(root), {}, None, None, "", "wheel", app)
-    hook.initialize("standard", {})
+    module.build_view(root, app)
 
 
 def fake_npm(monkeypatch: pytest.MonkeyPatch, output: str, code: int) -> list[tuple[str, ...]]:

@@ -96,11 +96,17 @@ WHERE = """(e => [e.getAttribute("aria-label") || e.title || e.textContent, e.ge
     && getComputedStyle(e).outlineStyle === "solid"])(document.activeElement)"""
 
 
+NAMED = """(name) => [...document.querySelectorAll("input, select")]
+    .some((e) => (e.getAttribute("aria-label") || e.title) === name && e.checkVisibility())"""
+
+
 def test_everything_is_reached_by_tab_and_seen_to_be(running, open_page) -> None:
     _, url = running
     page = open_page(url, width=1200, height=700)
     page.evaluate("morse.components.selected.set('robot0.lidar')")
     page.get_by_role("heading", name="robot0.lidar").wait_for()
+    # the inspector asks for the properties only now: its last row comes later than its heading
+    page.wait_for_function(NAMED, arg="scan_window")
     wanted = page.evaluate(
         """[...document.querySelectorAll("button, select, summary, input, [tabindex='0']")]
         .filter((e) => e.checkVisibility() && !e.disabled).length"""

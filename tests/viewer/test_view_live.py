@@ -75,6 +75,7 @@ def page(simulation: str, open_page: Any) -> Page:
     page: Page = open_page(simulation, width=900, height=560)
     until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
     page.get_by_role("button", name="Reset").click()
+    page.get_by_role("dialog").get_by_role("button", name="reset").click()
     until(lambda: math.dist(place(page)[:2], (1.0, 0.0)) < 0.1, "the robot where it began")
     return page
 

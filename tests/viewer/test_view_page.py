@@ -143,10 +143,31 @@ def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
     driver, url = running
     page = open_page(url, **WIDE)
     page.get_by_role("button", name="Plots and messages").click()
-    driver.server.send(Log("info", "wheels are on", "robot0", 1.5))
-    driver.server.send(Log("error", "wheels came off", "robot0", 2.5))
-    until(lambda: "1.50 robot0 wheels are on" in page.get_by_role("log").inner_text())
+    lines = page.get_by_role("log").locator("p")
+    assert lines.all_inner_texts() == ["No messages yet."]
+    driver.server.send(Log("info", "wheels are on", "robot0", 1.5, 0))
+    driver.server.send(Log("warning", "<img src=x onerror=alert(1)>", "", 2.0, 1))
+    driver.server.send(Log("error", "wheels came off\n  File 'rover.py', line 3", "robot0.lidar", 2.5, 2))
+    until(lambda: lines.count() == 3)
+    assert lines.first.inner_text().split() == ["1.50", "robot0", "wheels", "are", "on"]
+    assert lines.nth(1).locator("span").inner_text() == "<img src=x onerror=alert(1)>"
     until(lambda: page.locator(".toast.error").inner_text() == "wheels came off")
+    mark = page.locator('[data-name="robot0.lidar"] .mark.error')
+    until(lambda: mark.is_visible())
+    assert page.locator('[data-name="robot0"] .mark').count() == 0
+    lines.nth(2).get_by_role("button", name="robot0.lidar").click()
+    until(lambda: "came off" in page.locator(".complaint").inner_text())
+    driver.server.send(driver.tree())  # as after a reset
+    until(lambda: mark.count() == 0)
+
+
+def test_a_page_that_is_loaded_again_reads_the_log_without_news(running, open_page) -> None:
+    driver, url = running
+    driver.server.send(Log("error", "wheels came off", "robot0.lidar", 2.5))
+    page = open_page(url, **WIDE)
+    until(lambda: page.locator('[data-name="robot0.lidar"] .mark.error').count() == 1)
+    assert page.locator(".toast").count() == 0
+    assert page.evaluate("document.querySelectorAll('.log p').length") == 1
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (640, 360)])

@@ -275,7 +275,9 @@ def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None
     until(lambda: page.evaluate(f"!!{rays}"))
     ends = np.array(page.evaluate(f"[...{rays}.beams.geometry.attributes.position.array]")).reshape(61, 2, 3)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    assert lengths == pytest.approx(3.0 + np.sin(np.arange(61) * 0.7), abs=1e-3)
+    # every other one meets something
+    assert lengths[1::2] == pytest.approx(3.0 + np.sin(np.arange(61) * 0.7)[1::2], abs=1e-3)
+    assert lengths[::2].max() < 1.0
     assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
     assert page.evaluate(f"{rays}.hits.geometry.attributes.position.count") == 30
     page.get_by_label("laser rays and hits").uncheck()

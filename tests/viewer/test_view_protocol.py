@@ -101,7 +101,7 @@ def test_payload_begins_at_a_multiple_of_four() -> None:
 def test_newer_news_replaces_older_news_of_the_same_subject_only() -> None:
     assert vm.Values("a", 1.0, {}).subject() == vm.Values("a", 2.0, {}).subject()
     assert vm.Values("a", 1.0, {}).subject() != vm.Values("b", 1.0, {}).subject()
-    assert vm.Log("info", "a").subject() is None
+    assert vm.Answer(1, ok=True).subject() is None
     assert vm.Appearance("a", visible=True).lasting
     assert not vm.Answer(1, ok=True).lasting
 

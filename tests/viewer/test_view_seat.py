@@ -121,3 +121,13 @@ def test_a_driver_that_leaves_makes_room_for_who_asked() -> None:
     assert seat.driver is None
     seat.enter(4)
     assert seat.driver == 4
+
+
+def test_the_only_page_that_is_left_takes_the_wheel_by_itself() -> None:
+    seat, _ = seat_of(1, 2, 3)
+    seat.leave(1, [2, 3])
+    assert seat.driver is None  # nobody asked, and it could be either
+    seat.leave(3, [2])
+    assert seat.driver == 2
+    seat.leave(2, [])
+    assert seat.driver is None

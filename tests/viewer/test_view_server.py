@@ -43,7 +43,7 @@ def closing(client: Client) -> tuple[int, str]:
 # connecting ----------------------------------------------------------------------------------------------
 
 
-def test_a_port_in_use_gives_way_to_the_next_free_one(network) -> None:
+def test_a_port_in_use_gives_way_to_the_next_free_one_and_that_is_said(network, caplog) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -52,6 +52,7 @@ def test_a_port_in_use_gives_way_to_the_next_free_one(network) -> None:
         url = server.start()
         assert url.startswith("http://127.0.0.1:")
         assert not url.endswith(f":{port}/")
+        assert f"port {port} is in use: the live view is served on port {port_of(url)}" in caplog.text
         assert fetch(url)[0] == 200
         server.stop()
 
@@ -201,10 +202,11 @@ def test_a_page_that_comes_late_is_told_what_lasts(served) -> None:
     server.send(Appearance("box", visible=True, color=(1, 0, 0, 1)))
     server.send(Listening(["robot"], "robot"))
     server.send(Log("info", "said while nobody listened"))
+    server.send(Answer(1, ok=True))
     server.set_scene(*one_box())
     with Client(url) as page:
         page.expect("seat")
-        server.send(Log("info", "the last one"))
+        server.send(Log("info", "the last one", place=1))
         messages = [page.expect("log", text="the last one")]
     with Client(url) as page:
         while not any(m["type"] == "seat" for m in page.messages):
@@ -214,7 +216,8 @@ def test_a_page_that_comes_late_is_told_what_lasts(served) -> None:
     assert kinds[0] == "welcome"
     assert kinds.count("appearance") == 1
     assert kinds.count("world") == 1
-    assert "log" not in kinds
+    assert "answer" not in kinds
+    assert kinds.count("log") == 2
     assert next(m for m in messages if m["type"] == "appearance")["color"] == [1, 0, 0, 1]
     assert next(m for m in messages if m["type"] == "world")["revision"] == 2
 
@@ -247,8 +250,8 @@ def test_a_page_that_takes_nothing_at_all_is_given_up(served) -> None:
     server, url = served
     with DeadPage(url), Client(url) as good:
         good.expect("seat", pages=2)
-        for _ in range(20_000):
-            server.send(Log("info", "x" * 2000))
+        for i in range(20_000):
+            server.send(Log("info", "x" * 2000, place=i))
             good.receive()
             if good.messages.pop()["type"] == "seat":
                 break

@@ -1,10 +1,13 @@
 import { Connection } from "./connection/connection";
 import type { PoseFrame } from "./connection/frames";
-import type { SceneDescription } from "./generated/protocol";
+import { samePoses } from "./connection/frames";
+import type { SceneDescription, Viewpoint } from "./generated/protocol";
+import { Accidents } from "./input/accidents";
 import { Pad } from "./input/gamepad";
 import { Keyboard } from "./input/keyboard";
 import { Shortcuts } from "./input/shortcuts";
 import { Components } from "./model/components";
+import { Session } from "./model/session";
 import { Watching } from "./model/watching";
 import { Clock } from "./panels/clock";
 import { Listener } from "./panels/listener";
@@ -16,9 +19,13 @@ import { Signal } from "./ui/signal";
 import { Follow } from "./view/follow";
 import { CameraMemory } from "./view/memory";
 import { Navigation } from "./view/navigation";
+import { isGround } from "./view/ground";
 import { pick } from "./view/pick";
 import { Stage } from "./view/stage";
 import { World } from "./world/world";
+
+/** Nearer things are always drawn, m. */
+const NEAREST = 0.1;
 
 /** The whole page: what its parts have in common. */
 export class App {
@@ -30,6 +37,7 @@ export class App {
   readonly navigation = new Navigation(this.stage, this.keyboard);
   readonly follow = new Follow(this.stage);
   readonly memory = new CameraMemory(this.stage);
+  readonly session = new Session();
   readonly toasts = new Toasts();
   readonly clock = new Clock(this.connection);
   readonly seat = new SeatPanel(this.connection);
@@ -40,6 +48,9 @@ export class App {
   readonly poses = new Signal<PoseFrame | null>(null);
   readonly panels = new Panels(this);
   readonly pad = new Pad(this.connection);
+  readonly accidents = new Accidents(this.keyboard, this.stage.renderer.domElement);
+  /** where services have put the camera of the script since the world was described */
+  private viewpoint: Viewpoint | null = null;
   private loading = Promise.resolve();
 
   constructor() {
@@ -60,6 +71,8 @@ export class App {
         .catch((error: unknown) => this.toasts.show(String(error), "error"))
         .finally(() => (this.shell.view.ariaBusy = "false"));
     });
+    this.connection.on("viewpoint", (viewpoint) => this.moveHome(viewpoint));
+    this.components.selected.watch((name) => this.session.keep("selected", name));
     this.connection.on("appearance", (message) => {
       this.stage.world?.change(message);
       this.stage.invalidate();
@@ -88,15 +101,20 @@ export class App {
 
   private select(x: number, y: number): void {
     const hit = pick(this.stage, x, y);
+    if (hit && this.stage.world && isGround(hit, this.stage.world)) {
+      this.components.selected.set(null);
+      return;
+    }
     const owner = hit?.node.find(({ description }) => description.kind !== "");
     this.components.selected.set(owner?.name ?? hit?.node.name ?? null);
   }
 
   private take(frame: PoseFrame): void {
     this.clock.show(frame);
+    const still = this.poses.value !== null && samePoses(this.poses.value, frame);
     const known = this.stage.world?.apply(frame) ?? false;
     this.poses.set(frame);
-    if (known) this.stage.invalidate();
+    if (known && !still) this.stage.invalidate();
     else this.connection.drawn();
   }
 
@@ -110,8 +128,32 @@ export class App {
     const unlit = this.stage.show(world);
     if (unlit.length > 0) this.tell(`${unlit.length} lamps are not shown: ${unlit.slice(0, 5).join(", ")}`);
     if (first) this.setCamera(description, world);
+    if (first) this.begin(description.key);
     if (this.poses.value) world.apply(this.poses.value);
     this.world.set(world);
+    this.stage.invalidate();
+  }
+
+  /** A world is shown for the first time since the page was loaded: show what was shown of it before. */
+  private begin(key: string): void {
+    this.session.world.set(key);
+    const selected = this.session.recall<string>("selected");
+    if (selected !== null && this.components.selected.value === null) this.components.selected.set(selected);
+  }
+
+  /** A service has moved the camera of the script: look from there, and call it home. */
+  private moveHome(viewpoint: Viewpoint): void {
+    // told again after a lost connection: the user may have gone elsewhere since
+    if (JSON.stringify(viewpoint) === JSON.stringify(this.viewpoint)) return;
+    const first = this.viewpoint === null && this.stage.world === null;
+    this.viewpoint = viewpoint;
+    if (first) return; // the world comes with it
+    const { location, rotation, clip } = viewpoint;
+    this.follow.release();
+    this.stage.view.position.set(...location);
+    this.stage.view.setRotation(rotation);
+    this.stage.view.setClip(Math.min(clip[0], NEAREST), Math.max(clip[1], this.stage.view.camera.far));
+    this.follow.setHome();
     this.stage.invalidate();
   }
 
@@ -119,9 +161,9 @@ export class App {
     const bounds = world.bounds();
     // what the script made too short for its own world is drawn all the same
     const far = Math.max(view.camera_clip[1], 4 * (bounds.radius + bounds.center.length()), 400);
-    this.stage.view.setLens(view.camera_focal_length, Math.min(view.camera_clip[0], 0.1), Math.min(far, 5000));
-    this.stage.view.position.set(...view.camera_location);
-    this.stage.view.setRotation(view.camera_rotation);
+    this.stage.view.setLens(view.camera_focal_length, Math.min(view.camera_clip[0], NEAREST), Math.min(far, 5000));
+    this.stage.view.position.set(...(this.viewpoint?.location ?? view.camera_location));
+    this.stage.view.setRotation(this.viewpoint?.rotation ?? view.camera_rotation);
     this.navigation.speed = view.camera_speed;
     this.follow.setHome();
     const kept = this.memory.recall(key);

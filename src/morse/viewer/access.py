@@ -1,8 +1,8 @@
-"""Who may open the live view.
+"""Which browsers may open the live view.
 
 Any web page the user visits can make the browser connect to ``localhost``, and a name that first pointed elsewhere can
 be made to point there (DNS rebinding). So the host that the browser believes it talks to must be this machine, and
-whoever asks across pages must have come from here. Other machines are let in with a token alone.
+a request across pages must have this page as its origin. Browsers on other machines need a token.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import ipaddress
 import secrets
 from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, quote, unquote, urlsplit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -72,7 +72,7 @@ class Access:
         """Headers that let the browser keep the token that it has shown in the address."""
         if self.token is None or "token" not in parse_qs(urlsplit(path).query):
             return {}
-        return {"Set-Cookie": f"{name}={self.token}; HttpOnly; SameSite=Strict; Path=/"}
+        return {"Set-Cookie": f"{name}={quote(self.token, safe='')}; HttpOnly; SameSite=Strict; Path=/"}
 
     def _shown(self, path: str, headers: Mapping[str, str], name: str) -> bool:
         assert self.token is not None
@@ -81,5 +81,5 @@ class Access:
             morsel = SimpleCookie(headers.get("Cookie", "")).get(name)
         except CookieError:
             morsel = None
-        given += [morsel.value] if morsel is not None else []
+        given += [unquote(morsel.value)] if morsel is not None else []
         return any(secrets.compare_digest(value.encode(), self.token.encode()) for value in given)

@@ -7,22 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.scene import Material
+from morse.scene import is_shown, slot_materials
 from morse.viewer import description as d
 from morse.viewer.frames import rigid_frames
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from morse.scene import Camera, CollisionShape, Light, Mesh, Mist, Node, Scene
+    from morse.scene import Camera, CollisionShape, Light, Material, Mist, Scene
     from morse.viewer.depot import Depot
     from morse.viewer.snapshot import MovingNode
 
-_PLAIN = Material("")
 
+def describe(
+    scene: Scene, moving: Sequence[MovingNode], revision: int, depot: Depot, key: str | None = None
+) -> d.SceneDescription:
+    """Describe a scene; its geometry and pictures go to the depot.
 
-def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: Depot) -> d.SceneDescription:
-    """Describe a scene; its geometry and pictures go to the depot."""
+    Args:
+        key: by which pages know the world again; `world_key` if not given.
+    """
     nodes = list(scene.nodes())
     index = {id(node): i for i, node in enumerate(nodes)}
     frames = rigid_frames(nodes)
@@ -34,7 +38,7 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
     materials: dict[d.MaterialDescription, int] = {}
     described = []
     for i, node in enumerate(nodes):
-        slots = _slots(node, node.mesh) if node.mesh is not None else []
+        slots = slot_materials(node, node.mesh) if node.mesh is not None else []
         described.append(
             d.NodeDescription(
                 name=node.name,
@@ -46,7 +50,7 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
                 mesh=-1 if node.mesh is None else meshes.setdefault(depot.mesh(node.mesh), len(meshes)),
                 materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
                 color=node.color,
-                visible=node.visible and not _is_off(node.properties.get("visible", True)),
+                visible=is_shown(node, node.visible),
                 light=None if node.light is None else _light(node.light),
                 camera=None if node.camera is None else _camera(node.camera),
                 shapes=[_shape(shape) for shape in node.shapes or ()],
@@ -55,7 +59,7 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
         )
     return d.SceneDescription(
         revision=revision,
-        key=_key(scene),
+        key=world_key(scene) if key is None else key,
         environment=scene.environment,
         nodes=described,
         meshes=list(meshes),
@@ -63,21 +67,6 @@ def describe(scene: Scene, moving: Sequence[MovingNode], revision: int, depot: D
         moving=[index[id(mover.node)] for mover in moving],
         view=_view(scene),
     )
-
-
-def _slots(node: Node, mesh: Mesh) -> list[Material]:
-    """The material of every slot that the mesh uses: the node's own, else the mesh's."""
-    used = int(mesh.material_index.max(initial=0)) + 1
-    slots = []
-    for slot in range(used):
-        own = node.materials[slot] if slot < len(node.materials) else None
-        default = mesh.materials[slot] if slot < len(mesh.materials) else None
-        slots.append(own or default or _PLAIN)
-    return slots
-
-
-def _is_off(value: object) -> bool:
-    return value in (0, "0", "false", "False")
 
 
 def _material(material: Material, depot: Depot) -> d.MaterialDescription:
@@ -133,7 +122,7 @@ def _view(scene: Scene) -> d.ViewDescription:
     )
 
 
-def _key(scene: Scene) -> str:
+def world_key(scene: Scene) -> str:
     """Stays the same when the same script runs again."""
     view = scene.settings.view
     parts: Mapping[str, object] = {
@@ -141,4 +130,4 @@ def _key(scene: Scene) -> str:
         "robots": sorted(robot.name for robot in scene.robots()),
         "camera": (view.camera_location, view.camera_rotation),
     }
-    return hashlib.sha256(repr(parts).encode()).hexdigest()[:16]
+    return hashlib.sha256(ascii(parts).encode()).hexdigest()[:16]

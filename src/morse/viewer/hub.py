@@ -57,7 +57,7 @@ class Hub:
     """All pages of one simulation.
 
     Attributes:
-        seat: who drives.
+        seat: says which page drives.
         events: what the driving page asked for, oldest first.
         wishes: what all pages together show.
         site: what can be fetched.
@@ -125,7 +125,7 @@ class Hub:
                 page.connection.transport.abort()
 
     def broadcast(self, message_subject: Subject | None, frame: str | bytes, *, lasting: bool) -> None:
-        """Tell all pages, and if it is lasting those that come later."""
+        """Send a message to all pages; a lasting message also to pages that connect later."""
         if lasting and message_subject is not None:
             self._lasting.pop(message_subject, None)
             self._lasting[message_subject] = frame
@@ -135,7 +135,7 @@ class Hub:
                 page.connection.transport.abort()
 
     def show(self, poses: bytes) -> None:
-        """Send the newest poses to all pages; those that cannot take them now get them, or newer ones, later."""
+        """Send the newest poses to all pages. A page that is not ready gets these or newer poses later."""
         broadcast([page.connection for page in self._pages.values() if page.show(poses)], poses)
 
     # requests ------------------------------------------------------------------------------------
@@ -164,7 +164,7 @@ class Hub:
             async for frame in connection:
                 self._receive(page, decode_page_message(frame))
         except NotUnderstood as error:
-            reason = f"Not understood: {error}".encode()[:120].decode(errors="ignore")  # 123 bytes, says RFC 6455
+            reason = f"Not understood: {error}".encode(errors="replace")[:120].decode(errors="ignore")  # RFC 6455: 123
             await connection.close(Close.NOT_UNDERSTOOD, reason)
         except ConnectionClosed:
             pass  # a tab that is closed says nothing
@@ -202,7 +202,7 @@ class Hub:
         del self._pages[page.number]
         self._drop_drag(page)
         self._requests.forget(page.number)
-        self.seat.leave(page.number)
+        self.seat.leave(page.number, list(self._pages))
         self._seat_changed()
         self._wishes_changed()
 

@@ -23,7 +23,8 @@ MOST_WAITING = 5000
 class Page:
     """A connected page.
 
-    Newer news replaces older news of the same subject as long as it waits, so that a slow page sees less, not later.
+    A newer message replaces an older one on the same subject that is not yet sent. A slow page gets fewer messages, not
+    late ones.
 
     Attributes:
         number: by which the others know it.
@@ -70,7 +71,7 @@ class Page:
         return True
 
     def took(self, count: int) -> None:
-        """The page has received so many frames of poses."""
+        """Note how many frames of poses the page has received."""
         self._taken = min(count, self._sent)
         if self._poses is not None:
             self._wake.set()
@@ -94,4 +95,4 @@ class Page:
                     self._sent += 1
                     await self.connection.send(poses)
         except ConnectionClosed:
-            pass  # whoever receives from the page notices as well
+            pass  # the task that receives from the page notices the end, too

@@ -58,7 +58,7 @@ class Watch(PageMessage, frozen=True):
     images: Annotated[list[Name], Meta(max_length=100)] = []
 
 
-# who drives ----------------------------------------------------------------------------------------------
+# the driving page ----------------------------------------------------------------------------------------------
 
 
 class AskToDrive(PageMessage, frozen=True):
@@ -104,9 +104,19 @@ class Pause(ViewEvent, frozen=True):
 
 
 class Step(ViewEvent, frozen=True):
-    """While paused, advance by so many ticks."""
+    """While paused, advance by that many ticks."""
 
     count: Annotated[int, Meta(ge=1, le=10000)] = 1
+
+
+class Rewind(ViewEvent, frozen=True):
+    """Go to the state that is kept for a simulated time (s), or the last one before, and pause."""
+
+    time: Annotated[float, Meta(ge=0.0)]
+
+
+class StepBack(ViewEvent, frozen=True):
+    """Go back to the state that was kept before the present one, and pause."""
 
 
 class Reset(ViewEvent, frozen=True):
@@ -136,6 +146,14 @@ class SetProperty(ViewEvent, frozen=True):
     component: Name
     name: Name
     value: Any
+
+
+class Command(ViewEvent, frozen=True):
+    """Set fields of the data of an actuator; answered."""
+
+    request: Request
+    component: Name
+    fields: dict[Name, Any]
 
 
 class CallService(ViewEvent, frozen=True):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import operator
+import reprlib
 import struct
 from enum import IntEnum
 from typing import Any
@@ -20,7 +21,7 @@ from morse.viewer import page_messages, view_messages
 from morse.viewer.page_messages import PageMessage
 from morse.viewer.view_messages import Payload, ServerMessage
 
-VERSION = 1
+VERSION = 2
 """Raised whenever a page and a simulator of different age would misunderstand each other."""
 
 PAYLOAD = 2
@@ -38,7 +39,7 @@ class Close(IntEnum):
 
 
 class NotUnderstood(ValueError):
-    """A page sent what is no message of the protocol."""
+    """A page sent data that is not a message of the protocol."""
 
 
 def messages(module: object, base: type[msgspec.Struct]) -> list[type[msgspec.Struct]]:
@@ -61,21 +62,24 @@ def _plain(value: Any) -> Any:
     """Numbers and vectors of other libraries as JSON has them; anything else as its text."""
     if hasattr(value, "tolist"):
         return value.tolist()
-    if hasattr(value, "__iter__"):
+    if hasattr(value, "__iter__") and hasattr(value, "__len__"):
         return list(value)
-    return str(value)
+    return reprlib.repr(value)
 
 
 _decoder: msgspec.json.Decoder[PageMessage] = msgspec.json.Decoder(functools.reduce(operator.or_, page_message_types()))
 _encoder = msgspec.json.Encoder(enc_hook=_plain)
 _head = struct.Struct("<II")
+#: levels of lists and dictionaries, and parts in all, that are written of what JSON cannot hold as it is
+_DEEPEST = 12
+_MOST_PARTS = 100_000
 
 
 def decode_page_message(frame: str | bytes) -> PageMessage:
     """Read what a page sent.
 
     Raises:
-        NotUnderstood: if it is no message, or one with parts that are missing or of a wrong kind.
+        NotUnderstood: it is not a message, or a part of the message is missing or has the wrong type.
     """
     if isinstance(frame, bytes):
         raise NotUnderstood("binary frames are sent to pages only")
@@ -86,14 +90,60 @@ def decode_page_message(frame: str | bytes) -> PageMessage:
 
 
 def encode_json(value: msgspec.Struct) -> bytes:
-    """JSON of a description."""
-    return _encoder.encode(value)
+    """JSON of a description or a message.
+
+    Values without a JSON representation are written as strings.
+    """
+    try:
+        return _encoder.encode(value)
+    except Exception:  # lone surrogates, keys of other types, circles, objects whose text cannot be made
+        return _encoder.encode(_Writable().struct(value))
+
+
+class _Writable:
+    """Makes copies that JSON can hold."""
+
+    def __init__(self) -> None:
+        self._left = _MOST_PARTS
+
+    def struct(self, value: msgspec.Struct) -> dict[str, Any]:
+        config = value.__struct_config__
+        tag = {} if config.tag is None else {str(config.tag_field): config.tag}
+        return tag | {name: self.copy(part) for name, part in msgspec.structs.asdict(value).items()}
+
+    def copy(self, value: Any, depth: int = 0) -> Any:
+        self._left -= 1
+        if isinstance(value, str):
+            return _text(value)
+        if value is None or isinstance(value, (bool, int, float)):
+            return value
+        if depth == _DEEPEST or self._left < 0:
+            return "..."
+        try:
+            if isinstance(value, msgspec.Struct):
+                return self.struct(value)
+            if isinstance(value, dict):
+                return {
+                    _text(key if isinstance(key, str) else reprlib.repr(key)): self.copy(part, depth + 1)
+                    for key, part in value.items()
+                }
+            plain = value if isinstance(value, (list, tuple)) else _plain(value)
+            if isinstance(plain, (list, tuple)):
+                return [self.copy(part, depth + 1) for part in plain]
+            return self.copy(plain, depth + 1)
+        except Exception:  # it is the user's object
+            return f"a {type(value).__name__} that cannot be shown"
+
+
+def _text(value: str) -> str:
+    """The text with lone surrogates written as escapes."""
+    return value.encode("utf-8", "backslashreplace").decode()
 
 
 def encode_server_message(message: ServerMessage) -> str | bytes:
     """The text or binary frame of a message."""
     if not isinstance(message, Payload):
-        return _encoder.encode(message).decode()
-    text = _encoder.encode(msgspec.structs.replace(message, payload=b""))
+        return encode_json(message).decode()
+    text = encode_json(msgspec.structs.replace(message, payload=b""))
     text += b" " * (-len(text) % 4)
     return _head.pack(PAYLOAD, len(text)) + text + message.payload

@@ -38,5 +38,5 @@ class Requests:
         return page, msgspec.structs.replace(answer, request=own)
 
     def forget(self, page: int) -> None:
-        """A page is gone: nobody waits for its answers."""
+        """Forget the requests of a page that has disconnected."""
         self._asked = {number: asked for number, asked in self._asked.items() if asked[0] != page}

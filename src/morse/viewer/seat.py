@@ -18,7 +18,7 @@ _NOTHING: frozenset[str] = frozenset()
 
 
 class Seat:
-    """Who drives, and what that page holds down.
+    """The page that drives, and the keys that are held down in that page.
 
     Changed in the network thread; the simulation thread reads the controls.
 
@@ -38,18 +38,24 @@ class Seat:
         self._axes: tuple[float, ...] = ()
         self._buttons: tuple[bool, ...] = ()
 
-    # who drives ----------------------------------------------------------------------------------
+    # the driving page ----------------------------------------------------------------------------------
 
     def enter(self, page: int) -> None:
-        """A page arrives; it drives if nobody does."""
+        """Add a page; the page drives if no other page does."""
         if self.driver is None:
             self._give(page)
 
-    def leave(self, page: int) -> None:
-        """A page is gone; the first that asked for it gets the seat."""
+    def leave(self, page: int, left: Sequence[int] = ()) -> None:
+        """Remove a page. If it drove, the first page that asked for the seat gets it, or the only page that is left.
+
+        Args:
+            left: the pages that are still there.
+        """
         self._asking = [other for other in self._asking if other != page]
         if self.driver == page:
             self._give(self._asking[0] if self._asking else None)
+        if self.driver is None and len(left) == 1:
+            self._give(left[0])
 
     def ask(self, page: int) -> None:
         """A page would like to drive: granted at once if the one that does shows no sign of life."""
@@ -73,7 +79,7 @@ class Seat:
             self._asking.clear()
 
     def message(self, pages: int) -> SeatMessage:
-        """What the pages are told."""
+        """The message to the pages."""
         return SeatMessage(self.driver, list(self._asking), pages)
 
     def _give(self, page: int | None) -> None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import socket
 import threading
 import time
 from collections import deque
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from morse.viewer.access import Access, is_loopback
 from morse.viewer.depot import Depot
-from morse.viewer.describe import describe
+from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes
 from morse.viewer.page_messages import Drag, DragEnd
 from morse.viewer.protocol import encode_json, encode_server_message
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from morse.viewer.page_messages import ViewEvent
     from morse.viewer.snapshot import MovingNode, Snapshot
     from morse.viewer.view_messages import ServerMessage, Subject
+
+logger = logging.getLogger("morse.viewer")
 
 _SHORTEST_INTERVAL = 1.0 / 125.0
 """Wall-clock seconds between two snapshots: no screen shows more, however fast the simulation runs."""
@@ -53,7 +57,7 @@ class ViewServer:
             network: the thread it lives in.
             host: address to bind to.
             port: TCP port; the next free one is taken if it is in use; 0 for any.
-            token: what a page has to show. One is made up if other machines can reach ``host``.
+            token: what a page has to show, any text. One is made up if other machines can reach ``host``.
             title: shown by the browser.
         """
         self._network = network
@@ -62,6 +66,7 @@ class ViewServer:
         self._hub = Hub(Access(host, token), title)
         self._depot = Depot()
         self._revision = 0
+        self._key: str | None = None
         self._moving = 0
         self._last_shown = 0.0
         self._last_status = ""
@@ -87,7 +92,9 @@ class ViewServer:
         shown = self._host if is_loopback(self._host) else _name_of_this_machine(self._host)
         address = f"[{shown}]" if ":" in shown else shown
         token = self._hub.access.token
-        return f"http://{address}:{port}/" + (f"?token={token}" if token else "")
+        if self._port not in (0, port):
+            logger.warning("port %d is in use: the live view is served on port %d", self._port, port)
+        return f"http://{address}:{port}/" + (f"?token={quote(token, safe='')}" if token else "")
 
     def stop(self) -> None:
         """Tell the pages that the simulation has ended, and close the server."""
@@ -116,7 +123,9 @@ class ViewServer:
             KeyError: if a moving node is not in the scene.
         """
         self._revision += 1
-        description = encode_json(describe(scene, moving, self._revision, self._depot))
+        if self._key is None:  # the script's camera is a part of it, and services may move that one
+            self._key = world_key(scene)
+        description = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
         url = f"/worlds/{self._revision}.json"
         files = {path: File(mime, data, lasting=True) for path, (mime, data) in self._depot.take_new().items()}
         files[url] = File("application/json", description, lasting=False)
@@ -141,7 +150,7 @@ class ViewServer:
         self._post()
 
     def send(self, message: ServerMessage) -> None:
-        """Tell the pages something; a message that lasts is told to pages that come later, too.
+        """Send a message to the pages; a lasting message is also sent to pages that connect later.
 
         An answer goes to the page that asked.
         """

@@ -1,4 +1,4 @@
-"""What the simulation hands to those who watch, once a tick."""
+"""The data that the simulation gives to observers once a tick."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class MovingNode:
     """A node whose pose changes while the simulation runs.
 
     Attributes:
-        frame: ``world``: its poses are in the world frame, whatever node it hangs under in the scene;
+        frame: ``world``: its poses are in the world frame, independent of its parent in the scene;
             ``parent``: they are in the rigid frame of its parent.
     """
 

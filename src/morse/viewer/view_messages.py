@@ -57,7 +57,7 @@ class World(ServerMessage, frozen=True):
 
 
 class Seat(ServerMessage, frozen=True):
-    """Who drives, who would like to, and how many pages there are."""
+    """Which page drives, which pages have asked to drive, and the number of pages."""
 
     driver: int | None
     asking: list[int]
@@ -83,26 +83,36 @@ class Pace(ServerMessage, frozen=True):
     Attributes:
         strategy: e.g. ``Best Effort``.
         late: wall-clock seconds behind; 0 when it keeps up.
-        costliest: the component that takes longest, or empty.
-        cost: wall-clock milliseconds that it takes a tick.
+        cause: what takes the time, as a clause; empty if nothing in particular does.
     """
 
     strategy: str
     late: float = 0.0
-    costliest: str = ""
-    cost: float = 0.0
+    cause: str = ""
+
+
+class History(ServerMessage, frozen=True):
+    """The simulated times (s) of the states that can be gone back to, oldest first."""
+
+    times: list[float]
 
 
 class Log(ServerMessage, frozen=True):
-    """A line of the log."""
+    """A line of the log.
+
+    Attributes:
+        component: the component that the line is about, or empty.
+        time: simulated seconds.
+        place: counts lines modulo the number of lines that are kept for pages that connect later.
+    """
 
     level: Literal["debug", "info", "warning", "error"]
     text: str
-    source: str = ""
+    component: str = ""
     time: float = 0.0
+    place: int = 0
 
-    _about: ClassVar[tuple[str, ...] | None] = None
-    _lasting: ClassVar[bool] = False
+    _about: ClassVar[tuple[str, ...] | None] = ("place",)
 
 
 class DebugProperty(Struct, frozen=True):
@@ -124,21 +134,27 @@ class DebugProperties(ServerMessage, frozen=True):
 
 
 class FieldDescription(Struct, frozen=True):
-    """A data field of a component."""
+    """A data field of a component; ``low`` and ``high`` bound what it may hold."""
 
     name: str
     type: str = ""
     doc: str = ""
     unit: str = ""
+    low: float | None = None
+    high: float | None = None
 
 
 class PropertyDescription(Struct, frozen=True):
-    """A property of a component, with its value now."""
+    """A property of a component, with its value now; ``choices`` are all values that it may have, if they are few."""
 
     name: str
     type: str = ""
     doc: str = ""
     value: Any = None
+    choices: list[Any] | None = None
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
 
 
 class ArgumentDescription(Struct, frozen=True):
@@ -238,6 +254,20 @@ class Answer(ServerMessage, frozen=True):
 
 
 # the world -----------------------------------------------------------------------------------------------
+
+
+class Viewpoint(ServerMessage, frozen=True):
+    """A service has moved the camera that scripts place.
+
+    Attributes:
+        location: world frame, metres.
+        rotation: Euler angles XYZ of a camera that looks along its -Z, radians.
+        clip: nearest and farthest distance that is drawn, metres.
+    """
+
+    location: tuple[float, float, float]
+    rotation: tuple[float, float, float]
+    clip: tuple[float, float]
 
 
 class Appearance(ServerMessage, frozen=True):

@@ -36,6 +36,11 @@ export function decodePoses(frame: ArrayBuffer): PoseFrame {
   };
 }
 
+/** Whether nothing has moved between two frames. */
+export function samePoses(a: PoseFrame, b: PoseFrame): boolean {
+  return a.revision === b.revision && a.poses.length === b.poses.length && a.poses.every((number, i) => number === b.poses[i]);
+}
+
 /** A message with a payload. */
 export function decodePayload(frame: ArrayBuffer): ServerMessage {
   const view = new DataView(frame);

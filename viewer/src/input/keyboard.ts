@@ -1,11 +1,14 @@
 import type { Connection } from "../connection/connection";
 import { isTyping } from "../ui/dom";
+import { CAMERA_KEYS } from "./camerakeys";
 
 const AGAIN = 250; // ms
 
 /** The keys held down, told to the simulation at every change. */
 export class Keyboard {
   readonly held = new Set<string>();
+  /** whether Ctrl is held to look around, so that keys beside it fly */
+  flies: () => boolean = () => false;
 
   constructor(private readonly connection: Connection) {
     addEventListener("keydown", (event) => this.down(event));
@@ -21,6 +24,14 @@ export class Keyboard {
     connection.state.watch(({ open }) => open && this.held.size > 0 && this.tell());
   }
 
+  /** A key of the page's own, e.g. of a pad on a touch screen. */
+  press(code: string, down: boolean): void {
+    if (down === this.held.has(code)) return;
+    if (down) this.held.add(code);
+    else this.held.delete(code);
+    this.tell();
+  }
+
   release(): void {
     if (this.held.size === 0) return;
     this.held.clear();
@@ -29,7 +40,7 @@ export class Keyboard {
 
   private down(event: KeyboardEvent): void {
     if (isTyping(event) || event.metaKey || event.altKey || event.isComposing) return;
-    if (event.ctrlKey && !event.code.startsWith("Control")) return;
+    if (event.ctrlKey && !event.code.startsWith("Control") && !(this.flies() && CAMERA_KEYS.has(event.code))) return;
     if (event.code.startsWith("Arrow") && isSteered(event.target)) return;
     if (event.code.startsWith("Arrow")) event.preventDefault();
     if (event.repeat || event.code === "") return;

@@ -17,7 +17,8 @@ export class Cones extends Layer {
     super("cones", "cones of proximity and semantic cameras");
     connection.on("cone", (cone) => {
       this.known.set(cone.component, cone);
-      if (this.on && this.around) this.draw(cone, this.around);
+      if (!this.on || !this.around) return;
+      this.draw(cone, this.around);
       changed();
     });
   }

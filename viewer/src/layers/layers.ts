@@ -1,3 +1,4 @@
+import { Vector3 } from "three";
 import type { Connection } from "../connection/connection";
 import type { Components } from "../model/components";
 import type { Watching } from "../model/watching";
@@ -17,8 +18,10 @@ import { Trails } from "./trails";
 
 const KEY = "morse.layers";
 const CONTACTS = "contacts";
-/** With more robots, only the rays of the selected one are shown. */
-const ALL_ROBOTS = 8;
+/** Rays and cones are shown of so many robots: the selected one, and those nearest to the camera. */
+const MOST_ROBOTS = 8;
+/** ms between two looks at which robots are nearest */
+const LOOK = 1000;
 
 /** What can be drawn over the world, and the menu that switches it. */
 export class Layers {
@@ -27,6 +30,7 @@ export class Layers {
   readonly list: Layer[];
   private readonly rays: Rays;
   private readonly boxes = new Map<string, HTMLInputElement>();
+  private readonly note = h("p", { class: "quiet", hidden: true });
 
   constructor(
     connection: Connection,
@@ -64,6 +68,8 @@ export class Layers {
     });
     components.selected.watch(() => this.tell());
     stage.onDraw(() => this.update());
+    this.element.append(this.note);
+    setInterval(() => this.tell(), LOOK);
   }
 
   switch(id: string, on: boolean): void {
@@ -102,16 +108,29 @@ export class Layers {
     return this.stage.world && { world: this.stage.world, components: this.components };
   }
 
-  /** Rays and cones of the selected robot, or of all where there are few. */
+  /** Rays and cones of some robots: what all of many see would fill the picture and the line. */
   private tell(): void {
     const on = (id: string): boolean => this.list.some((layer) => layer.id === id && layer.on);
     const all = this.components.all.value;
-    const chosen = this.components.robotOf(this.components.selected.value);
-    const robots = all.filter(({ kind }) => kind.includes("robot")).length;
-    const shown = all.filter(({ kind, robot }) => kind === "sensor" && (robots <= ALL_ROBOTS || robot === chosen)).map(({ name }) => name);
+    const robots = all.filter(({ kind }) => kind.includes("robot")).map(({ name }) => name);
+    const near = this.nearest(robots);
+    this.note.hidden = near.size === robots.length || !(on("rays") || on("cones"));
+    this.note.textContent = `Rays and cones of ${near.size} of ${robots.length} robots: the selected one, and those nearest to the camera.`;
+    const shown = all.filter(({ kind, robot }) => kind === "sensor" && near.has(robot)).map(({ name }) => name);
     const sensors = on("rays") || on("cones") ? shown : [];
     this.rays.keep(on("rays") ? shown : []);
     this.watching.set("overlays", "layers", on(CONTACTS) ? [...sensors, CONTACTS] : sensors);
+  }
+
+  private nearest(robots: string[]): Set<string> {
+    const { world, view } = this.stage;
+    if (robots.length <= MOST_ROBOTS || !world) return new Set(robots.slice(0, MOST_ROBOTS));
+    const chosen = this.components.robotOf(this.components.selected.value);
+    const place = new Vector3();
+    const far = (name: string): number =>
+      name === chosen ? -1 : (world.find(name)?.frame.getWorldPosition(place).distanceTo(view.position) ?? Infinity);
+    const sorted = robots.map((name): [string, number] => [name, far(name)]).sort(([, a], [, b]) => a - b);
+    return new Set(sorted.slice(0, MOST_ROBOTS).map(([name]) => name));
   }
 
   private addBox(id: string, label: string, checked: boolean, run: (on: boolean) => void): void {

@@ -7,6 +7,19 @@ import { Layer } from "./layer";
 const MOST = 100;
 const FARTHEST = 80; // metres
 
+/** Pixels: of a line of text, of a letter, and beside the text; asking the page for them would lay it out anew. */
+const HEIGHT = 22;
+const LETTER = 7.4;
+const PADDING = 14;
+
+interface Place {
+  label: HTMLElement;
+  x: number;
+  y: number;
+  /** metres from the camera */
+  far: number;
+}
+
 /** The names of robots, written over them. */
 export class Names extends Layer {
   readonly element = h("div", { class: "names", "aria-hidden": "true" });
@@ -30,9 +43,11 @@ export class Names extends Layer {
     this.element.replaceChildren();
   }
 
-  override update({ world }: Surroundings): void {
+  override update({ world, components }: Surroundings): void {
     const { clientWidth: width, clientHeight: height } = this.stage.element;
     const { camera, position } = this.stage.view;
+    const chosen = components.robotOf(components.selected.value);
+    const places: Place[] = [];
     for (const [name, label] of this.labels) {
       const node = world.find(name);
       if (!node) continue;
@@ -40,8 +55,25 @@ export class Names extends Layer {
       const far = bounds.center.distanceTo(position);
       this.place.copy(bounds.center).setZ(bounds.center.z + bounds.radius).project(camera);
       const seen = this.place.z < 1 && Math.abs(this.place.x) < 1.1 && Math.abs(this.place.y) < 1.1 && far < FARTHEST;
-      label.hidden = !seen;
-      if (seen) label.style.transform = `translate(-50%, -100%) translate(${((this.place.x + 1) / 2) * width}px, ${((1 - this.place.y) / 2) * height}px)`;
+      if (seen) places.push({ label, x: ((this.place.x + 1) / 2) * width, y: ((1 - this.place.y) / 2) * height, far: name === chosen ? 0 : far });
+      else label.hidden = true;
+    }
+    this.spread(places);
+  }
+
+  /** Show labels from near to far: one that would cover another moves up a little, or is left out. */
+  private spread(places: Place[]): void {
+    const taken: { left: number; right: number; top: number; bottom: number }[] = [];
+    for (const { label, x, y } of places.sort((a, b) => a.far - b.far)) {
+      const half = (label.textContent.length * LETTER + PADDING) / 2;
+      const free = [0, 1, 2].map((line) => {
+        const bottom = y - line * HEIGHT;
+        return { left: x - half, right: x + half, top: bottom - HEIGHT, bottom };
+      }).find((box) => taken.every((other) => box.right <= other.left || box.left >= other.right || box.bottom <= other.top || box.top >= other.bottom));
+      label.hidden = !free;
+      if (!free) continue;
+      taken.push(free);
+      label.style.transform = `translate(-50%, -100%) translate(${x}px, ${free.bottom}px)`;
     }
   }
 }

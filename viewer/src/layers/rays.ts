@@ -5,6 +5,9 @@ import { Layer, discard } from "./layer";
 const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.25, depthWrite: false, toneMapped: false });
 const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
 
+/** A ray that meets nothing is drawn so far only, m: it would hide the world behind it. */
+const MISS = 0.6;
+
 interface Drawn {
   beams: LineSegments;
   hits: Points;
@@ -42,8 +45,11 @@ export class Rays extends Layer {
     const ends = new Float32Array(count * 6);
     const hits: number[] = [];
     for (let i = 0; i < count; i++) {
-      ends.set(numbers.subarray(i * 7, i * 7 + 6), i * 6);
-      if (numbers[i * 7 + 6]) hits.push(...numbers.subarray(i * 7 + 3, i * 7 + 6));
+      const [x, y, z, toX, toY, toZ, hit] = numbers.subarray(i * 7, i * 7 + 7) as unknown as [number, number, number, number, number, number, number];
+      const length = Math.hypot(toX - x, toY - y, toZ - z);
+      const part = hit || length <= MISS ? 1 : MISS / length;
+      ends.set([x, y, z, x + part * (toX - x), y + part * (toY - y), z + part * (toZ - z)], i * 6);
+      if (hit) hits.push(toX, toY, toZ);
     }
     const drawn = this.drawn.get(component) ?? this.make(component);
     drawn.beams.geometry.setAttribute("position", new BufferAttribute(ends, 3));

@@ -7,17 +7,30 @@ export interface Live {
   data: Record<string, unknown>;
 }
 
+/** The last thing that went wrong with a component. */
+export interface Complaint {
+  level: "warning" | "error";
+  text: string;
+}
+
 /** The components of the simulation, their values, and the one that is selected. */
 export class Components {
   readonly all = new Signal<ComponentDescription[]>([]);
   /** name of a component or of an object of the world */
   readonly selected = new Signal<string | null>(null);
+  readonly complaints = new Map<string, Complaint>();
   private readonly live = new Map<string, Live>();
   private readonly listeners = new Set<(name: string, live: Live) => void>();
   private readonly changed = new Set<(component: ComponentDescription) => void>();
 
   constructor(connection: Connection) {
-    connection.on("tree", ({ components }) => this.all.set(components));
+    // the log comes after this, if there is one
+    connection.on("welcome", () => this.complaints.clear());
+    connection.on("tree", ({ components }) => {
+      // a simulation that begins anew has done nothing wrong yet
+      if (this.all.value.length > 0) this.complaints.clear();
+      this.all.set(components);
+    });
     connection.on("values", ({ component, time, data }) => {
       const live = { time, data };
       this.live.set(component, live);
@@ -50,9 +63,16 @@ export class Components {
     this.listeners.add(listener);
   }
 
-  /** A property or the activity of a component changed. */
+  /** A property, the activity or a complaint of a component changed. */
   onChange(listener: (component: ComponentDescription) => void): void {
     this.changed.add(listener);
+  }
+
+  /** Something went wrong; an error is not forgotten for a warning. */
+  complain(name: string, level: Complaint["level"], text: string): void {
+    if (level === "warning" && this.complaints.get(name)?.level === "error") return;
+    this.complaints.set(name, { level, text });
+    this.patch(name, (one) => one);
   }
 
   private patch(name: string, change: (component: ComponentDescription) => ComponentDescription): void {

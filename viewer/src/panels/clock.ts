@@ -1,6 +1,7 @@
 import type { Connection } from "../connection/connection";
 import type { PoseFrame } from "../connection/frames";
 import type { Pace } from "../generated/protocol";
+import { ask } from "../ui/ask";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 
@@ -71,8 +72,14 @@ export class Clock {
     this.connection.send({ type: "step", count: 1 });
   }
 
+  /** Start anew, once that is confirmed. */
   reset(): void {
-    this.connection.send({ type: "reset" });
+    ask("Reset everything to the beginning?", "reset", () => this.connection.send({ type: "reset" }));
+  }
+
+  /** End the simulation, once that is confirmed. */
+  quit(): void {
+    ask("End the simulation? Programs that control robots lose their connection.", "end it", () => this.connection.send({ type: "quit" }));
   }
 
   private setSpeed(): void {
@@ -90,11 +97,10 @@ export class Clock {
   }
 
   private showPace(): void {
-    const { late = 0, costliest = "", cost = 0 } = this.pace ?? {};
+    const { late = 0, cause = "" } = this.pace ?? {};
     this.warning.hidden = late <= 0 || !this.running;
-    const culprit = costliest === "" ? "" : `; ${costliest} takes ${cost.toFixed(1)} ms a tick`;
-    this.warning.textContent = `${late.toFixed(1)} s behind${culprit}`;
-    this.warning.title = this.pace ? `${this.pace.strategy}: the machine cannot keep up` : "";
+    this.warning.textContent = `${late.toFixed(1)} s behind${cause === "" ? "" : `; ${cause}`}`;
+    this.warning.title = this.pace ? `${this.pace.strategy}: the simulation cannot keep up` : "";
   }
 }
 

@@ -1,11 +1,14 @@
 import type { Connection } from "../connection/connection";
-import type { ComponentDescription, PropertyDescription } from "../generated/protocol";
+import type { Answer, ComponentDescription, FieldDescription, PropertyDescription } from "../generated/protocol";
 import type { Components, Live } from "../model/components";
 import type { Watching } from "../model/watching";
 import { h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
+import type { Field } from "./field";
+import { fill, inUse, makeField, read } from "./field";
+import { Scan } from "./scan";
 import { serviceForm } from "./services";
-import { format, numbersIn, parse, write } from "./values";
+import { format, numbersIn } from "./values";
 
 export const FIELD = "application/x-morse-field";
 
@@ -13,8 +16,12 @@ export const FIELD = "application/x-morse-field";
 export class Inspector {
   readonly element = h("section", { class: "panel inspector", "aria-label": "inspector" });
   private readonly cells = new Map<string, HTMLElement>();
-  private readonly inputs = new Map<string, HTMLInputElement>();
+  private readonly properties = new Map<string, Field>();
+  /** data of an actuator, by field; made when there is a first value */
+  private readonly commands = new Map<string, Field>();
   private active: HTMLInputElement | null = null;
+  private complaint: HTMLElement | null = null;
+  private scan: Scan | null = null;
   private shown: string | null = null;
 
   constructor(
@@ -34,16 +41,16 @@ export class Inspector {
 
   private show(name: string | null): void {
     this.shown = name;
-    this.cells.clear();
-    this.inputs.clear();
+    for (const fields of [this.cells, this.properties, this.commands]) fields.clear();
+    this.scan = null;
     const component = this.components.find(name);
-    this.watching.set("values", "inspector", component && component.data.length > 0 ? [component.name] : []);
+    this.watching.set("values", "inspector", component && component.kind !== "service" ? [component.name] : []);
     if (name === null) {
       this.element.replaceChildren(h("p", { class: "quiet" }, "Select a robot, a component or an object: here or in the view."));
       return;
     }
     const parts: (HTMLElement | null)[] = [component ? this.head(component) : h("h2", {}, name), this.extra(name)];
-    if (component) parts.push(this.data(component), this.properties(component), this.services(component));
+    if (component) parts.push(this.data(component), this.propertiesOf(component), this.services(component));
     this.element.replaceChildren(...parts.filter((part): part is HTMLElement => part !== null));
     const live = name === null ? null : this.components.valuesOf(name);
     if (live) this.update(live);
@@ -53,14 +60,17 @@ export class Inspector {
     const facts = [component.kind.replace("_", " "), component.frequency > 0 && `${format(component.frequency)} Hz`, component.level]
       .filter(Boolean)
       .join(" · ");
-    const active = h("input", { type: "checkbox", checked: component.active, onchange: () => this.activate(component.name, active) });
+    const active = h("input", { type: "checkbox", checked: component.active, onchange: () => void this.activate(component.name, active) });
     this.active = active;
+    this.complaint = h("p", { class: "complaint" });
+    this.complain(component.name);
     return h(
       "header",
       {},
       h("h2", {}, component.name),
       h("p", { class: "quiet" }, component.title !== component.name ? `${component.title} · ${facts}` : facts),
       component.doc !== "" && h("p", {}, component.doc),
+      this.complaint,
       component.kind !== "service" && h("label", { class: "switch" }, active, "active"),
     );
   }
@@ -77,40 +87,55 @@ export class Inspector {
       name.addEventListener("keydown", (event) => event.key === "Enter" && plot());
       return h("tr", {}, name, cell, h("td", { class: "unit" }, field.unit));
     });
-    return section("data", h("table", { class: "data" }, ...rows));
+    this.scan = Scan.of(component);
+    const drawn = this.scan ? [this.scan.element] : [];
+    return section("data", h("table", { class: component.kind === "actuator" ? "data commands" : "data" }, ...rows), ...drawn);
   }
 
   private update({ data }: Live): void {
+    const component = this.components.find(this.shown);
     for (const [name, cell] of this.cells) {
-      const text = format(data[name], cell.dataset["type"]);
-      if (cell.textContent !== text) cell.textContent = text;
-      cell.parentElement?.classList.toggle("numeric", numbersIn(data[name]).length > 0);
+      const value = data[name];
+      cell.parentElement?.classList.toggle("numeric", numbersIn(value).length > 0);
+      if (component?.kind === "actuator") this.updateCommand(component, name, cell, value);
+      else {
+        const text = format(value, cell.dataset["type"]);
+        if (cell.textContent !== text) cell.textContent = text;
+      }
     }
+    this.scan?.draw(data);
   }
 
-  private properties(component: ComponentDescription): HTMLElement | null {
+  /** Data of an actuator can be set: as a command, like those of clients. */
+  private updateCommand(component: ComponentDescription, name: string, cell: HTMLElement, value: unknown): void {
+    const known = this.commands.get(name);
+    if (known) {
+      if (!inUse(known)) fill(known, value);
+      return;
+    }
+    const declared = component.data.find((field) => field.name === name) as FieldDescription;
+    const field = makeField(declared, value);
+    this.commands.set(name, field);
+    const send = (): Promise<Answer> =>
+      this.connection.request({ type: "command", component: component.name, fields: { [name]: read(field, declared.type) } });
+    cell.replaceChildren(field, onChange(field, send));
+  }
+
+  private propertiesOf(component: ComponentDescription): HTMLElement | null {
     if (component.properties.length === 0) return null;
     const rows = component.properties.map((property) => this.property(component.name, property));
     return section("properties", h("table", { class: "properties" }, ...rows));
   }
 
   private property(component: string, property: PropertyDescription): HTMLElement {
-    const error = h("p", { class: "error", role: "alert", hidden: true });
-    const yesOrNo = typeof property.value === "boolean";
-    const input = h("input", { type: yesOrNo ? "checkbox" : "text", "aria-label": property.name, spellcheck: false });
-    fill(input, property.value);
-    this.inputs.set(property.name, input);
-    const set = async (): Promise<void> => {
-      const value = yesOrNo ? input.checked : parse(input.value, property.type);
-      const answer = await this.connection.request({ type: "set_property", component, name: property.name, value });
-      if (!answer.ok && yesOrNo) input.checked = !input.checked;
-      error.hidden = answer.ok;
-      error.textContent = answer.error;
-      input.setAttribute("aria-invalid", String(!answer.ok));
-    };
-    input.addEventListener("change", () => void set());
+    const field = makeField(property, property.value);
+    this.properties.set(property.name, field);
+    const set = (): Promise<Answer> =>
+      this.connection.request({ type: "set_property", component, name: property.name, value: read(field, property.type) });
+    const error = onChange(field, set);
     const hint = [property.doc, property.type].filter((text) => text !== "").join("\n");
-    return h("tr", {}, h("th", { scope: "row", title: hint }, ...breakable(property.name)), h("td", {}, input, error));
+    const name = h("th", { scope: "row", title: hint }, ...breakable(property.name));
+    return h("tr", {}, name, h("td", {}, field, error), h("td", { class: "unit" }, property.unit));
   }
 
   private services(component: ComponentDescription): HTMLElement | null {
@@ -119,12 +144,21 @@ export class Inspector {
   }
 
   /** Something changed: what is being typed stays. */
-  private refresh({ properties, active }: ComponentDescription): void {
+  private refresh({ name, properties, active }: ComponentDescription): void {
     if (this.active) this.active.checked = active;
-    for (const { name, value } of properties) {
-      const input = this.inputs.get(name);
-      if (input && (input.type === "checkbox" || input !== document.activeElement)) fill(input, value);
+    this.complain(name);
+    for (const { name: property, value } of properties) {
+      const field = this.properties.get(property);
+      if (field && !inUse(field)) fill(field, value);
     }
+  }
+
+  private complain(name: string): void {
+    if (!this.complaint) return;
+    const complaint = this.components.complaints.get(name);
+    this.complaint.hidden = !complaint;
+    this.complaint.className = `complaint ${complaint?.level ?? ""}`;
+    this.complaint.textContent = complaint?.text ?? "";
   }
 
   private async activate(component: string, box: HTMLInputElement): Promise<void> {
@@ -133,10 +167,18 @@ export class Inspector {
   }
 }
 
-/** Show a value in its field. */
-function fill(input: HTMLInputElement, value: unknown): void {
-  if (input.type === "checkbox") input.checked = value === true;
-  else input.value = write(value);
+/** Send a field whenever it is changed; the element shows why that was refused. */
+function onChange(field: Field, send: () => Promise<Answer>): HTMLElement {
+  const error = h("p", { class: "error", role: "alert", hidden: true });
+  field.addEventListener("change", () => {
+    void send().then((answer) => {
+      if (!answer.ok && field instanceof HTMLInputElement && field.type === "checkbox") field.checked = !field.checked;
+      error.hidden = answer.ok;
+      error.textContent = answer.error;
+      field.setAttribute("aria-invalid", String(!answer.ok));
+    });
+  });
+  return error;
 }
 
 /** A long name may be broken after its underscores. */

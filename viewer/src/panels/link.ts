@@ -2,24 +2,33 @@ import type { Connection } from "../connection/connection";
 import { h } from "../ui/dom";
 
 const OTHER_VERSION = 4000;
-const POLICY: Record<number, string> = {
-  1001: "The simulation has ended. Waiting for it to start again…",
-  1006: "The connection is lost. Trying again…",
-};
+const NOT_UNDERSTOOD = 4001;
+const GOING_AWAY = 1001;
 
 /** A line across the view while there is no connection. */
 export class LinkBanner {
   readonly element = h("div", { class: "link", role: "alert" }, "Connecting…");
   private ever = false;
+  private ended = false;
 
   constructor(connection: Connection) {
     connection.state.watch(({ open, code, reason }) => {
       this.element.hidden = open;
-      if (open) this.ever = true;
-      else if (code === OTHER_VERSION) this.say(reason, true);
-      else if (code !== 0) this.say(!this.ever ? "The simulator does not answer. Trying again…" : (POLICY[code] ?? reason), false);
-      if (!open && code === 1006) void this.whyRefused();
+      if (open) {
+        this.ever = true;
+        this.ended = false;
+      } else if (code === OTHER_VERSION) this.say(reason, true);
+      else if (code !== 0) this.explain(code, reason);
     });
+  }
+
+  private explain(code: number, reason: string): void {
+    // attempts to reach what has ended fail, too: it has ended all the same
+    this.ended ||= code === GOING_AWAY;
+    if (this.ended) this.say("The simulation has ended. Waiting for it to start again…", false);
+    else if (code === NOT_UNDERSTOOD) this.say(`${reason}. Trying again…`, false);
+    else this.say(this.ever ? "The connection is lost. Trying again…" : "The simulator does not answer. Trying again…", false);
+    if (!this.ended) void this.whyRefused();
   }
 
   private say(text: string, reload: boolean): void {

@@ -9,6 +9,8 @@ const ALL = "";
 export class Listener {
   readonly element = h("label", { class: "listener", hidden: true, title: "the robot that obeys the arrow keys" });
   readonly robot = new Signal<string | null>(null);
+  /** the robots that can obey keys */
+  readonly robots = new Signal<string[]>([]);
   private readonly select = h("select", { "aria-label": "the robot that obeys the keys" });
 
   constructor(private readonly connection: Connection) {
@@ -25,6 +27,7 @@ export class Listener {
       this.select.replaceChildren(...options);
       this.select.value = robot ?? (robots.length > 1 ? ALL : (robots[0] ?? ALL));
       this.robot.set(robot);
+      this.robots.set(robots);
     });
   }
 

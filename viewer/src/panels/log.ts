@@ -1,21 +1,52 @@
 import type { Connection } from "../connection/connection";
+import type { Log } from "../generated/protocol";
+import type { Components } from "../model/components";
 import { h } from "../ui/dom";
 import type { Toasts } from "./toasts";
 
 const MOST = 500;
 
-/** What the simulation says. */
+/** What the simulation says; a line about a component leads to it. */
 export class LogPanel {
-  readonly element = h("section", { class: "log", role: "log", "aria-label": "messages", tabIndex: 0, hidden: true });
+  readonly element = h("section", { class: "log", role: "log", "aria-label": "messages", tabIndex: 0 });
+  private readonly empty = h("p", { class: "quiet" }, "No messages yet.");
+  /** lines that come while the page is told what was said before are no news */
+  private fresh = false;
 
-  constructor(connection: Connection, toasts: Toasts) {
-    connection.on("log", ({ level, text, source, time }) => {
-      this.element.hidden = false;
-      const below = this.element.scrollHeight - this.element.scrollTop - this.element.clientHeight < 20;
-      this.element.append(h("p", { class: level }, h("time", {}, time.toFixed(2)), " ", source !== "" && h("b", {}, `${source} `), text));
-      while (this.element.childElementCount > MOST) this.element.firstElementChild?.remove();
-      if (below) this.element.scrollTop = this.element.scrollHeight;
-      if (level === "error" || level === "warning") toasts.show(text, level === "error" ? "error" : "info");
+  constructor(
+    connection: Connection,
+    private readonly components: Components,
+    private readonly toasts: Toasts,
+    private readonly onNews: (level: Log["level"]) => void,
+  ) {
+    this.element.append(this.empty);
+    // what was added while the log was hidden is read from its end
+    new ResizeObserver(() => (this.element.scrollTop = this.element.scrollHeight)).observe(this.element);
+    connection.on("welcome", () => {
+      this.fresh = false;
+      this.element.replaceChildren(this.empty);
     });
+    connection.on("seat", () => (this.fresh = true));
+    connection.on("log", (line) => this.add(line));
   }
+
+  private add({ level, text, component, time }: Log): void {
+    this.empty.remove();
+    const below = this.element.scrollHeight - this.element.scrollTop - this.element.clientHeight < 20;
+    const select = (): void => this.components.selected.set(component);
+    const about = component !== "" && h("button", { type: "button", class: "about", title: `select ${component}`, onclick: select }, component);
+    this.element.append(h("p", { class: level }, h("time", { title: "simulated time, s" }, time.toFixed(2)), about, h("span", {}, text)));
+    while (this.element.childElementCount > MOST) this.element.firstElementChild?.remove();
+    if (below) this.element.scrollTop = this.element.scrollHeight;
+    if (level !== "error" && level !== "warning") return;
+    if (component !== "") this.components.complain(component, level, text);
+    if (!this.fresh) return;
+    this.onNews(level);
+    this.toasts.show(firstLine(text), level === "error" ? "error" : "info");
+  }
+}
+
+function firstLine(text: string): string {
+  const [line = ""] = text.split("\n");
+  return line.length > 300 ? `${line.slice(0, 300)}…` : line;
 }

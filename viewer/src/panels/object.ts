@@ -32,7 +32,11 @@ export class ObjectPanel {
     const node = this.node;
     if (!node) return null;
     this.update();
-    const button = (icon: string, label: string, run: () => void, keys = ""): HTMLElement => iconButton(icon, label, run, keys);
+    const button = (icon: string, label: string, hint: string, run: () => void, keys = ""): HTMLElement => {
+      const made = iconButton(icon, hint, run, keys);
+      made.append(h("span", { class: "caption" }, label));
+      return made;
+    };
     return h(
       "div",
       { class: "object" },
@@ -44,12 +48,12 @@ export class ObjectPanel {
       ),
       h(
         "div",
-        { class: "tools" },
-        button(icons.focus, "Focus", () => this.follow.frameNode(node), "C"),
-        button(icons.eye, "Follow", () => this.follow.start("third", node)),
-        button(icons.move, "Move", () => this.onMove(node), "M"),
-        button(icons.copy, "Copy the pose as builder code", () => void this.copy()),
-        camera && button(icons.camera, "What it sees", () => this.images.toggle(name), "v"),
+        { class: "tools captions" },
+        button(icons.focus, "focus", "Focus", () => this.follow.frameNode(node), "C"),
+        button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
+        button(icons.move, "move", "Move", () => this.onMove(node), "M"),
+        button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
+        camera && button(icons.camera, "picture", "What it sees", () => this.images.toggle(name), "V"),
       ),
     );
   }

@@ -9,6 +9,7 @@ import type { WorldNode } from "../world/node";
 import { Capture } from "./capture";
 import { DebugList } from "./debug";
 import { Help } from "./help";
+import { HistoryPanel } from "./history";
 import { Images } from "./images";
 import { Inspector } from "./inspector";
 import { LinkBanner } from "./link";
@@ -17,6 +18,7 @@ import { MoreButton } from "./more";
 import { ObjectPanel } from "./object";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
+import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
 
@@ -30,6 +32,7 @@ export class Panels {
   readonly object: ObjectPanel;
   readonly mover: Mover;
   readonly viewMenu: ViewMenu;
+  readonly history: HistoryPanel;
   private readonly highlight: Highlight;
 
   constructor(private readonly app: App) {
@@ -38,7 +41,7 @@ export class Panels {
     this.capture = new Capture(stage, toasts);
     this.layers = new Layers(connection, stage, components, watching, app.world);
     this.images = new Images(connection, components, watching);
-    this.plots = new PlotsPanel(components, watching, () => shell.open("bottom"), (text) => toasts.show(text));
+    this.plots = new PlotsPanel(components, watching, app.session, () => shell.open("bottom"), (text) => toasts.show(text));
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
     this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
     this.mover.running = () => app.poses.value?.running ?? false;
@@ -56,11 +59,14 @@ export class Panels {
     );
     shell.left.append(tree.element);
     shell.right.append(inspector.element);
-    shell.bottom.append(this.plots.element, new LogPanel(connection, toasts).element);
+    const log = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level));
+    shell.bottom.append(this.plots.element, log.element);
     shell.corner.append(this.images.element);
     this.fillHeader();
     const said = h("div", { class: "said" }, app.clock.warning, new DebugList(connection).element);
-    shell.view.append(this.layers.names.element, said, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
+    this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
+    const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
+    shell.view.append(this.layers.names.element, said, this.history.element, pad.element, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
@@ -87,6 +93,7 @@ export class Panels {
       { class: "extra", id: "extra" },
       ...this.capture.element.children,
       themeButton,
+      iconButton(icons.power, "End the simulation", () => this.app.clock.quit()),
       iconButton(icons.help, "Keys", () => this.help.toggle(), "H"),
     );
     shell.header.append(
@@ -113,6 +120,7 @@ export class Panels {
     const { shortcuts, clock, follow } = app;
     shortcuts.add("Time", ["p", "P"], "P", "play, pause", () => clock.toggle());
     shortcuts.add("Time", ["."], ".", "one tick", () => clock.step());
+    shortcuts.add("Time", [","], ",", "go back in time", () => this.history.stepBack());
     shortcuts.add("Time", ["F11"], "F11", "reset everything", () => clock.reset());
     shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => this.images.capture());
     shortcuts.add("View", ["F7"], "F7", "stand near the next robot", () => this.nextRobot());

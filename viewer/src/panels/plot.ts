@@ -1,11 +1,13 @@
 import uPlot from "uplot";
 import { h, iconButton } from "../ui/dom";
-import { fileName, save } from "../ui/files";
 import { icons } from "../ui/icons";
+import { colorOf } from "./colors";
+import { savePicture, saveTable } from "./plotfiles";
 import { format, numberAt } from "./values";
 
 const KEEP = 3000;
-const COLORS = ["#d9660c", "#2f7fc2", "#3a9a4a", "#b14cc0", "#c23b4a", "#0f9a9a", "#8a7a1a", "#6a6fd0"];
+/** seconds of simulated time that are shown; 0 for all that is kept */
+const WINDOWS = [5, 15, 60, 0];
 
 export interface Curve {
   component: string;
@@ -26,34 +28,57 @@ export class Plot {
   readonly curves: Curve[] = [];
   readonly awaited: Awaited[] = [];
   onEmpty: () => void = () => {};
+  onWindow: () => void = () => {};
   private readonly times: number[] = [];
   private readonly values: (number | null)[][] = [];
   private readonly canvas = h("div", { class: "canvas" });
   private readonly legend = h("ul", { class: "legend" });
+  private readonly span = h("select", { title: "time shown", "aria-label": "time shown", onchange: () => this.setWindow(Number(this.span.value)) });
   private chart: uPlot | null = null;
   private paused = false;
   private stale = true;
+  private seconds = 15;
 
   constructor() {
     const pause = iconButton(icons.pause, "Hold", () => {
       this.paused = !this.paused;
       pause.setAttribute("aria-pressed", String(this.paused));
     });
+    this.span.append(...WINDOWS.map((seconds) => h("option", { value: String(seconds) }, seconds === 0 ? "all" : `${seconds} s`)));
+    this.span.value = String(this.seconds);
     this.element = h(
       "figure",
       { class: "plot" },
       h(
         "div",
-        { class: "tools" },
+        { class: "head" },
         this.legend,
-        pause,
-        h("button", { type: "button", onclick: () => this.savePicture() }, "PNG"),
-        h("button", { type: "button", onclick: () => this.saveTable() }, "CSV"),
-        iconButton(icons.close, "Close", () => this.onEmpty()),
+        h(
+          "div",
+          { class: "tools" },
+          this.span,
+          pause,
+          h("button", { type: "button", title: "save as picture", onclick: () => this.chart && savePicture(this.chart.ctx.canvas, this.curves) }, "PNG"),
+          h("button", { type: "button", title: "save as table", onclick: () => saveTable(this.csv()) }, "CSV"),
+          iconButton(icons.close, "Close", () => this.onEmpty()),
+        ),
       ),
       this.canvas,
     );
-    new ResizeObserver(() => this.resize()).observe(this.canvas);
+    new ResizeObserver(() => this.chart?.setSize(this.size())).observe(this.canvas);
+  }
+
+  /** Seconds of simulated time that are shown; 0 for all. */
+  get window(): number {
+    return this.seconds;
+  }
+
+  setWindow(seconds: number): void {
+    this.seconds = seconds;
+    this.span.value = String(seconds);
+    this.stale = true;
+    this.draw();
+    this.onWindow();
   }
 
   add(curve: Curve): void {
@@ -78,8 +103,7 @@ export class Plot {
   /** New data of a component. */
   take(component: string, time: number, data: unknown): void {
     if (this.paused || !this.curves.some((curve) => curve.component === component)) return;
-    const last = this.times.at(-1);
-    if (last !== undefined && time < last) this.clear(); // the simulation began anew
+    this.forget(time);
     if (time !== this.times.at(-1)) {
       this.times.push(time);
       for (const column of this.values) column.push(null);
@@ -115,8 +139,11 @@ export class Plot {
     this.element.remove();
   }
 
-  private clear(): void {
-    for (const column of [this.times, ...this.values]) column.length = 0;
+  /** The simulation went back in time, or began anew: what was to come is not. */
+  private forget(time: number): void {
+    let length = this.times.length;
+    while (length > 0 && (this.times[length - 1] as number) > time) length -= 1;
+    for (const column of [this.times, ...this.values]) column.length = length;
   }
 
   private build(): void {
@@ -125,22 +152,19 @@ export class Plot {
     const ink = style.getPropertyValue("--quiet");
     const grid = { stroke: style.getPropertyValue("--line"), width: 1 };
     const axis = { stroke: ink, grid, ticks: grid, font: "12px system-ui", size: 50 };
+    const range = (_chart: uPlot, low: number, high: number): [number, number] =>
+      this.seconds === 0 || high === null ? [low, high] : [high - this.seconds, high];
     this.chart = new uPlot(
       {
         ...this.size(),
         legend: { show: false },
         cursor: { y: false },
         hooks: { setCursor: [(chart) => this.label(chart.cursor.idx ?? this.times.length - 1)] },
-        scales: { x: { time: false } },
-        axes: [{ ...axis, size: 30 }, axis],
+        scales: { x: { time: false, range } },
+        axes: [{ ...axis, size: 30, values: (_chart, splits) => splits.map((split) => `${Number(split.toFixed(3))} s`) }, axis],
         series: [
           {},
-          ...this.curves.map((_curve, i) => ({
-            stroke: COLORS[i % COLORS.length] as string,
-            width: 1.6,
-            spanGaps: true,
-            points: { show: false },
-          })),
+          ...this.curves.map((_curve, i) => ({ stroke: colorOf(i), width: 1.6, spanGaps: true, points: { show: false } })),
         ],
       },
       [this.times, ...this.values] as uPlot.AlignedData,
@@ -149,12 +173,13 @@ export class Plot {
     this.label(-1);
   }
 
-  /** The curves by name, with their values at an index. */
+  /** The curves by component and field, with their values at an index. */
   private label(index: number): void {
     const items = this.curves.map(({ component, path, unit }, i) => {
       const value = this.values[i]?.[index];
       const text = value == null ? "" : ` ${format(value)} ${unit}`;
-      return h("li", { title: `${component}.${path}`, style: `--ink: ${COLORS[i % COLORS.length] as string}` }, path, h("b", {}, text));
+      const whose = h("span", { class: "quiet" }, `${component}.`);
+      return h("li", { title: `${component}.${path}`, style: `--ink: ${colorOf(i)}` }, h("span", {}, whose, path), h("b", {}, text));
     });
     const awaited = this.awaited.map(({ component, field }) => h("li", { class: "quiet" }, `${component}.${field} has no value yet…`));
     this.legend.replaceChildren(...items, ...awaited);
@@ -162,33 +187,5 @@ export class Plot {
 
   private size(): { width: number; height: number } {
     return { width: Math.max(this.canvas.clientWidth, 160), height: Math.max(this.canvas.clientHeight, 80) };
-  }
-
-  private resize(): void {
-    this.chart?.setSize(this.size());
-  }
-
-  private savePicture(): void {
-    if (!this.chart) return;
-    const drawn = this.chart.ctx.canvas;
-    const picture = h("canvas", { width: drawn.width, height: drawn.height + 40 });
-    const context = picture.getContext("2d");
-    if (!context) return;
-    context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--panel");
-    context.fillRect(0, 0, picture.width, picture.height);
-    context.drawImage(drawn, 0, 0);
-    context.font = "20px system-ui, sans-serif";
-    let x = 20;
-    this.curves.forEach(({ component, path }, i) => {
-      const label = `${component}.${path}`;
-      context.fillStyle = COLORS[i % COLORS.length] as string;
-      context.fillText(label, x, drawn.height + 26);
-      x += context.measureText(label).width + 24;
-    });
-    picture.toBlob((blob) => blob && save(blob, fileName("plot", "png")));
-  }
-
-  private saveTable(): void {
-    save(this.csv(), fileName("plot", "csv"));
   }
 }

@@ -1,12 +1,19 @@
 import "uplot/dist/uPlot.min.css";
 import type { Components } from "../model/components";
+import type { Session } from "../model/session";
 import type { Watching } from "../model/watching";
 import { h } from "../ui/dom";
 import { theme } from "../ui/theme";
 import { FIELD } from "./inspector";
-import type { Curve } from "./plot";
+import type { Awaited, Curve } from "./plot";
 import { Plot } from "./plot";
 import { format, numbersIn } from "./values";
+
+interface KeptPlot {
+  curves: Curve[];
+  awaited: Awaited[];
+  window: number;
+}
 
 /** The plots, side by side; a field that is dropped makes a new one or joins one. */
 export class PlotsPanel {
@@ -17,6 +24,7 @@ export class PlotsPanel {
   constructor(
     private readonly components: Components,
     private readonly watching: Watching,
+    private readonly session: Session,
     private readonly onFirst: () => void,
     private readonly tell: (text: string) => void,
   ) {
@@ -34,6 +42,25 @@ export class PlotsPanel {
     setInterval(() => {
       for (const plot of this.plots) plot.draw();
     }, 100);
+    session.world.watch(() => this.recall());
+  }
+
+  /** The plots that this tab had before it was loaded again. */
+  private recall(): void {
+    for (const { curves, awaited, window } of this.session.recall<KeptPlot[]>("plots") ?? []) {
+      if (this.plots.some((plot) => JSON.stringify(plot.curves) === JSON.stringify(curves))) continue;
+      const plot = this.create();
+      for (const curve of curves) plot.add(curve);
+      for (const field of awaited) plot.await(field);
+      plot.setWindow(window);
+      this.ask();
+      this.onFirst();
+    }
+  }
+
+  private keep(): void {
+    const kept: KeptPlot[] = this.plots.map(({ curves, awaited, window }) => ({ curves, awaited, window }));
+    this.session.keep("plots", kept);
   }
 
   /** Plot all numbers of a field, in a plot of its own or in one that is there. */
@@ -58,6 +85,7 @@ export class PlotsPanel {
       plot.arrived(awaited);
       for (const curve of curves) plot.add(curve);
       if (curves.length === 0) this.refuse(component, awaited.field);
+      this.keep();
     }
     if (plot.curves.length + plot.awaited.length === 0) plot.onEmpty();
   }
@@ -74,6 +102,7 @@ export class PlotsPanel {
       this.plots.splice(this.plots.indexOf(plot), 1);
       this.ask();
     };
+    plot.onWindow = () => this.keep();
     this.accept(plot.element, plot);
     this.plots.push(plot);
     this.element.insertBefore(plot.element, this.hint);
@@ -106,6 +135,7 @@ export class PlotsPanel {
 
   private ask(): void {
     this.hint.hidden = this.plots.length > 0;
+    this.keep();
     this.watching.set("values", "plots", [...new Set(this.plots.flatMap(({ curves, awaited }) => [...curves, ...awaited].map(({ component }) => component)))]);
   }
 }

@@ -36,7 +36,7 @@ export class TreePanel {
     components.all.watch(() => this.rebuild());
     world.watch(() => this.rebuild());
     components.selected.watch((name) => this.mark(name));
-    components.onChange((component) => this.item(component.name)?.classList.toggle("asleep", !component.active));
+    components.onChange(({ name }) => this.dress(name));
   }
 
   private rebuild(): void {
@@ -86,10 +86,23 @@ export class TreePanel {
     icon.innerHTML = row.icon;
     const item = h("div", { role: "treeitem", "aria-level": row.level, "data-name": row.name, title: row.name }, fold, icon, row.label);
     if (open !== null) item.setAttribute("aria-expanded", String(open));
-    item.classList.toggle("asleep", this.components.find(row.name)?.active === false);
+    this.dress(row.name, item);
     item.addEventListener("click", () => (row.name === OBJECTS ? this.toggle(OBJECTS) : this.components.selected.set(row.name)));
     item.addEventListener("dblclick", () => this.onOpen(row.name));
     return item;
+  }
+
+  /** Whether a component acts, and whether something went wrong with it. */
+  private dress(name: string, item = this.item(name)): void {
+    if (!item) return;
+    item.classList.toggle("asleep", this.components.find(name)?.active === false);
+    const complaint = this.components.complaints.get(name);
+    item.querySelector(".mark")?.remove();
+    item.title = complaint ? `${name}\n${complaint.text}` : name;
+    if (!complaint) return;
+    const mark = h("span", { class: `mark ${complaint.level}`, role: "img", "aria-label": complaint.level });
+    mark.innerHTML = icons.warn;
+    item.append(mark);
   }
 
   private toggle(name: string): void {

@@ -55,8 +55,14 @@ export class Shell {
     if (this[place].hidden) this.toggle(place);
   }
 
+  /** There is news at a place that is closed. */
+  flag(place: Place, level: string): void {
+    if (this[place].hidden) this.toggles[place].dataset["news"] = level;
+  }
+
   private set(place: Place, open: boolean): void {
     this[place].hidden = !open;
+    if (open) delete this.toggles[place].dataset["news"];
     this.toggles[place].setAttribute("aria-pressed", String(open));
     // one drawer at a time where they lie over the view
     if (open && this.narrow) for (const other of ["left", "right", "bottom"] as const) if (other !== place && !this[other].hidden) this.set(other, false);

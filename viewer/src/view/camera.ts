@@ -89,6 +89,12 @@ export class ViewCamera {
     this.setAspect(this.camera.aspect);
   }
 
+  /** Nearest and farthest distance that is drawn, m. */
+  setClip(near: number, far: number): void {
+    Object.assign(this.camera, { near, far });
+    this.camera.updateProjectionMatrix();
+  }
+
   setAspect(aspect: number): void {
     const half = SENSOR / 2 / this.focal;
     this.camera.aspect = aspect;

@@ -3,6 +3,7 @@ import { Signal } from "../ui/signal";
 import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
 import type { CameraPose } from "./camera";
+import { outlook } from "./outlook";
 import type { Stage } from "./stage";
 
 export type FollowMode = "free" | "third" | "first" | "top" | "camera";
@@ -68,8 +69,24 @@ export class Follow {
     this.lastRobot = (this.lastRobot + 1) % robots.length;
     const robot = robots[this.lastRobot] as WorldNode;
     this.release();
-    this.frameNode(robot, "corner");
+    this.standNear(robot);
     return robot;
+  }
+
+  /** Look at a node from a place from which nothing hides it. */
+  private standNear(node: WorldNode): void {
+    const { view, world, target } = this.stage;
+    if (!world) return;
+    const { center, radius } = world.boundsOf(node);
+    view.position.copy(outlook(world, node, center, headingOf(node), this.distanceTo(radius)));
+    view.lookAt(center);
+    target.copy(center);
+    this.stage.invalidate();
+  }
+
+  /** From where something of that radius fills the picture, m. */
+  private distanceTo(radius: number): number {
+    return (Math.max(radius, 0.3) * 2.4) / Math.sin((Math.min(this.stage.view.camera.fov, 60) * Math.PI) / 360) / 1.6;
   }
 
   /** Look through the next camera of the world; after the last one, from the user's own place again. */
@@ -90,10 +107,9 @@ export class Follow {
     const { view, world, target } = this.stage;
     if (!world) return;
     const bounds = world.boundsOf(node);
-    const distance = Math.max(bounds.radius, 0.3) * 2.4 / Math.sin((Math.min(view.camera.fov, 60) * Math.PI) / 360) / 1.6;
     const way = preset ? PRESETS[preset].clone() : view.position.clone().sub(bounds.center);
     if (preset && preset !== "top") way.applyAxisAngle(new Vector3(0, 0, 1), headingOf(node));
-    view.position.copy(bounds.center).addScaledVector(way.normalize(), distance);
+    view.position.copy(bounds.center).addScaledVector(way.normalize(), this.distanceTo(bounds.radius));
     view.lookAt(bounds.center);
     target.copy(bounds.center);
     this.stage.invalidate();

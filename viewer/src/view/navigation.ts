@@ -1,4 +1,5 @@
 import { Vector3 } from "three";
+import { FLY } from "../input/camerakeys";
 import type { Keyboard } from "../input/keyboard";
 import { pointUnder } from "./pick";
 import type { Stage } from "./stage";
@@ -6,15 +7,6 @@ import type { Stage } from "./stage";
 const AIM = 0.0035; // radians a pixel
 const CLICK = 4; // pixels: a drag is longer
 const FAST = 4;
-
-const KEYS = {
-  ahead: ["KeyW", "KeyZ"],
-  back: ["KeyS"],
-  left: ["KeyA", "KeyQ"],
-  right: ["KeyD"],
-  up: ["KeyR"],
-  down: ["KeyF"],
-};
 
 /** Moves the camera: flies by keys, aims by Ctrl and mouse, orbits, pans and zooms by mouse or fingers. */
 export class Navigation {
@@ -138,9 +130,9 @@ export class Navigation {
     const on = (codes: string[]): number => (codes.some((code) => this.keyboard.held.has(code)) ? 1 : 0);
     const { view } = this.stage;
     const wanted = new Vector3()
-      .addScaledVector(view.ahead, on(KEYS.ahead) - on(KEYS.back))
-      .addScaledVector(view.right, on(KEYS.right) - on(KEYS.left));
-    wanted.z += on(KEYS.up) - on(KEYS.down);
+      .addScaledVector(view.ahead, on(FLY.ahead) - on(FLY.back))
+      .addScaledVector(view.right, on(FLY.right) - on(FLY.left));
+    wanted.z += on(FLY.up) - on(FLY.down);
     const fast = this.keyboard.held.has("ShiftLeft") || this.keyboard.held.has("ShiftRight") ? FAST : 1;
     if (wanted.lengthSq() > 0) wanted.normalize().multiplyScalar(this.speed * fast);
     // gather and lose speed within a tenth of a second

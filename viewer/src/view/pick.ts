@@ -1,5 +1,5 @@
 import type { Intersection } from "three";
-import { InstancedMesh, Plane, Raycaster, Vector2, Vector3 } from "three";
+import { InstancedMesh, Matrix3, Matrix4, Plane, Raycaster, Vector2, Vector3 } from "three";
 import { nodeOf } from "../world/batches";
 import type { WorldNode } from "../world/node";
 import type { Stage } from "./stage";
@@ -7,6 +7,8 @@ import type { Stage } from "./stage";
 export interface Hit {
   node: WorldNode;
   point: Vector3;
+  /** of the face that was hit, in the world */
+  normal: Vector3;
 }
 
 const ray = new Raycaster();
@@ -27,7 +29,14 @@ export function pick(stage: Stage, x: number, y: number): Hit | null {
   const shown = (hit: Intersection): boolean => nodeOf(hit.object, hit.instanceId)?.visible === true;
   const hit = ray.intersectObject(stage.world.root, true).find(shown);
   const node = hit && nodeOf(hit.object, hit.instanceId);
-  return hit && node ? { node, point: hit.point } : null;
+  return hit && node ? { node, point: hit.point, normal: normalOf(hit) } : null;
+}
+
+function normalOf({ object, face, instanceId }: Intersection): Vector3 {
+  const turn = object.matrixWorld.clone();
+  if (object instanceof InstancedMesh && instanceId !== undefined) turn.multiply(object.getMatrixAt(instanceId, new Matrix4()) ?? new Matrix4());
+  const normal = (face?.normal.clone() ?? new Vector3()).applyNormalMatrix(new Matrix3().getNormalMatrix(turn));
+  return normal.dot(ray.ray.direction) > 0 ? normal.negate() : normal;
 }
 
 /** The point of a plane under a point of the page. */

@@ -14,19 +14,33 @@ const LEVELS: Level[] = [
 ];
 const SLOW = 40; // ms a frame
 const FRAMES = 12;
+/** ms without a change after which the picture is refined */
+const STILL = 300;
+/** ms that a refined picture may take to draw */
+const PATIENCE = 1200;
+/** most pixels of the card for one of the page in a refined picture */
+const FINEST = 2;
 
-/** Draws as well as the machine can without getting slow. */
+/** Draws as well as the machine can without getting slow, and better when nothing moves. */
 export class Quality {
   private level: number;
   private readonly fixed: boolean;
+  private readonly mayRefine: boolean;
   private previous = 0;
+  /** ms of a frame, about */
+  private took: number;
+  private refined = false;
   private times: number[] = [];
+  private readonly software: boolean;
 
   constructor(
     { asked, software }: Means,
     private readonly apply: (level: Level) => void,
   ) {
+    this.software = software;
+    this.took = software ? 150 : 16;
     this.fixed = asked !== null;
+    this.mayRefine = asked !== "low";
     this.level = asked === "high" ? 0 : asked === "low" || software ? LEVELS.length - 1 : 1;
     this.use();
   }
@@ -35,7 +49,9 @@ export class Quality {
   measure(began: number): void {
     const took = began - this.previous;
     this.previous = began;
-    if (this.fixed || took > 1000) return;
+    if (took > 1000) return;
+    this.took = took;
+    if (this.fixed) return;
     this.times.push(took);
     if (this.times.length < FRAMES) return;
     const median = this.times.sort((a, b) => a - b)[FRAMES >> 1] as number;
@@ -46,8 +62,30 @@ export class Quality {
     }
   }
 
+  /** Something moves: pixels as the machine can draw them quickly. */
+  coarse(): void {
+    if (!this.refined) return;
+    this.refined = false;
+    this.use();
+  }
+
+  /** Nothing has moved for a while: switch to more pixels, if that is due; whether it was. */
+  fine(): boolean {
+    if (!this.mayRefine || this.refined || performance.now() - this.previous < STILL) return false;
+    this.refined = true;
+    const level = LEVELS[this.level] as Level;
+    const usual = Math.min(devicePixelRatio, level.pixels);
+    // drawing takes longer by as much as there are more pixels
+    const affordable = usual * Math.sqrt((this.software ? PATIENCE / 4 : PATIENCE) / Math.max(this.took, 1));
+    const pixels = Math.min((this.software ? 1 : FINEST) * devicePixelRatio, affordable, 4);
+    if (pixels < 1.2 * usual) return false;
+    this.apply({ pixels, shadows: level.shadows });
+    return true;
+  }
+
   private use(): void {
-    this.apply(LEVELS[this.level] as Level);
+    const { pixels, shadows } = LEVELS[this.level] as Level;
+    this.apply({ pixels: Math.min(devicePixelRatio, pixels), shadows });
   }
 }
 

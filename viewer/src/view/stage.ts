@@ -46,9 +46,8 @@ export class Stage {
     this.lights = new Lights(this.scene);
     this.sky = new Sky(this.scene);
     this.quality = new Quality(means, (level) => {
-      this.renderer.setPixelRatio(Math.min(devicePixelRatio, level.pixels));
+      this.renderer.setPixelRatio(level.pixels);
       this.lights.setShadowSize(level.shadows);
-      this.invalidate();
     });
     this.renderer.domElement.addEventListener("webglcontextrestored", this.invalidate);
     new ResizeObserver(() => this.resize()).observe(element);
@@ -93,7 +92,9 @@ export class Stage {
       const seconds = Math.min((now - last) / 1000, 0.25);
       last = now;
       for (const step of this.steps) if (step(seconds)) this.stale = true;
-      if (this.stale && (this.world || this.empty)) this.draw();
+      if (!this.world && !this.empty) return;
+      if (this.stale) this.draw();
+      else this.refine();
     };
     requestAnimationFrame(frame);
   }
@@ -101,15 +102,25 @@ export class Stage {
   /** Draw now. */
   draw(): void {
     this.stale = false;
+    this.quality.coarse();
     const began = performance.now();
+    this.render();
+    this.frames += 1;
+    this.quality.measure(began);
+    for (const done of this.drawn) done();
+  }
+
+  /** Nothing moves: draw the same again with more pixels, once. */
+  private refine(): void {
+    if (this.quality.fine()) this.render();
+  }
+
+  private render(): void {
     this.view.update();
     for (const prepare of this.before) prepare();
     this.lights.follow(this.target, this.view.position.distanceTo(this.target));
     this.world?.sort(lookOf(this.view.camera, this.element.clientHeight * this.renderer.getPixelRatio()));
     this.renderer.render(this.scene, this.view.camera);
-    this.frames += 1;
-    this.quality.measure(began);
-    for (const done of this.drawn) done();
   }
 
   private paint(now: Theme): void {

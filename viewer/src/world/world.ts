@@ -81,6 +81,8 @@ export class World {
       this.drawAlone(node);
     }
     if (node.drawn) node.drawn.visible = visible;
+    // what is in a hidden frame gives no light
+    if (node.description.light) node.frame.visible = visible;
   }
 
   /** A sphere around all that is drawn. */

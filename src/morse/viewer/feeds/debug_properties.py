@@ -1,0 +1,76 @@
+"""Shows pages the properties that ``env.show_debug_properties()`` asks for, and what profiled sensors cost."""
+
+from __future__ import annotations
+
+import reprlib
+import time
+from typing import TYPE_CHECKING
+
+from morse.viewer.view_messages import DebugProperties, DebugProperty
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.physics.gameobject import GameObject
+    from morse.simulation.profile import Profile
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.server import ViewServer
+
+#: lines that are shown; of more, how many there are
+_MOST = 100
+#: maximum number of characters of a string that are shown
+_LENGTH = 200
+#: wall-clock seconds between two looks at properties, and between two at costs
+_LOOKS, _COSTS = 0.2, 1.0
+
+
+class ViewDebug:
+    """Sends the properties that are marked for it, and those that were given a value while the simulation runs."""
+
+    def __init__(self, simulation: Simulation, server: ViewServer) -> None:
+        self._world = simulation.world
+        self._profile: Profile | None = simulation.sensor_profile
+        self._server = server
+        self._wanted = simulation.scene.settings.view.show_debug_properties
+        self._profiled = [d.name for d in simulation.scene.components if d.profile]
+        self._spent: dict[str, float] = {}
+        self._shares: list[DebugProperty] = []
+        self._looked = self._measured = 0.0
+        self._sent: DebugProperties | None = None
+
+    def update(self) -> None:
+        """Send the list if it has changed since the last call."""
+        now = time.monotonic()
+        if not (self._wanted or self._profiled) or now - self._looked < _LOOKS:
+            return
+        self._looked = now
+        if now - self._measured >= _COSTS:
+            self._shares = list(self._costs(now - self._measured)) if self._measured else []
+            self._measured = now
+        lines = [*self._shares]
+        if self._wanted:
+            lines += [line for obj in self._world.objects_by_name.values() for line in _shown(obj)]
+        message = DebugProperties(lines[:_MOST], max(0, len(lines) - _MOST))
+        if message != self._sent:
+            self._sent = message
+            self._server.send(message)
+
+    def _costs(self, seconds: float) -> Iterator[DebugProperty]:
+        """The share of one processor's time that each profiled sensor took of those seconds."""
+        if self._profile is None:
+            return
+        for name in self._profiled:
+            cost = self._profile.components.get(name)
+            total = 0.0 if cost is None else cost.total
+            share = (total - self._spent.get(name, 0.0)) / seconds
+            self._spent[name] = total
+            yield DebugProperty(name, "profile", f"{100.0 * share:.1f} %")
+
+
+def _shown(obj: GameObject) -> Iterator[DebugProperty]:
+    own = obj.node.properties
+    for name, value in obj.properties.items():
+        if name in obj.node.debug or name not in own or own[name] is not value:
+            # of what users keep there: short, however large it is, and even if it cannot be written
+            text = value if isinstance(value, str) else reprlib.repr(value)
+            yield DebugProperty(obj.name, str(name), text[:_LENGTH])

@@ -1,0 +1,101 @@
+"""Shows pages the lines of the log, and which component each line is about."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Literal
+
+from morse.viewer.view_messages import Log
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.viewer.server import ViewServer
+
+#: lines kept for pages that come later
+KEPT = 300
+#: characters of a line that are shown
+_LENGTH = 4000
+
+_Level = Literal["debug", "info", "warning", "error"]
+
+
+class LogFeed(logging.Handler):
+    """Hands the log of the simulator to the pages.
+
+    Lines come from any thread; they are sent by `update`, in the thread of the simulation. Lines that another
+    simulation of this process logs from its own thread are left out.
+    """
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        super().__init__(logging.INFO)
+        self._context = context
+        self._server = server
+        self._lines: deque[logging.LogRecord] = deque(maxlen=KEPT)
+        self._number = 0
+        self._thread = threading.get_ident()
+        self._log = logging.getLogger("morse")
+        self._log.addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a line until the end of the tick."""
+        if record.thread == self._thread or record.threadName == _NETWORK:
+            self._lines.append(record)
+
+    def update(self) -> None:
+        """Send what was logged since the last call."""
+        self._thread = threading.get_ident()
+        while self._lines:
+            record = self._lines.popleft()
+            try:
+                text = record.getMessage()
+            except Exception:  # arguments may be anything
+                text = str(record.msg)
+            line = self._number % KEPT
+            self._number += 1
+            self._server.send(
+                Log(_level(record.levelno), printable(text[:_LENGTH]), self._component(record), self._time(), line)
+            )
+
+    def _time(self) -> float:
+        return self._context.clock.time
+
+    def _component(self, record: logging.LogRecord) -> str:
+        """The component that a line names, or an empty text."""
+        arguments = record.args if isinstance(record.args, tuple) else ()
+        for argument in arguments:
+            # a message such as "robot.motion: a message is refused" names it, too
+            name = argument.partition(":")[0] if isinstance(argument, str) else ""
+            if name in self._context.components or name in self._context.robots:
+                return name
+        return ""
+
+    def close(self) -> None:
+        """Listen no longer."""
+        self._log.removeHandler(self)
+        super().close()
+
+
+#: name of the thread that serves connections, see `morse.core.network`
+_NETWORK = "morse-network"
+
+#: characters that change the direction of what follows
+_TURNING = frozenset(chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A), 0x200E, 0x200F, 0x061C))
+
+
+def printable(text: str) -> str:
+    """The text with control characters, other than line ends and tabs, written as escapes."""
+    return "".join(c if _is_plain(c) else c.encode("unicode_escape").decode() for c in text)
+
+
+def _is_plain(character: str) -> bool:
+    return (character.isprintable() or character in "\n\t") and character not in _TURNING
+
+
+def _level(number: int) -> _Level:
+    if number >= logging.ERROR:
+        return "error"
+    if number >= logging.WARNING:
+        return "warning"
+    return "info" if number >= logging.INFO else "debug"

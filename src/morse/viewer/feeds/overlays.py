@@ -1,0 +1,45 @@
+"""Shows pages what cannot be seen: contacts, centres of mass, the space that sensors watch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.core.sensor import Sensor
+from morse.viewer.view_messages import Cone, Contacts, MassCentre
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.watched_space import WatchedSpace
+    from morse.viewer.server import ViewServer
+
+#: what a page asks for to see where bodies touch
+CONTACTS = "contacts"
+
+
+class ViewOverlays:
+    """Sends overlays to the pages that asked for them."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+        self._had_contacts = False
+        self._spaces: dict[str, WatchedSpace] = {}
+
+    def announce(self) -> None:
+        """Tell the pages what does not change: the centres of mass."""
+        for name, mass, centre in self._context.world.mass_centres():
+            self._server.send(MassCentre(name, mass, centre))
+
+    def update(self) -> None:
+        """Send what has changed since the last call."""
+        wished = self._server.wishes.overlays
+        if CONTACTS in wished or self._had_contacts:
+            self._had_contacts = CONTACTS in wished
+            points = self._context.world.contact_forces() if self._had_contacts else b""
+            self._server.send(Contacts(points))
+        for name in sorted(wished):
+            component = self._context.components.get(name)
+            space = component.watched_space() if isinstance(component, Sensor) else None
+            if space is not None and self._spaces.get(name) != space:
+                self._spaces[name] = space
+                self._server.send(Cone(name, space.reach, space.angle, list(space.seen)))

@@ -1,0 +1,70 @@
+"""Shows pages what cameras see."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any, TypeGuard
+
+import numpy as np
+
+from morse.viewer.view_messages import Picture
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.core.context import Context
+    from morse.viewer.server import ViewServer
+
+_QUALITY = 85
+
+
+class PicturesFeed:
+    """Sends the pictures of the cameras whose panels are open."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+        self._sent: dict[str, Any] = {}
+
+    def update(self) -> None:
+        """Send the pictures that were taken since the last call."""
+        wished = self._server.wishes.images
+        for name in self._sent.keys() - wished:
+            del self._sent[name]
+        for name in sorted(wished):
+            component = self._context.components.get(name)
+            image = None if component is None else component.local_data.get("image")
+            if component is None or image is self._sent.get(name) or not _is_picture(image):
+                continue
+            self._sent[name] = image
+            pixels = as_pixels(image if getattr(component, "vertical_flip", True) else image[::-1])
+            height, width = pixels.shape[:2]
+            time = float(component.local_data.get("timestamp", 0.0))
+            self._server.send(Picture(as_jpeg(pixels), name, width, height, "image/jpeg", time))
+
+
+def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
+    return isinstance(image, np.ndarray) and image.ndim in (2, 3) and image.size > 0
+
+
+def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
+    """Pixels (H, W) or (H, W, 3) to look at: colours as they are, distances from white, which is near, to black."""
+    if image.dtype == np.uint8:
+        return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
+    values = np.asarray(image, dtype=np.float64)
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return np.zeros(image.shape, np.uint8)
+    low, high = float(known.min()), float(known.max())
+    share = (values - low) / max(high - low, 1e-9)
+    return (255 * (1.0 - np.clip(np.nan_to_num(share, nan=1.0, posinf=1.0, neginf=0.0), 0.0, 1.0))).astype(np.uint8)
+
+
+def as_jpeg(pixels: NDArray[np.uint8]) -> bytes:
+    """The bytes of a file."""
+    # imported when the first picture is shown
+    from PIL import Image
+
+    data = io.BytesIO()
+    Image.fromarray(pixels).save(data, "JPEG", quality=_QUALITY)
+    return data.getvalue()

@@ -1,0 +1,53 @@
+"""Shows pages what sensors see along their rays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.physics.rays import RayBundle
+from morse.viewer.view_messages import Rays
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.viewer.server import ViewServer
+
+#: of more rays, every second, third, ... is shown: 28 bytes each, ten times a second
+_MOST_SHOWN = 4000
+
+
+class ViewRays:
+    """Sends the rays of the sensors that pages look at, and of those whose arc is to be visible."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+        self._sent: dict[str, int] = {}
+        self._components: list[Object] = []
+        self.restarted()
+
+    def restarted(self) -> None:
+        """The components are new ones."""
+        self._components = [c for c in self._context.components.values() if _bundles(c)]
+
+    def update(self) -> None:
+        """Send what has been cast since the last call."""
+        wished = self._server.wishes.overlays
+        for component in self._components:
+            name = component.name()
+            if name not in wished and not getattr(component, "visible_arc", False):
+                self._sent.pop(name, None)
+                continue
+            bundles = [bundle for bundle in _bundles(component) if bundle.stamp >= 0]
+            stamp = max((bundle.stamp for bundle in bundles), default=None)
+            if stamp is not None and self._sent.get(name) != stamp:
+                self._sent[name] = stamp
+                segments = np.concatenate([bundle.segments() for bundle in bundles])
+                step = -(-len(segments) // _MOST_SHOWN)
+                self._server.send(Rays(segments[:: max(step, 1)].tobytes(), name))
+
+
+def _bundles(component: Object) -> list[RayBundle]:
+    return [request for request in component.requests if isinstance(request, RayBundle)]

@@ -1,0 +1,68 @@
+"""Sends pages which components are active, and the properties of the components after every change."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import properties
+from morse.viewer.view_messages import Activity, Capturing, PropertyValue
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.core.sensor import Sensor
+    from morse.viewer.server import ViewServer
+
+
+class StatesFeed:
+    """Compares what components are with what the pages were told."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+        self._active: dict[str, bool] = {}
+        self._values: dict[str, dict[str, Any]] = {}
+        self._capturing: bool | None = None
+
+    def restarted(self) -> None:
+        """Forget the states, because the components are described again."""
+        self._active.clear()
+        self._values.clear()
+
+    def update(self) -> None:
+        """Send what has changed since the last call."""
+        everything = {**self._context.robots, **self._context.components}
+        for name, component in everything.items():
+            active = component.active
+            # a component is active unless a service has deactivated it
+            if self._active.get(name, True) is not active:
+                self._active[name] = active
+                self._server.send(Activity(name, active))
+        for name in self._server.wishes.values:
+            if name in everything:
+                self._tell_properties(name, everything[name])
+        self.tell_capturing()
+
+    def _tell_properties(self, name: str, component: Object) -> None:
+        told = self._values.setdefault(name, {})
+        for python_name, prop in properties(type(component)).items():
+            value = getattr(component, python_name)
+            if prop.name not in told or told[prop.name] != value:
+                told[prop.name] = value
+                self._server.send(PropertyValue(name, prop.name, value))
+
+    def tell_capturing(self) -> None:
+        """Say whether cameras take pictures."""
+        cameras = cameras_of(self._context)
+        capturing = any(camera.capturing for camera in cameras) if cameras else None
+        if capturing is not None and capturing is not self._capturing:
+            self._server.send(Capturing(capturing))
+        self._capturing = capturing
+
+
+def cameras_of(context: Context) -> list[Sensor]:
+    """The components that take pictures, or pause to."""
+    from morse.core.sensor import Sensor
+
+    sensors = (component for component in context.components.values() if isinstance(component, Sensor))
+    return [sensor for sensor in sensors if sensor.capturing is not None]

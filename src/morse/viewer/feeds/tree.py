@@ -1,0 +1,120 @@
+"""Describes the components of a simulation for the live view, from their own declarations."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.declarations import data_fields, properties
+from morse.core.services import signature_of
+from morse.viewer.view_messages import (
+    ArgumentDescription,
+    ComponentDescription,
+    FieldDescription,
+    PropertyDescription,
+    ServiceDescription,
+)
+
+if TYPE_CHECKING:
+    from morse.core.abstractobject import AbstractObject
+    from morse.core.context import Context
+    from morse.core.object import Object
+
+
+def component_tree(context: Context) -> list[ComponentDescription]:
+    """Robots, each followed by its components; then the pseudo components with services only."""
+    kinds = {d.name: d.kind for d in context.scene.components}
+    tree = []
+    for name, robot in context.robots.items():
+        tree.append(_component(robot, "robot", name))
+        for component_name, component in context.components.items():
+            if component.robot_parent is robot:
+                tree.append(_component(component, kinds[component_name], name))
+    return tree + _pseudo_components(context)
+
+
+def keyboard_robots(context: Context) -> list[str]:
+    """The robots that obey keys or a gamepad."""
+    components = context.components.values()
+    names = [c.robot_parent.name() for c in components if isinstance(c, Actuator) and c.obeys_controls]
+    return list(dict.fromkeys(names))
+
+
+def _pseudo_components(context: Context) -> list[ComponentDescription]:
+    """What offers services only; several objects may stand behind one name."""
+    parts: dict[str, list[AbstractObject]] = {}
+    for obj in context.service_objects:
+        parts.setdefault(obj.name(), []).append(obj)
+    return [
+        ComponentDescription(
+            name,
+            "service",
+            "",
+            name.capitalize(),
+            _first_line(objects[0]),
+            services=[described for obj in objects for described in _services(obj)],
+        )
+        for name, objects in parts.items()
+    ]
+
+
+def _component(component: Object, kind: str, robot: str) -> ComponentDescription:
+    cls = type(component)
+    return ComponentDescription(
+        name=component.name(),
+        kind=kind,
+        robot=robot,
+        title=getattr(cls, "_name", cls.__name__),
+        doc=getattr(cls, "_short_desc", "") or _first_line(component),
+        frequency=component.frequency,
+        level=component.level or "",
+        active=component.active,
+        data=[
+            FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field))
+            for name, field in data_fields(cls).items()
+            if name in component.local_data
+        ],
+        properties=[
+            PropertyDescription(
+                p.name,
+                p.type,
+                p.doc,
+                getattr(component, python_name),
+                list(getattr(p, "choices", None) or ()) or None,
+                getattr(p, "unit", ""),
+                *_bounds(p),
+            )
+            for python_name, p in properties(cls).items()
+        ],
+        services=_services(component),
+    )
+
+
+def _bounds(declared: Any) -> tuple[float | None, float | None]:
+    """The least and the greatest number that a field or property may be, if they are declared."""
+    low, high = getattr(declared, "low", None), getattr(declared, "high", None)
+    plain = (int, float)
+    return low if isinstance(low, plain) else None, high if isinstance(high, plain) else None
+
+
+def _services(obj: AbstractObject) -> list[ServiceDescription]:
+    descriptions = []
+    for declaration in obj.services():
+        method = getattr(obj, declaration.attribute)
+        arguments = [
+            ArgumentDescription(
+                p.name,
+                "" if p.annotation is p.empty else str(p.annotation),
+                None if p.default is p.empty else repr(p.default),
+            )
+            for p in signature_of(method).parameters.values()
+        ]
+        descriptions.append(
+            ServiceDescription(declaration.name, inspect.getdoc(method) or "", arguments, declaration.asynchronous)
+        )
+    return descriptions
+
+
+def _first_line(obj: Any) -> str:
+    return (inspect.getdoc(type(obj)) or "").partition("\n")[0]

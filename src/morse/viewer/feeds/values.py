@@ -1,0 +1,43 @@
+"""Shows pages the data of the components that they look at."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.viewer.view_messages import Values
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.viewer.server import ViewServer
+
+#: numbers of an array that are shown: a scan, but no picture
+_MOST = 4096
+
+
+class ValuesFeed:
+    """Sends the data of components."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+
+    def update(self) -> None:
+        """Send what the pages look at."""
+        now = self._context.clock.time
+        for name in sorted(self._server.wishes.values):
+            component = self._context.components.get(name) or self._context.robots.get(name)
+            if component is not None:
+                data = {str(field): shown(value) for field, value in component.local_data.items()}
+                self._server.send(Values(name, now, data))
+
+
+def shown(value: Any) -> Any:
+    """The value, or for what is too large to be shown a word about it."""
+    size = getattr(value, "size", None)
+    if isinstance(size, int) and size > _MOST:
+        return f"{tuple(value.shape)} of {value.dtype}"
+    if isinstance(value, (bytes, bytearray, memoryview)):
+        return f"{len(value)} bytes"
+    if isinstance(value, (str, list, tuple, dict)) and len(value) > _MOST:
+        return f"{len(value)} {'characters' if isinstance(value, str) else 'values'}"
+    return value

@@ -1,0 +1,1 @@
+"""What the driving page asks for."""

@@ -1,0 +1,140 @@
+"""Keeps states of the simulation, so that the driving page can go back to them."""
+
+from __future__ import annotations
+
+import bisect
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from morse.core.exceptions import MorseError
+from morse.viewer.view_messages import History, Refused
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.viewer.server import ViewServer
+
+#: simulated seconds between two states that are kept while time runs, and for which they are kept
+_EVERY, _SPAN = 0.5, 60.0
+#: bytes of all states together, about; with larger states fewer are kept
+_MOST_BYTES = 64 * 1024 * 1024
+#: simulated times that differ by less are the same, s
+_ROUNDING = 1e-9
+#: bytes that a value takes beside its content, about
+_OVERHEAD = 64
+
+
+class Restorable(Protocol):
+    """What the history needs of a simulation."""
+
+    def save(self) -> Any:
+        """The state, as plain data."""
+
+    def restore(self, state: Any) -> None:
+        """Go on from a state."""
+
+    def pause(self) -> None:
+        """Stop time."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    time: float
+    state: Any
+    size: int
+
+
+def _time_of(kept: _Kept) -> float:
+    return kept.time
+
+
+class Rewinder:
+    """A ring of states: every half second of the last minute, and every tick that is taken while paused.
+
+    Args:
+        now: simulated seconds.
+    """
+
+    def __init__(self, simulation: Restorable, now: Callable[[], float], server: ViewServer) -> None:
+        self._simulation = simulation
+        self._now = now
+        self._server = server
+        self._kept: list[_Kept] = []
+        self._bytes = 0
+        self._told: list[float] = []
+        #: the time of the state that the simulation is in
+        self._at = -1.0
+
+    def keep(self, *, paused: bool) -> None:
+        """A tick has ended: keep the state if it is time for it."""
+        now = self._now()
+        if now == self._at:
+            return
+        self._at = now
+        if self._kept and self._kept[-1].time >= now:
+            # time continues from an earlier state: the states after it are invalid
+            self._cut(bisect.bisect_left(self._kept, now, key=_time_of))
+        if paused or not self._kept or now - self._kept[-1].time >= _EVERY - _ROUNDING:
+            state = self._simulation.save()
+            self._add(_Kept(now, state, size_of(state)))
+        self.tell()
+
+    def _add(self, kept: _Kept) -> None:
+        self._kept.append(kept)
+        self._bytes += kept.size
+        first = 0
+        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._kept[first].time < kept.time - _SPAN):
+            self._bytes -= self._kept[first].size
+            first += 1
+        del self._kept[:first]
+
+    def _cut(self, length: int) -> None:
+        del self._kept[length:]
+        self._bytes = sum(kept.size for kept in self._kept)
+
+    def rewind(self, time: float) -> None:
+        """Go to the state kept for that time, or the last one before it, and pause."""
+        if self._kept:
+            self._go(max(bisect.bisect_right(self._kept, time + _ROUNDING, key=_time_of) - 1, 0))
+
+    def step_back(self) -> None:
+        """Go to the last state kept before the present time, and pause."""
+        i = bisect.bisect_left(self._kept, self._now() - _ROUNDING, key=_time_of) - 1
+        if i >= 0:
+            self._go(i)
+
+    def _go(self, index: int) -> None:
+        self._simulation.pause()
+        try:
+            self._simulation.restore(self._kept[index].state)
+        except MorseError as error:  # e.g. robots have come or gone since
+            self._server.send(Refused("rewind", str(error)))
+        self._at = self._now()
+
+    def restarted(self) -> None:
+        """Forget all states, because the simulation has restarted."""
+        self._cut(0)
+        self._at = -1.0
+        self.tell()
+
+    def tell(self) -> None:
+        """Tell the pages which times can be gone back to."""
+        times = [kept.time for kept in self._kept]
+        if times != self._told:
+            self._told = times
+            self._server.send(History(times))
+
+
+def size_of(state: Any) -> int:
+    """Bytes that plain data take, about."""
+    state = getattr(state, "parts", state)  # of a `State`
+    size = getattr(state, "nbytes", None)
+    if isinstance(size, int):
+        return size + _OVERHEAD
+    if isinstance(state, (str, bytes)):
+        return len(state) + _OVERHEAD
+    if isinstance(state, dict):
+        return _OVERHEAD + sum(size_of(value) + len(str(key)) for key, value in state.items())
+    if isinstance(state, (list, tuple)):
+        return _OVERHEAD + sum(size_of(value) for value in state)
+    return 32

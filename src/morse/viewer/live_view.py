@@ -1,0 +1,249 @@
+"""Connects a running simulation with its live view."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+import webbrowser
+from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
+
+from morse.core.observer import Observer
+from morse.viewer import page_messages as page
+from morse.viewer.feeds.debug_properties import ViewDebug
+from morse.viewer.feeds.log import LogFeed
+from morse.viewer.feeds.overlays import ViewOverlays
+from morse.viewer.feeds.pictures import PicturesFeed
+from morse.viewer.feeds.rays import ViewRays
+from morse.viewer.feeds.states import StatesFeed
+from morse.viewer.feeds.tree import component_tree, keyboard_robots
+from morse.viewer.feeds.values import ValuesFeed
+from morse.viewer.inputs.commands import Commands
+from morse.viewer.inputs.history import Rewinder
+from morse.viewer.inputs.moving import Moving
+from morse.viewer.inputs.service_calls import ServiceCalls
+from morse.viewer.notebook import Frame, frame
+from morse.viewer.opening import has_display
+from morse.viewer.server import ViewServer
+from morse.viewer.snapshot import MovingNode, Snapshot
+from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Viewpoint
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger("morse.viewer")
+
+#: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
+_SNAPSHOT_INTERVAL = 1.0 / 125.0
+#: the same where nothing waits for the wall clock: what the view takes there, the simulation lacks
+_UNPACED_INTERVAL = 1.0 / 30.0
+#: ticks that take longer than that, s, are all shown: to show one takes little beside it
+_LONG_TICK = 0.01
+#: wall-clock seconds between two updates of the values that pages show
+_VALUES_INTERVAL = 1.0 / 20.0
+
+
+class Feed(Protocol):
+    """Something that pages are sent beside the poses."""
+
+    def update(self) -> None:
+        """Send what has changed since the last call."""
+
+
+class View(Observer):
+    """Sends what happens to the pages, and carries out what the driving page asks for."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        options = simulation.options
+        context = simulation.context
+        self._server = server = ViewServer(
+            context.network,
+            host=options.host,
+            port=options.view_port,
+            token=options.view_token,
+            title=simulation.scene.environment or "MORSE",
+        )
+        self._layout = -1
+        self._shown = self._told = self._ticked = 0.0
+        self._listening: str | None = None
+        self._told_names: list[str] = []
+        self._commands = Commands(context)
+        self._services = ServiceCalls(context, server, self._commands)
+        self._moving = Moving(server, self._services)
+        self._history = Rewinder(simulation, lambda: simulation.clock.time, server)
+        self._states = StatesFeed(context, server)
+        self._rays = ViewRays(context, server)
+        self._feeds: list[Feed] = [
+            ValuesFeed(context, server),
+            self._states,
+            self._rays,
+            ViewOverlays(context, server),
+            ViewDebug(simulation, server),
+            PicturesFeed(context, server),
+        ]
+        self._log = LogFeed(context, server)
+        try:
+            self._url = server.start()
+        except OSError:
+            self._log.close()
+            raise
+        self._handlers: dict[type[Any], Callable[[Any], object]] = {
+            page.Play: lambda _: self._set_paused(False),
+            page.Pause: lambda _: self._set_paused(True),
+            page.Step: lambda event: simulation.request_steps(event.count) if simulation.paused else None,
+            page.Reset: lambda _: simulation.restart(),
+            page.SetSpeed: lambda event: simulation.pacer.set_speed(event.factor or math.inf),
+            page.Rewind: lambda event: self._history.rewind(event.time),
+            page.StepBack: lambda _: self._history.step_back(),
+            page.Quit: lambda _: self._quit(),
+            page.ListenTo: self._listen_to,
+            page.SetProperty: self._services.set_property,
+            page.Command: self._services.command,
+            page.CallService: self._services.call,
+            page.CancelService: self._services.cancel,
+            page.Activate: self._services.activate,
+            page.ToggleCapturing: self._services.toggle_capturing,
+            page.Teleport: self._moving.teleport,
+            page.Drag: self._moving.drag,
+            page.DragEnd: self._moving.let_go,
+        }
+
+    @property
+    def url(self) -> str:
+        """The address to open in a browser."""
+        return self._url
+
+    def show(self, height: int) -> Frame:
+        """The page in a frame, for a notebook; see `morse.viewer.notebook.frame`."""
+        return frame(self._url, height)
+
+    def announce(self) -> None:
+        """The simulation is ready: describe it, say where to look, open a browser."""
+        self._describe()
+        self._tell_components()
+        ViewOverlays(self._simulation.context, self._server).announce()
+        self._states.tell_capturing()
+        self._send_listening()
+        logger.info("the live view is at %s", self._url)
+        if self._simulation.options.open_browser and has_display():
+            webbrowser.open(self._url)
+
+    def _describe(self) -> None:
+        world = self._simulation.world
+        self._layout = world.layout
+        moving = [MovingNode(node, cast('Literal["world", "parent"]', frame)) for node, frame in world.moving_nodes()]
+        self._server.set_scene(self._simulation.scene, moving)
+
+    def before_tick(self) -> None:
+        """Carry out what the driving page asked for."""
+        for event in self._server.take_events():
+            handler = self._handlers.get(type(event))
+            if handler is not None:
+                handler(event)
+        server = self._server
+        self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
+
+    def after_tick(self) -> None:
+        """Show what the tick has changed."""
+        self._services.update()
+        self._log.update()
+        if not self._server.watched:
+            return
+        simulation = self._simulation
+        self._history.keep(paused=simulation.paused)
+        world = simulation.world
+        if world.layout != self._layout:
+            self._describe()
+        if world.repainted:
+            for obj in sorted(world.repainted, key=lambda o: o.name):
+                self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
+            world.repainted.clear()
+        now = time.monotonic()
+        pacer, running = simulation.pacer, not simulation.paused
+        quick, self._ticked = now - self._ticked < _LONG_TICK, now
+        interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
+        # while paused, what is left out here is shown within a tick's time, when the simulation looks again
+        if now - self._shown < interval:
+            return
+        self._shown = now
+        clock = simulation.clock
+        self._server.publish(
+            Snapshot(
+                tick=clock.tick,
+                time=clock.time,
+                layout=world.layout,
+                poses=world.poses(),
+                status="running" if running else "paused",
+                speed=pacer.speed,
+                real_time_factor=pacer.real_time_factor if running else 0.0,
+            )
+        )
+        if now - self._told >= _VALUES_INTERVAL:
+            self._told = now
+            for feed in self._feeds:
+                feed.update()
+
+    def _set_paused(self, paused: bool) -> None:
+        if paused:
+            self._simulation.pause()
+        else:
+            self._simulation.resume()
+
+    def _quit(self) -> None:
+        logger.info("a page of the live view has ended the simulation")
+        self._simulation.stop()
+
+    def _listen_to(self, event: page.ListenTo) -> None:
+        if event.robot is None or event.robot in self._simulation.context.robots:
+            self._listening = event.robot
+            self._send_listening()
+
+    def _send_listening(self) -> None:
+        self._server.send(Listening(keyboard_robots(self._simulation.context), self._listening))
+
+    def report_pace(self, late: float, cause: str = "") -> None:
+        """Tell the pages how well the simulation keeps up."""
+        self._server.send(Pace(self._simulation.clock.strategy.human_repr, late, cause))
+
+    def viewpoint_changed(self) -> None:
+        """The camera of the scene was moved by a service."""
+        view = self._simulation.scene.settings.view
+        self._server.send(Viewpoint(view.camera_location, view.camera_rotation, view.camera_clip))
+
+    def restarted(self) -> None:
+        """Describe the components again, because the simulation has restarted."""
+        self._history.restarted()
+        self._connect_components()
+        self._tell_components()
+
+    def edited(self) -> None:
+        """A model or the class of a component was exchanged: the states that were kept do not fit any more."""
+        self._history.restarted()
+
+    def rearranged(self) -> None:
+        """Components or objects have come or gone, or another state was restored."""
+        self._connect_components()
+        if self._names() != self._told_names:
+            self._tell_components()
+
+    def _connect_components(self) -> None:
+        self._services.register_all()
+        self._commands.restarted()
+        self._rays.restarted()
+
+    def _tell_components(self) -> None:
+        self._told_names = self._names()
+        self._states.restarted()
+        self._server.send(Tree(component_tree(self._simulation.context)))
+
+    def _names(self) -> list[str]:
+        return [*self._simulation.context.robots, *self._simulation.context.components]
+
+    def close(self) -> None:
+        """Stop the server."""
+        self._log.update()
+        self._log.close()
+        self._server.stop()

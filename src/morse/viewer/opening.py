@@ -1,0 +1,32 @@
+"""Opens the view that the options of a run ask for."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.live_view import View
+    from morse.viewer.studio import StudioView
+
+
+def open_view(simulation: Simulation) -> View | StudioView:
+    """Start the live view that the options ask for.
+
+    Raises:
+        StudioMissingError: MuJoCo's viewer is asked for and not installed.
+    """
+    if simulation.options.view == "studio":
+        from morse.viewer.studio import StudioView
+
+        return StudioView(simulation)
+    from morse.viewer.live_view import View
+
+    return View(simulation)
+
+
+def has_display() -> bool:
+    """Whether a browser window could be opened here."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,0 +1,88 @@
+"""What cameras see, sent to pages."""
+
+from __future__ import annotations
+
+import io
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from morse.viewer.feeds.pictures import PicturesFeed, as_pixels
+from morse.viewer.hub import Wishes
+
+
+class Camera:
+    vertical_flip = True
+
+    def __init__(self, image: Any) -> None:
+        self.local_data = {"timestamp": 1.5, "image": image}
+
+
+class Server:
+    def __init__(self) -> None:
+        self.wishes = Wishes()
+        self.sent: list[Any] = []
+
+    def send(self, message: Any) -> None:
+        self.sent.append(message)
+
+
+class Context:
+    def __init__(self, **components: Any) -> None:
+        self.components = components
+
+
+def colours() -> np.ndarray:
+    image = np.zeros((24, 32, 4), np.uint8)
+    image[:12] = (250, 10, 10, 255)
+    image[12:] = (10, 10, 250, 255)
+    return image
+
+
+def feed(camera: Any) -> tuple[PicturesFeed, Server]:
+    server = Server()
+    return PicturesFeed(cast("Any", Context(eye=camera)), cast("Any", server)), server
+
+
+def test_a_picture_is_sent_once_to_pages_that_want_it() -> None:
+    camera = Camera(colours())
+    pictures, server = feed(camera)
+    pictures.update()
+    assert server.sent == []
+    server.wishes = Wishes(images=frozenset({"eye", "nobody"}))
+    pictures.update()
+    pictures.update()
+    (sent,) = server.sent
+    assert (sent.camera, sent.width, sent.height, sent.mime, sent.time) == ("eye", 32, 24, "image/jpeg", 1.5)
+    seen = np.asarray(Image.open(io.BytesIO(sent.payload)))
+    assert seen[4, 16].tolist() == pytest.approx([250, 10, 10], abs=12)
+    assert seen[20, 16].tolist() == pytest.approx([10, 10, 250], abs=12)
+    camera.local_data["image"] = colours()
+    pictures.update()
+    assert len(server.sent) == 2
+
+
+def test_a_picture_whose_bottom_row_is_first_is_turned() -> None:
+    camera = Camera(colours()[::-1])
+    camera.vertical_flip = False
+    pictures, server = feed(camera)
+    server.wishes = Wishes(images=frozenset({"eye"}))
+    pictures.update()
+    seen = np.asarray(Image.open(io.BytesIO(server.sent[0].payload)))
+    assert seen[4, 16, 0] > 200
+
+
+def test_distances_are_bright_where_they_are_near() -> None:
+    pixels = as_pixels(np.array([[1.0, 2.0], [3.0, np.inf]], np.float32))
+    assert pixels.tolist() == [[255, 127], [0, 0]]
+    assert as_pixels(np.full((2, 2), np.inf, np.float32)).max() == 0
+
+
+@pytest.mark.parametrize("image", [None, b"bytes", np.zeros((0, 0, 4), np.uint8), np.zeros(5)])
+def test_what_is_no_picture_is_not_sent(image: Any) -> None:
+    pictures, server = feed(Camera(image))
+    server.wishes = Wishes(images=frozenset({"eye"}))
+    pictures.update()
+    assert server.sent == []

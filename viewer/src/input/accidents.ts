@@ -1,0 +1,47 @@
+import { CAMERA_KEYS } from "./camerakeys";
+import type { Keyboard } from "./keyboard";
+
+/** So long after the last key that flies or drives, or the last look around, the page is held open, ms. */
+const AFTER = 1500;
+
+/**
+ * Keeps keys of the browser from closing or reloading the page while the user flies, drives or looks around.
+ *
+ * Ctrl+R, Ctrl+S, Ctrl+F and the like can be taken from the browser, Ctrl+W cannot: before the page is left at such a
+ * moment, the browser asks.
+ */
+export class Accidents {
+  private last = -Infinity;
+  private looking = false;
+
+  constructor(
+    private readonly keyboard: Keyboard,
+    canvas: HTMLCanvasElement,
+  ) {
+    keyboard.flies = () => this.busy;
+    addEventListener("keydown", (event) => {
+      if (event.ctrlKey && this.busy && CAMERA_KEYS.has(event.code) && isView(event.target)) event.preventDefault();
+    });
+    addEventListener("keyup", (event) => {
+      if (CAMERA_KEYS.has(event.code) || event.code.startsWith("Arrow")) this.last = performance.now();
+      if (event.key === "Control" && this.looking) this.stopLooking();
+    });
+    for (const kind of ["pointermove", "pointerdown"] as const) canvas.addEventListener(kind, (event) => event.ctrlKey && (this.looking = true));
+    addEventListener("blur", () => this.looking && this.stopLooking());
+    addEventListener("beforeunload", (event) => this.busy && event.preventDefault());
+  }
+
+  private get busy(): boolean {
+    const held = [...this.keyboard.held].some((code) => CAMERA_KEYS.has(code) || code.startsWith("Arrow"));
+    return held || this.looking || performance.now() - this.last < AFTER;
+  }
+
+  private stopLooking(): void {
+    this.looking = false;
+    this.last = performance.now();
+  }
+}
+
+function isView(target: EventTarget | null): boolean {
+  return target === document.body || target instanceof HTMLCanvasElement;
+}

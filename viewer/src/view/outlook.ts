@@ -1,0 +1,50 @@
+import { Raycaster, Vector3 } from "three";
+import { nodeOf } from "../world/batches";
+import type { WorldNode } from "../world/node";
+import type { World } from "../world/world";
+
+/** Angles about +Z from behind the node, in the order in which they are tried, radians. */
+const TURNS = [0.78, -0.78, 1.57, -1.57, 0.3, -0.3, 2.36, -2.36, 3.14];
+/** Angles above the horizon. */
+const HEIGHTS = [0.52, 0.9, 1.2];
+/** Free room that is wanted around the camera, m. */
+const ROOM = 0.4;
+const ray = new Raycaster();
+
+/** A place to look at a node from, at about that distance: one from which nothing stands before it. */
+export function outlook(world: World, node: WorldNode, center: Vector3, heading: number, distance: number): Vector3 {
+  let best = new Vector3();
+  let most = -1;
+  for (const height of HEIGHTS) {
+    for (const turn of TURNS) {
+      const angle = heading + Math.PI + turn;
+      const way = new Vector3(Math.cos(angle) * Math.cos(height), Math.sin(angle) * Math.cos(height), Math.sin(height));
+      const free = Math.min(clear(world, node, center, way, distance + ROOM) - ROOM, distance);
+      if (free > most + 1e-3) {
+        most = free;
+        best = center.clone().addScaledVector(way, Math.max(free, 0.3));
+      }
+      if (free >= distance) return best;
+    }
+  }
+  return best;
+}
+
+/** How far a way is free of what does not belong to the node, seen from either side. */
+function clear(world: World, node: WorldNode, from: Vector3, way: Vector3, reach: number): number {
+  const others = (origin: Vector3, direction: Vector3): number[] => {
+    ray.set(origin, direction);
+    ray.far = reach;
+    return ray
+      .intersectObject(world.root, true)
+      .filter((hit) => {
+        const owner = nodeOf(hit.object, hit.instanceId);
+        return owner?.visible === true && !owner.find((one) => one === node);
+      })
+      .map((hit) => hit.distance);
+  };
+  const ahead = others(from, way)[0] ?? reach;
+  // walls that are seen from behind only stop nobody on the way out
+  const back = others(from.clone().addScaledVector(way, reach), way.clone().negate()).at(-1);
+  return Math.min(ahead, back === undefined ? reach : reach - back);
+}
