@@ -53,6 +53,8 @@ SHOTS = [
     Shot("sandbox", "sandbox-dark", theme="dark", steps=[SELECT("robot.laser"), LAYER("rays"), "wait"]),
     Shot("indoors", "indoors", steps=[LAYER("rays"), LAYER("names"), "wait"]),
     Shot("outdoors", "outdoors", steps=[NO_TREE]),
+    Shot("office", "office", steps=[NO_TREE, LAYER("rays"), "wait"]),
+    Shot("warehouse", "warehouse", steps=[NO_TREE, LAYER("rays"), "wait"]),
     Shot("many", "many-robots", steps=[NO_TREE]),
     Shot("sandbox", "phone", size=(390, 780)),
 ]

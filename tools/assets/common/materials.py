@@ -14,12 +14,19 @@ def material(
     metallic: float = 0.0,
     image: bpy.types.Image | None = None,
     glow: float = 0.0,
+    one_sided: bool = False,
 ) -> bpy.types.Material:
-    """A surface of one colour, or of one picture; ``glow`` is the strength of its own light."""
+    """A surface of one colour, or of one picture.
+
+    Args:
+        glow: strength of its own light.
+        one_sided: it is not drawn from behind, as a ceiling that lets the view in from above.
+    """
     if name in bpy.data.materials:
         raise ValueError(f"material '{name}' exists already")
     result = bpy.data.materials.new(name)
     result.use_nodes = True
+    result.use_backface_culling = one_sided
     result.diffuse_color = (*linear(color), 1.0)
     result.roughness, result.metallic = roughness, metallic
     surface = next(node for node in result.node_tree.nodes if node.type == "BSDF_PRINCIPLED")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import bpy
@@ -126,6 +127,16 @@ def lamp(
     if kind == "SUN":
         data.angle = 0.02
     return _place(bpy.data.objects.new(name, data), at, turned)
+
+
+def viewpoint(at: Triple, target: Triple, lens: float = 20.0) -> bpy.types.Object:
+    """The camera ``CameraFP``: from where the live view shows the world first, and at what it looks; lens in mm."""
+    data = bpy.data.cameras.new("CameraFP")
+    data.lens, data.sensor_width = lens, 32.0
+    way = Vector(target) - Vector(at)
+    pitch, yaw = math.atan2(way.z, math.hypot(way.x, way.y)), math.atan2(way.y, way.x)
+    turned = (math.pi / 2 + pitch, 0.0, yaw - math.pi / 2)
+    return _place(bpy.data.objects.new("CameraFP", data), at, turned)
 
 
 def _place(

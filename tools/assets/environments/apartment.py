@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from common.catalogue import catalogue_stock, furniture
 from common.images import packed
 from common.materials import material
-from common.objects import empty, exact, hidden_box, lamp
+from common.objects import empty, exact, hidden_box, lamp, viewpoint
 from common.rooms import wall
 from common.shapes import rectangle
 from common.sky import sky
@@ -86,6 +86,7 @@ def build() -> None:
     for piece in PIECES:
         furniture(stock, *piece)
     shelves(stock)
+    viewpoint((5.2, -8.2, 9.4), (-1.7, 1.0, 0.0), 23.0)
 
 
 def shelves(stock: Stock) -> None:

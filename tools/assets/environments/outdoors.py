@@ -9,7 +9,7 @@ from common.crates import crate_woods, large_crate, small_crate, transport_box
 from common.land import ground, town, town_ground
 from common.materials import material
 from common.nature import Greens, blades, crown_of, fern, rock, trunk_of
-from common.objects import collection, exact, instance
+from common.objects import collection, exact, instance, viewpoint
 from common.sky import sky, sunshine
 from common.stock import Stock
 
@@ -147,6 +147,7 @@ def build() -> None:
     for stem, copies in COPIES.items():
         for name, at, turned in copies:
             instance(collections[stem], name, at, turned, physics_type="STATIC")
+    viewpoint((9.5, -11.0, 6.2), (0.0, 3.0, 0.6), 22.0)
 
 
 def shown(name: str, foot: tuple[float, float, float]) -> bpy.types.Collection:

@@ -1,11 +1,13 @@
-"""The playground where new simulations start: balls, stools, screens and a ramp inside a fence."""
+"""The playground where new simulations start: balls, stools, screens and a ramp inside a fence, on a meadow."""
 
 from __future__ import annotations
 
 from common.colors import BERRY, CORAL, CREAM, LEAF, PLUM, SKY, STEEL, SUN, TEAL, WHITE
 from common.images import packed
 from common.materials import material
-from common.objects import empty, exact, hidden_box, lamp
+from common.meadow import meadow
+from common.nature import Greens
+from common.objects import empty, exact, hidden_box, lamp, viewpoint
 from common.playground import Paints, fence, playground
 from common.posters import alphabet, checkerboard, colour_chart, hello
 from common.sky import sky, sunshine
@@ -63,6 +65,10 @@ def build() -> None:
     balls()
     stools(planks)
     screens()
+    grass = speckle(512, "#6c9a4b", "#93b866", 61, coarse=4.0)
+    paint = material("Meadow", "#83ac5b", 0.95, image=packed("meadow.jpg", grass))
+    meadow(paint, Greens.make(), material("Rock", "#8f8f8a", 0.95))
+    viewpoint((-7.6, -7.4, 5.4), (1.2, 0.6, 0.0))
 
 
 def arena(planks) -> None:

@@ -6,7 +6,7 @@ from common.catalogue import catalogue_stock, furniture
 from common.hall import coloured_box, hall
 from common.household import bottle
 from common.materials import material
-from common.objects import exact
+from common.objects import exact, viewpoint
 from common.sky import sky
 
 #: name, position, Euler XYZ, size and centre of the bounding box, collision shape
@@ -55,3 +55,4 @@ def build() -> None:
     flask = [part.moved(z=-0.25) for part in bottle(stock, 0.17, 0.5)]
     tags = {"Object": True, "Graspable": True}
     exact("Bottle1", flask, (0.2, 0.15, 0.5), (0, 0, 0.009), (-7.57, 3.14, 1.17), mass=1.0, **rigid, **tags)
+    viewpoint((7.0, -7.5, 5.0), (-2.0, 1.5, 0.4))

@@ -10,7 +10,7 @@ from common.catalogue import catalogue_stock, furniture
 from common.colors import SKY
 from common.images import packed
 from common.materials import material
-from common.objects import empty, exact, hidden_box, lamp, twin
+from common.objects import empty, exact, hidden_box, lamp, twin, viewpoint
 from common.parts import bounds, in_frame_of
 from common.rooms import wall
 from common.shapes import box, rectangle, rounded_box
@@ -45,6 +45,7 @@ def build() -> None:
     for name, at, turned in SHELVES:
         furniture(stock, name, at, turned, (1, 0.4, 1.87), (0.163, -0.049, 0.286), "box")
     desks_and_chairs(stock)
+    viewpoint((-4.5, -17.0, 13.0), (2.2, -3.6, 0.0), 21.0)
 
 
 def room() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from common.images import packed
 from common.land import block, ground
 from common.materials import material
-from common.objects import exact
+from common.objects import exact, viewpoint
 from common.parts import rotation
 from common.shapes import rectangle
 from common.sky import sky, sunshine
@@ -34,6 +34,7 @@ def build() -> None:
     masonry = Masonry.make()
     for number, (name, at, size, centre, turn) in enumerate(BLOCKS):
         block(name, at, size, centre, turn, number + 1, masonry)
+    viewpoint((16.0, -18.0, 10.0), (1.0, 3.0, 0.5))
 
 
 def below(at, size, centre, turn: float) -> list[tuple[float, float, float]]:

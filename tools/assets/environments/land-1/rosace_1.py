@@ -8,7 +8,7 @@ from common.colors import CORAL, WHITE
 from common.land import block, ground
 from common.materials import material
 from common.nature import Greens, crown_of, trunk_of
-from common.objects import exact
+from common.objects import exact, viewpoint
 from common.parts import bounds
 from common.shapes import cylinder, ellipsoid, lathe
 from common.sky import sky, sunshine
@@ -38,6 +38,7 @@ def build() -> None:
         block(name, at, size, centre, turn, number + 11, masonry)
     trees()
     signs()
+    viewpoint((14.0, -16.0, 9.0), (0.0, 2.0, 0.5))
 
 
 def trees() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from common.land import ground, town, town_ground
 from common.nature import Greens, broadleaf
-from common.objects import empty, exact, hidden_box, twin
+from common.objects import empty, exact, hidden_box, twin, viewpoint
 from common.sky import sky, sunshine
 
 #: position of the tree, of the shapes of its trunk and of its crown, of what is seen; angle about Z
@@ -45,6 +45,7 @@ def build() -> None:
     land = ground([*rooted, *town_ground(TOWN, 0.56, rooted)], dip=-0.045, rise=2.785, seed=4)
     town(land, TOWN, (42.1, 67.9, 11.5), (0, 0, 1.08), rooted)
     trees()
+    viewpoint((14.0, -16.0, 8.0), (0.0, 2.0, 0.8))
 
 
 def trees() -> None:

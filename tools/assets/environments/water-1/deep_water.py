@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from common.objects import exact
+from common.objects import exact, viewpoint
 from common.sky import sky, sunshine
 from common.water import water
 
@@ -11,3 +11,4 @@ def build() -> None:
     sky("#a9d4e8")
     sunshine(3.0, (0.7, 0.2, 0.5))
     exact("Water", [water(200, 200)], (200, 200, 0), (0, 0, 0), physics_type="NO_COLLISION")
+    viewpoint((10.0, -12.0, 6.0), (0.0, 0.0, 0.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from common.land import GROUND_AT, ground
-from common.objects import exact
+from common.objects import exact, viewpoint
 from common.sky import sky, sunshine
 from common.water import water
 
@@ -18,3 +18,4 @@ def build() -> None:
     ground([*island, *shallow], dip=-0.16, rise=11.14, seed=5)
     surface = water(126, 126)
     exact("Water", [surface], (126, 126, 0), (0, 0, 0), (GROUND_AT[0] - 0.02, 0.014, DEPTH), physics_type="STATIC")
+    viewpoint((14.0, -17.0, 13.5), (0.0, 2.0, 4.2))
