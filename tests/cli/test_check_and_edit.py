@@ -11,6 +11,7 @@ import pytest
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import findings as findings_module
 from morse.cli.findings import Finding, findings
+from morse.kernel import loading, targets
 
 
 @pytest.fixture
@@ -42,8 +43,15 @@ def test_check_finds_what_the_tests_run_with(morse):
     answer = morse("check")
     assert answer.status == 0, answer.err
     assert "All that MORSE requires is there." in answer.out
-    for name in ("Python", "mujoco", "embreex", "OpenGL", "Blender", "ROS 1", "ROS 2"):
+    for name in ("Python", "mujoco", "native kernel", "Blender"):
         assert name in answer.out
+
+
+def test_check_announces_nothing_that_is_not_there(morse):
+    text = morse("check").out
+    for absent in ("camera", "OpenGL", "ROS 1", "YARP", "MOOS", "MAVLink", "nothing:"):
+        assert absent not in text
+    assert "Middlewares that MORSE speaks: ros2, socket." in text
 
 
 def test_check_prints_the_data_directory_in_one_line(morse):
@@ -75,12 +83,24 @@ def test_check_says_what_the_rest_would_give(morse, monkeypatch):
 
 
 def test_a_broken_module_is_reported_not_raised(monkeypatch, tmp_path):
-    (tmp_path / "embreex.py").write_text("raise OSError('cannot open shared object')")
+    (tmp_path / "zstandard.py").write_text("raise OSError('cannot open shared object')")
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.delitem(sys.modules, "embreex", raising=False)
-    finding = next(f for f in findings() if f.name == "embreex")
+    monkeypatch.delitem(sys.modules, "zstandard", raising=False)
+    finding = next(f for f in findings() if f.name == "zstandard")
     assert not finding.found
     assert "cannot open shared object" in finding.detail
+
+
+def test_a_broken_kernel_is_reported_not_raised(monkeypatch, tmp_path):
+    monkeypatch.delenv(loading.VARIABLE, raising=False)
+    monkeypatch.setattr(targets, "FOLDER", tmp_path)
+    for target in targets.ALL:
+        for level in target.levels:
+            (tmp_path / target.file_name(level)).write_bytes(b"no library")
+    loading.library.cache_clear()
+    finding = next(f for f in findings() if f.name == "native kernel")
+    loading.library.cache_clear()
+    assert not finding.found
     assert not finding.required
 
 

@@ -66,8 +66,8 @@ def test_it_sends_sync_once_a_period_and_obeys(server: socket.socket) -> None:
     assert receive(connection, 4 * 100) == b"sync" * 100
     _, err = process.communicate("quit\n", timeout=10)
     assert process.returncode == 0
-    assert "'faster' is no command" in err
-    assert "'x' is no number of seconds" in err
+    assert "'faster' is not a command" in err
+    assert "'x' is not a number of seconds" in err
     connection.close()
 
 

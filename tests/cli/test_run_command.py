@@ -19,14 +19,14 @@ from morse.cli.run import color_scheme
 def started(monkeypatch):
     """Stands in for the simulation: notes with what it was started; its exit status is 7."""
     runs = []
-    module = types.ModuleType("morse.simulation.run")
+    module = types.ModuleType("morse.launch.run")
 
     def run(options):
         runs.append(options)
         return 7
 
     module.run = run
-    monkeypatch.setitem(sys.modules, "morse.simulation.run", module)
+    monkeypatch.setitem(sys.modules, "morse.launch.run", module)
     return runs
 
 
@@ -83,6 +83,7 @@ def test_a_file_of_the_current_directory_with_an_environment(morse, project, sta
 
 def test_what_follows_the_scene_is_the_scripts(morse, project, started):
     rest = ["arg1", "--foo", "-g", "--", "--speed=3", "-h", "--help", "", "x y"]
+    (project / "default.py").write_text("import sys\nprint(sys.argv)\n")
     assert morse("run", "--speed", "2", "ranger_sim", "default.py", *rest).status == 7
     assert started[0].arguments == rest
     assert started[0].speed == 2.0
@@ -94,12 +95,76 @@ def test_options_may_follow_the_environment_at_once(morse, project, started):
     assert started[0].arguments == ["--foo", "default.py"]
 
 
-def test_own_options_behind_the_scene_get_a_warning(morse, project, started):
+@pytest.mark.parametrize(
+    ("rest", "right"),
+    [
+        (["--headless"], "morse run --headless ranger_sim"),
+        (["--headless", "--duration", "5"], "morse run --headless --duration 5 ranger_sim"),
+        (["default.py", "a b", "--duration=5", "-g", "80x60"], "run --duration=5 -g 80x60 ranger_sim default.py 'a b'"),
+        (["--no-browser"], "morse run --no-browser ranger_sim"),
+    ],
+)
+def test_own_options_behind_a_scene_that_reads_none_end_the_command(morse, project, started, rest, right):
+    answer = morse("run", "ranger_sim", *rest)
+    assert answer.status == 2
+    assert started == []
+    assert answer.err.strip().endswith(right)
+
+
+@pytest.mark.parametrize(
+    "reader",
+    [
+        "import sys\nprint(sys.argv)\n",
+        "from sys import argv as given\n",
+        "import argparse\n",
+        "from click.core import Command\n",
+        "import night\n",
+        "from ranger_sim import night\n",
+        "from ranger_sim.night import *\n",
+    ],
+)
+def test_own_options_behind_a_scene_that_reads_its_arguments_are_its_own(morse, project, started, reader):
+    (project / "default.py").write_text(reader)
+    for folder in (project, project / "src" / "ranger_sim"):
+        (folder / "night.py").write_text("import sys\nhere = sys.argv[1:]\n")
     answer = morse("run", "ranger_sim", "--headless")
     assert answer.status == 7
-    assert "--headless" in answer.err
     assert "before the scene" in answer.err
     assert started[0].view == "web"
+    assert started[0].arguments == ["--headless"]
+
+
+def test_other_options_that_nobody_reads_get_a_warning(morse, project, started):
+    answer = morse("run", "ranger_sim", "--wind", "3")
+    assert answer.status == 7
+    assert "--wind: the script does not read its arguments" in answer.err
+
+
+@pytest.mark.parametrize("duration", ["1e308", "inf", "nan", "0", "-1", "soon"])
+def test_durations_that_cannot_be(morse, project, started, duration):
+    answer = morse("run", "--duration", duration, "ranger_sim")
+    assert answer.status == 2
+    assert len(answer.err.strip().splitlines()) == 1
+    assert "--duration takes" in answer.err
+    assert started == []
+
+
+@pytest.mark.parametrize("broken", ["[sites", "[sites]\nname\n", "\xff\xfe", None])
+def test_a_broken_configuration_stops_no_scene_that_is_given_by_its_path(morse, project, started, broken, monkeypatch):
+    morse.config.unlink()
+    if broken is None:
+        morse.config.mkdir()
+    else:
+        morse.config.write_text(broken, encoding="latin-1")
+    for words in (["ranger_sim/default.py"], ["ranger_sim"]):
+        answer = morse("run", *words)
+        assert answer.status == 7
+        assert "is not a valid configuration file" in answer.err
+    answer = morse("run", "other_sim")
+    assert answer.status == 1
+    assert "is not a valid configuration file" in answer.err
+    monkeypatch.chdir(project)
+    assert morse("run").status == 7
 
 
 @pytest.mark.parametrize("name", ["scene.py", "scene", "scene.txt", "scene.blend"])
@@ -206,6 +271,22 @@ def test_all_options(morse, project, started, monkeypatch):
     assert not options.open_browser
 
 
+@pytest.mark.parametrize(
+    ("words", "watched"),
+    [
+        ("", True),
+        ("--no-watch", False),
+        ("--headless", False),
+        ("--headless --watch", True),
+        ("--view studio", False),
+        ("--view studio --watch", True),
+    ],
+)
+def test_files_are_watched_with_the_live_view_unless_said_otherwise(morse, project, started, words, watched):
+    assert morse("run", *words.split(), "ranger_sim").status == 7
+    assert started[0].watch is watched
+
+
 def test_name_of_the_node_from_the_environment(morse, project, started, monkeypatch):
     monkeypatch.setenv("MORSE_NODE", "node2")
     morse("run", "ranger_sim")
@@ -255,7 +336,7 @@ def test_a_crash_of_the_simulator_leaves_its_mark_in_the_log(morse, project, sta
     def crash(options):
         raise RuntimeError("the world has ended")
 
-    monkeypatch.setattr(sys.modules["morse.simulation.run"], "run", crash)
+    monkeypatch.setattr(sys.modules["morse.launch.run"], "run", crash)
     answer = morse("run", "ranger_sim")
     assert answer.status == 1
     assert "[ERROR][MORSE] Uncaught exception" in answer.out

@@ -114,16 +114,16 @@ def test_robots_that_move_are_put_back_in_place(tmp_path: Path) -> None:
         def test_it(self):
             with Morse() as simu:
                 simu.deactivate("robot.teleport")
-                self.assertAlmostEqualPositionThenFix(simu.robot, [1.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.05)
+                self.assertAlmostEqualPositionThenFix(simu, [1.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.05)
                 simu.robot.motion.publish({"v": 1.0, "w": 0.0})
                 simu.sleep(2.0)
                 simu.robot.motion.publish({"v": 0.0, "w": 0.0})
                 simu.sleep(0.2)
-                self.assertAlmostEqualPositionThenFix(simu.robot, [3.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.15)
+                self.assertAlmostEqualPositionThenFix(simu, [3.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.15)
                 simu.sleep(0.5)
-                self.assertAlmostEqualPosition(simu.robot, [3.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.02)
+                self.assertAlmostEqualPosition(simu, [3.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.02)
                 with self.assertRaisesRegex(AssertionError, "x is 3"):
-                    self.assertAlmostEqualPosition(simu.robot, [2.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.02)
+                    self.assertAlmostEqualPosition(simu, [2.0, 0.0, 0.10, 0.0, 0.0, 0.0], 0.02)
         """,
     )
     file.write_text(file.read_text().replace("main(A_Case)", "main(A_Case, time_modes=['FixedSimulationStep'])"))
@@ -209,7 +209,7 @@ def test_a_case_without_a_scene_says_so() -> None:
 
 @pytest.mark.parametrize("mode", [2, "Fast", None, 1.5])
 def test_an_unknown_time_mode_is_refused(mode: object) -> None:
-    with pytest.raises(ValueError, match="is no time mode: there are BestEffort, FixedSimulationStep"):
+    with pytest.raises(ValueError, match="is not a time mode: there are BestEffort, FixedSimulationStep"):
         MorseSwitchTimeMode([], mode)
 
 

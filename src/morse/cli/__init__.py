@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import TYPE_CHECKING, NoReturn
 
@@ -16,6 +17,7 @@ def main() -> NoReturn:
 
 def run_and_exit(arguments: Sequence[str]) -> NoReturn:
     """Run a command line (the words after ``morse``) and end the process."""
+    _open_closed_streams()
     try:
         from morse.cli.app import execute
 
@@ -24,3 +26,23 @@ def run_and_exit(arguments: Sequence[str]) -> NoReturn:
         # Ctrl+C ends the command at any moment, even while it is being loaded
         status = 130
     sys.exit(status)
+
+
+def _open_closed_streams() -> None:
+    """A process may be started with standard streams closed (``morse run scene.py >&-``): they lead nowhere then.
+
+    Else a file or socket that is opened later would take the place of the standard output.
+    """
+    closed = sys.stdout is None
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            # the lowest free number: this one
+            os.open(os.devnull, os.O_RDWR)
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            mode = "r" if name == "stdin" else "w"
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115 (open as long as the process)
+    if closed:
+        print("* The standard output is closed: the log of the simulation is lost.", file=sys.stderr)

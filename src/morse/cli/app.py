@@ -67,7 +67,7 @@ app = typer.Typer(
     name="morse",
     help="MORSE, the Modular OpenRobots Simulation Engine.",
     epilog="Start with: morse create my_simulation && morse run my_simulation",
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )

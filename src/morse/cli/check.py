@@ -12,6 +12,7 @@ from morse.assets import search
 from morse.cli.findings import Finding, findings
 from morse.cli.messages import say
 from morse.cli.sites import Sites
+from morse.middleware import registry
 from morse.version import __version__
 
 
@@ -20,6 +21,7 @@ def command() -> None:
     typer.echo(f"MORSE {__version__}")
     results = list(findings())
     Console().print(_table(results))
+    say(f"Middlewares that MORSE speaks: {', '.join(registry.installed())}.")
     _say_places()
     missing = [result for result in results if result.required and not result.found]
     for result in missing:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes.util
 import importlib
 import importlib.metadata
 import importlib.util
@@ -16,6 +15,9 @@ from typing import TYPE_CHECKING
 
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
+from morse.kernel import loading
+from morse.middleware.ros2.backends.choice import available
+from morse.middleware.ros2.mapping import INSTALL
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,14 +33,6 @@ _REQUIRED_MODULES = {
     "mapbox_earcut": ("mapbox-earcut", "meshes with polygons"),
 }
 
-_MIDDLEWARES = {
-    "ROS 1": ("ros", "rospy", "source /opt/ros/noetic/setup.bash, or sudo apt-get install python3-rospy"),
-    "ROS 2": ("ros2", "rclpy", "source /opt/ros/<distribution>/setup.bash, after an installation from https://ros.org"),
-    "YARP": ("yarp", "yarp", "conda install -c conda-forge yarp"),
-    "MOOS": ("moos", "pymoos", "pip install pymoos"),
-    "MAVLink": ("mavlink", "pymavlink", "pip install pymavlink"),
-}
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:
@@ -47,8 +41,8 @@ class Finding:
     Attributes:
         name: as the user knows it.
         found: whether it is there and works.
-        detail: version or place, or what is wrong.
-        gives: what it is for.
+        detail: version or location, or a description of the problem.
+        gives: its purpose.
         install: how to get it; empty if it would be of no use.
         required: MORSE does not run without it.
     """
@@ -67,12 +61,10 @@ def findings() -> Iterator[Finding]:
     for module, (distribution, purpose) in _REQUIRED_MODULES.items():
         yield _module(module, distribution, purpose, f"pip install {distribution}", required=True)
     yield _data()
-    yield _module("embreex", "embreex", "laser scanners up to 25 times faster", "pip install embreex")
+    yield _kernel()
+    yield _ros2()
     yield _browser()
-    yield _graphics()
     yield _blender()
-    for name, (middleware, module, install) in _MIDDLEWARES.items():
-        yield _middleware(name, middleware, module, install)
 
 
 def _python() -> Finding:
@@ -95,6 +87,23 @@ def _module(module: str, distribution: str, gives: str, install: str, *, require
     except Exception as error:  # a broken binary package fails in its own way
         return Finding(module, False, f"{type(error).__name__}: {error}", gives, install, required)
     return Finding(module, True, detail, gives, install, required)
+
+
+def _kernel() -> Finding:
+    loaded = loading.library()
+    return Finding(
+        "native kernel",
+        loaded is not None,
+        Path(loaded._name).name if loaded is not None else "numpy does its work",
+        "laser scanners up to 100 times faster",
+        "pip install --force-reinstall morse-simulator",
+    )
+
+
+def _ros2() -> Finding:
+    found = available()
+    gives = "topics of ROS 2"
+    return Finding("ROS 2", bool(found), ", ".join(found) or "neither rclpy nor cyclonedds", gives, INSTALL)
 
 
 def _data() -> Finding:
@@ -124,18 +133,6 @@ def _browser() -> Finding:
         return Finding("Display and browser", False, str(error), gives, install)
 
 
-def _graphics() -> Finding:
-    gives = "camera images drawn by the graphics card (else: ray-cast, slower)"
-    install = "sudo apt-get install libegl1 libgl1"
-    if sys.platform in ("win32", "darwin"):
-        return Finding("OpenGL", True, "part of the system", gives, install)
-    libraries = {name: ctypes.util.find_library(name) for name in ("EGL", "GL", "OSMesa")}
-    detail = ", ".join(library for library in libraries.values() if library)
-    # EGL alone does not do: its functions for drawing are those of libGL
-    found = bool((libraries["EGL"] and libraries["GL"]) or libraries["OSMesa"])
-    return Finding("OpenGL", found, detail or "no libEGL with libGL, no libOSMesa", gives, install)
-
-
 def _blender() -> Finding:
     program, where = blender.find()
     gives = "editing models and environments; models that use modifiers, curves or bone parents"
@@ -143,18 +140,3 @@ def _blender() -> Finding:
         return Finding("Blender", False, where, gives, blender.INSTALL)
     version = blender.version(program)
     return Finding("Blender", version.startswith("Blender"), f"{version} ({where})", gives, blender.INSTALL)
-
-
-def _middleware(name: str, middleware: str, module: str, install: str) -> Finding:
-    found = _exists(module)
-    detail = f"module {module}" if found else f"no module {module}"
-    if _exists(f"morse.middleware.{middleware}"):
-        return Finding(name, found, detail, f"streams and services over {name}: add_stream('{middleware}')", install)
-    return Finding(name, found, detail, "nothing: this version of MORSE does not speak it", "")
-
-
-def _exists(module: str) -> bool:
-    try:
-        return importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False

@@ -94,7 +94,7 @@ def _positive(text: str) -> float:
     except ValueError:
         value = math.nan
     if not (value > 0.0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds greater than 0")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds greater than 0")
     return value
 
 
@@ -151,7 +151,7 @@ def _obey(line: str, pace: Pace) -> bool:
         except argparse.ArgumentTypeError as error:
             print(f"* set_period: {error}", file=sys.stderr)
     elif words:
-        print(f"* '{line.strip()}' is no command: there are 'set_period SECONDS' and 'quit'", file=sys.stderr)
+        print(f"* '{line.strip()}' is not a command: there are 'set_period SECONDS' and 'quit'", file=sys.stderr)
     return True
 
 

@@ -9,7 +9,7 @@ import unicodedata
 from morse.cli.messages import CommandError
 
 _WINDOWS_DEVICES = {"con", "prn", "aux", "nul"} | {f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)}
-_OWN_PACKAGES = {"morse", "pymorse", "numpy", "mujoco", "embreex", "msgspec", "websockets", "typer", "rich"}
+_OWN_PACKAGES = {"morse", "pymorse", "numpy", "mujoco", "msgspec", "websockets", "typer", "rich"}
 
 
 def environment_name(text: str) -> str:

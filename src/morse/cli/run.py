@@ -8,13 +8,15 @@ import os
 import re
 import socket
 from datetime import date
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from morse.cli.messages import CommandError, say, warn
+from morse.cli.messages import CommandError, say
 from morse.cli.scenes import resolve
+from morse.cli.script_arguments import check_arguments
 from morse.core import log
+from morse.core.clock import SLOWEST
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
 CONTEXT_SETTINGS = {"allow_interspersed_args": False}
 
 _logger = logging.getLogger("morse.main")
+
+#: maximum duration in simulated seconds: more than 30 years; a longer one is a typing error
+_LONGEST = 1e9
 
 VIEWS = ("none", "web", "studio")
 _GEOMETRY = re.compile(r"\d+x\d+(\+-?\d+,-?\d+)?")
@@ -36,7 +41,7 @@ def command(
         typer.Argument(
             metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
             help="A registered environment, and a file in it if not its default.py; or the path of a scene script. "
-            "Whatever follows is given to the script.",
+            "All further arguments are given to the script.",
             show_default=False,
         ),
     ] = None,
@@ -66,7 +71,18 @@ def command(
         str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after that much simulated time.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="An unknown or ill-typed field in a message of a client is an error.")
+    ] = False,
     profile: Annotated[bool, typer.Option("--profile", help="Say at the end what took the time.")] = False,
+    watch: Annotated[
+        bool | None,
+        typer.Option(
+            "--watch/--no-watch",
+            help="Follow models and components that are saved while the simulation runs (default: with the live view).",
+            show_default=False,
+        ),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
 ) -> int:
     """Run a simulation scene.
@@ -89,36 +105,41 @@ def command(
         view_token=_token(view_token),
         open_browser=browser,
         speed=_speed(speed),
-        duration=None if duration is None else _positive("--duration", duration, "60 (simulated seconds)"),
+        duration=None if duration is None else _duration(duration),
         seed=_seed(seed),
         profile=profile,
+        strict=strict,
     )
+    options.watch = options.view == "web" if watch is None else watch
     if view_port is not None:
         options.view_port = _port(view_port)
     if geometry is not None:
         say("The live view is a page in your browser: -g/--geometry has no effect on it.")
-    own_options = {option for parameter in context.command.params for option in parameter.opts if option[:2] == "--"}
-    for word in resolved.arguments:
-        if word.split("=")[0] in own_options:
-            warn(f"'{word}' stands after the scene, so the script gets it. Options of `morse run` go before the scene.")
+    words = list(scene or [])
+    named = words[: len(words) - len(resolved.arguments)]
+    check_arguments(named, resolved.arguments, resolved.script, resolved.source_paths, _options(context))
     log.setup(colors=color_scheme(context.obj))
     return _simulate(options)
 
 
+def _options(context: typer.Context) -> list[Any]:
+    return [parameter for parameter in context.command.params if parameter.param_type_name == "option"]
+
+
 def _simulate(options: RunOptions) -> int:
     # imported only now: the other commands, and mistakes in this one, should not wait for the simulator to load
-    from morse.simulation.run import run
+    from morse.launch.run import run
 
     try:
         return run(options)
     except Exception:
-        # programs that read the log wait for this marker, whatever went wrong
+        # programs that read the log wait for this marker, also after an error
         _logger.critical("[ERROR][MORSE] Uncaught exception, quit.", exc_info=True)
         return 1
 
 
 def check_geometry(geometry: str | None) -> None:
-    """Refuse what is not ``WxH`` or ``WxH+dx,dy``."""
+    """Refuse a value that is not ``WxH`` or ``WxH+dx,dy``."""
     if geometry is not None and not _GEOMETRY.fullmatch(geometry):
         raise CommandError(f"--geometry is WIDTHxHEIGHT or WIDTHxHEIGHT+dx,dy, e.g. 800x600; got '{geometry}'.", 2)
 
@@ -148,7 +169,23 @@ def _view(headless: bool, view: str | None) -> str:
 def _speed(text: str | None) -> float | None:
     if text is None:
         return None
-    return math.inf if text == "max" else _positive("--speed", text, "0.5, 2 or max")
+    if text == "max":
+        return math.inf
+    speed = _positive("--speed", text, "0.5, 2 or max")
+    if speed < SLOWEST:
+        raise CommandError(f"--speed is at least {SLOWEST:g}, got {text}; 'pause' and 'step' hold the clock.", status=2)
+    return speed
+
+
+def _duration(text: str) -> float:
+    seconds = _positive("--duration", text, "60 (simulated seconds)")
+    if seconds > _LONGEST:
+        raise CommandError(
+            f"--duration takes {_LONGEST:g} simulated seconds at most, got {text}; without it the simulation "
+            "runs until it is stopped.",
+            status=2,
+        )
+    return seconds
 
 
 def _positive(option: str, text: str, example: str) -> float:
@@ -187,7 +224,7 @@ def _host(host: str) -> str:
                 probe.bind(address)
     except (OSError, UnicodeError):
         raise CommandError(
-            f"--host '{host}' is no address of this machine: use 127.0.0.1 for this machine only, "
+            f"--host '{host}' is not an address of this machine: use 127.0.0.1 for this machine only, "
             "0.0.0.0 to listen on all its networks.",
             status=2,
         ) from None

@@ -54,7 +54,11 @@ def resolve(words: Sequence[str]) -> ResolvedScene:
     Raises:
         CommandError: if there is no such scene.
     """
-    sites = Sites()
+    sites, broken = Sites.or_none_registered()
+    if broken is not None:
+        if not Path(words[0] if words else _DEFAULT_SCENE).exists():
+            raise broken
+        warn(f"{broken} Until then no environment is known by its name.")
     if not words:
         return _scene_here(sites)
     first, rest = words[0], list(words[1:])

@@ -5,40 +5,68 @@ from __future__ import annotations
 import configparser
 import os
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from morse.cli.locks import exclusive
 from morse.cli.messages import CommandError, nearest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 _SECTION = "sites"
 
 
 def config_path() -> Path:
-    """The configuration file (``HOME`` is honoured)."""
-    return Path.home() / ".morse" / "config"
+    """The configuration file (``HOME`` is honoured).
+
+    Raises:
+        CommandError: the user has no home directory.
+    """
+    try:
+        return Path.home() / ".morse" / "config"
+    except RuntimeError as error:
+        raise CommandError(f"MORSE keeps its configuration in your home directory: {error}") from error
 
 
 class Sites:
     """Names of environments and their directories; names are not case-sensitive.
 
+    Args:
+        path: the configuration file.
+
     Raises:
         CommandError: if the configuration file cannot be read.
     """
 
-    def __init__(self) -> None:
-        self.path = config_path()
-        self._config = configparser.ConfigParser(interpolation=None)
+    def __init__(self, path: Path | None = None) -> None:
+        self.path = config_path() if path is None else path
+        self._config = self._read()
+
+    @classmethod
+    def or_none_registered(cls) -> tuple[Sites, CommandError | None]:
+        """The registered environments; if the configuration file is broken none, and what is wrong with it."""
         try:
-            self._config.read_string(self.path.read_text(encoding="utf-8"), str(self.path))
+            return cls(), None
+        except CommandError as error:
+            return cls(Path(os.devnull)), error
+
+    def _read(self) -> configparser.ConfigParser:
+        config = configparser.ConfigParser(interpolation=None)
+        try:
+            config.read_string(self.path.read_text(encoding="utf-8"), str(self.path))
         except FileNotFoundError:
             pass
-        except (configparser.Error, UnicodeDecodeError) as error:
+        except (configparser.Error, UnicodeDecodeError, OSError) as error:
             reason = str(error).splitlines()[0]
             raise CommandError(
                 f"{self.path} is not a valid configuration file ({reason}). "
                 "Correct it, or remove it and register your environments again with `morse import PATH`."
             ) from error
-        if not self._config.has_section(_SECTION):
-            self._config.add_section(_SECTION)
+        if not config.has_section(_SECTION):
+            config.add_section(_SECTION)
+        return config
 
     def __contains__(self, name: str) -> bool:
         return self._config.has_option(_SECTION, name)
@@ -80,16 +108,25 @@ class Sites:
 
     def register(self, name: str, directory: Path) -> None:
         """Add an environment or change its directory, and save."""
-        self._config.set(_SECTION, name, os.path.abspath(directory))
-        self._save()
+        with self._locked():
+            self._config.set(_SECTION, name, os.path.abspath(directory))
+            self._save()
 
     def forget(self, name: str) -> None:
         """Remove an environment, and save."""
-        self._config.remove_option(_SECTION, name)
-        self._save()
+        with self._locked():
+            self._config.remove_option(_SECTION, name)
+            self._save()
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        """No other process changes the file meanwhile, and what others have registered is known."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        with exclusive(self.path.with_name("config.lock")):
+            self._config = self._read()
+            yield
 
     def _save(self) -> None:
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         # written beside and moved into place: an interrupted command must not lose the other environments
         descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
         try:

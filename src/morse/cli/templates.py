@@ -121,7 +121,7 @@ def _write(directory: Path, kind: str, template: str, values: Values) -> Path:
     if text.startswith(_APPEND):
         _append(target, values.fill(text.removeprefix(_APPEND)))
     elif target.name != "__init__.py" or not target.exists():
-        # a package that is there belongs to the user, whatever is in it
+        # an existing package belongs to the user, whatever its content
         target.write_text(values.fill(text), encoding="utf-8", newline="\n")
     if text.startswith("#!"):
         os.chmod(target, target.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
@@ -138,6 +138,6 @@ def _append(target: Path, addition: str) -> None:
 
 
 def _inside_quotes(text: str) -> str:
-    """A text as it may stand between any quotes of a Python source file."""
+    """A string, escaped for use between any quotes of a Python source file."""
     printable = "".join(character if character.isprintable() else " " for character in text).strip()
     return printable.replace("\\", "\\\\").replace('"', '\\"').replace("'", "\\'")

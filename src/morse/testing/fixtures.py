@@ -19,6 +19,8 @@ Put ``pytest_plugins = ["morse.testing.fixtures"]`` into ``conftest.py``; then::
 from __future__ import annotations
 
 import contextlib
+import logging
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,51 +34,110 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     #: starts a simulation and returns the connection to it
-    Simulate = Callable[..., Morse]
+    Simulate = Callable[..., Any]
 
 
 @pytest.fixture
 def simulate(tmp_path: Path) -> Iterator[Simulate]:
-    """Call it with a scene to run it: ``simulate(scene, *options)``.
+    """Call it with a scene to run it: ``simulate(scene, *options, sockets=True, strict=True)``.
 
     The scene is a function of a module, or the path of a scene script; the options are those of
-    ``morse run``. The result is a `pymorse.Morse`. Every simulation is on ports of its own, and ends with
-    the test, which fails if the simulation reported an error.
+    ``morse run``. The simulation runs in a process of its own, on ports of its own, and the result is a
+    `pymorse.Morse`; with ``sockets=False`` it runs in the process of the test, without any port, and the result is
+    the simulation, which has the same words. There, time passes only while the test asks for it, by ``step``,
+    ``get``, ``sleep`` or the result of a service, and of the options there are ``--seed`` and ``--speed``.
+
+    Every simulation ends with the test, which fails if the simulation reported an error. Unless ``strict`` is
+    False, a command with an unknown or ill-typed field is one.
     """
-    running: list[tuple[SimulationProcess, Morse]] = []
-
-    def start(scene: Callable[[], Any] | str | Path, *options: str) -> Morse:
-        name = f"scene{len(running)}"
-        if callable(scene):
-            script = tmp_path / f"{name}.py"
-            script.write_text(script_of_function(scene), encoding="utf-8")
-        else:
-            script = Path(scene)
-        process = SimulationProcess(script, tmp_path / f"{name}.log", options=["--headless", *options])
-        try:
-            process.wait_initialized()
-            simu = Morse("127.0.0.1", process.port)
-        except BaseException:
-            process.kill()
-            raise
-        running.append((process, simu))
-        return simu
-
     with contextlib.ExitStack() as endings:
-        endings.callback(_end_all, running)
+        errors: list[str] = []
+        endings.callback(_fail_for, errors)
+        number = 0
+
+        def start(
+            scene: Callable[[], Any] | str | Path, *options: str, sockets: bool = True, strict: bool = True
+        ) -> Any:
+            nonlocal number
+            number += 1
+            if not sockets:
+                return _load(scene, options, strict, endings, errors)
+            name = f"scene{number - 1}"
+            if callable(scene):
+                script = tmp_path / f"{name}.py"
+                script.write_text(script_of_function(scene), encoding="utf-8")
+            else:
+                script = Path(scene)
+            words = ["--headless", *(["--strict"] if strict else []), *options]
+            return _start(script, tmp_path / f"{name}.log", words, endings, errors)
+
         yield start
 
 
-def _end_all(running: list[tuple[SimulationProcess, Morse]]) -> None:
-    errors = []
-    for process, simu in reversed(running):
-        with contextlib.suppress(ConnectionError):
-            simu.close(cancel_async_services=True)
-        try:
-            process.stop()
-        except Exception as error:
-            errors.append(str(error))
-        if process.watch.error is not None:
-            errors.append(f"the simulation reported an error: {process.watch.error}")
+def _start(script: Path, log: Path, options: list[str], endings: contextlib.ExitStack, errors: list[str]) -> Morse:
+    process = SimulationProcess(script, log, options=options)
+    try:
+        process.wait_initialized()
+        simu = Morse("127.0.0.1", process.port)
+    except BaseException:
+        process.kill()
+        raise
+    endings.callback(_end, process, simu, errors)
+    return simu
+
+
+def _end(process: SimulationProcess, simu: Morse, errors: list[str]) -> None:
+    with contextlib.suppress(ConnectionError):
+        simu.close(cancel_async_services=True)
+    try:
+        process.stop()
+    except Exception as error:
+        errors.append(str(error))
+    if process.watch.error is not None:
+        errors.append(f"the simulation reported an error: {process.watch.error}")
+
+
+def _load(
+    scene: Callable[[], Any] | str | Path,
+    options: tuple[str, ...],
+    strict: bool,
+    endings: contextlib.ExitStack,
+    errors: list[str],
+) -> Any:
+    import morse
+
+    simulation = morse.load(scene, strict=strict, **_in_process(options))
+    handler = _Errors(errors)
+    logger = logging.getLogger("morse")
+    logger.addHandler(handler)
+    endings.callback(logger.removeHandler, handler)
+    endings.callback(simulation.close)
+    return simulation
+
+
+def _in_process(options: tuple[str, ...]) -> dict[str, Any]:
+    words = iter(options)
+    found: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if name not in ("--seed", "--speed"):
+            raise ValueError(f"a simulation without sockets takes the options --seed and --speed, not {word!r}")
+        value = value if equals else next(words, "")
+        found[name[2:]] = int(value) if name == "--seed" else math.inf if value == "max" else float(value)
+    return found
+
+
+class _Errors(logging.Handler):
+    """Notes the errors that a simulation reports."""
+
+    def __init__(self, errors: list[str]) -> None:
+        super().__init__(logging.ERROR)
+        self._errors = errors
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._errors.append(f"the simulation reported an error: {record.getMessage()}")
+
+
+def _fail_for(errors: list[str]) -> None:
     if errors:
         pytest.fail("\n".join(errors))

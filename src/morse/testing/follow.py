@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 INITIALIZED = "SCENE INITIALIZED"
 EXITING = "EXITING SIMULATION"
-ERROR = "[ERROR][MORSE]"
-FAILED = "INITIALIZATION ERROR"
+#: at the beginning of a record: what clients and scripts say is further right
+_ERROR = re.compile(r"(\x1b\[[\d;]+m)?(\[[\w.]+\] )?(\[ERROR\]\[MORSE\]|INITIALIZATION ERROR)")
 _PORT = re.compile(r"services are on port (\d+)")
 _PERIOD = 0.02
 _TAIL = 40
@@ -92,11 +92,11 @@ class LogWatch(threading.Thread):
             if self.pid is None and "PID" in line:
                 last = line.split()[-1]
                 self.pid = int(last) if last.isdecimal() else None
-            if match := _PORT.search(line):
+            if self.port is None and (match := _PORT.search(line)):
                 self.port = int(match[1])
             if INITIALIZED in line:
                 self.initialized = True
-            is_error = self.error is None and (ERROR in line or FAILED in line)
+            is_error = self.error is None and _ERROR.match(line) is not None
             if is_error:
                 self.error = line
             running = self.initialized

@@ -110,13 +110,13 @@ class SimulationProcess:
         return self.watch.error
 
     def stop(self) -> None:
-        """End it, by its service if that answers, and wait for the end.
+        """End the simulation, by its service if the service answers, and wait for the end.
 
         Raises:
-            MorseTestingError: it had to be killed, or it had failed.
+            MorseTestingError: the simulation had to be killed, or had failed.
         """
         asked = self._process.poll() is not None or self._ask_to_quit()
-        # nobody answers in one that is just about to end
+        # a simulation that is about to end does not answer
         self.watch.join(_END_TIMEOUT if asked else _KILL_TIMEOUT)
         if self._process.poll() is None:
             self.kill()

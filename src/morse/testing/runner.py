@@ -41,7 +41,7 @@ def _mode_name(mode: Any) -> str:
     if isinstance(name, int) and 0 <= name < len(names):
         name = names[name]
     if name not in names:
-        raise ValueError(f"{mode!r} is no time mode: there are {', '.join(names)}")
+        raise ValueError(f"{mode!r} is not a time mode: there are {', '.join(names)}")
     return str(name)
 
 

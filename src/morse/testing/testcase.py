@@ -9,7 +9,6 @@ import os
 import signal
 import tempfile
 import threading
-import time
 import unittest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ from pymorse.pymorse import PORTS
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from pymorse import Robot
+    from pymorse import Morse
 
 testlogger = logging.getLogger("morsetesting.general")
 
@@ -34,7 +33,7 @@ class MorseTestCase(unittest.TestCase):
     """Runs the scene that `setUpEnv` describes during each test.
 
     The log of the simulation goes to ``<name of the class>.log`` in the working directory. If it
-    reports an error, the test fails at once. Services are on port 4000 if nobody else is there;
+    reports an error, the test fails at once. Services are on port 4000 if that port is free;
     ``Morse()`` finds them in any case.
 
     Attributes:
@@ -141,19 +140,23 @@ def _interrupt_main_thread() -> None:
 
 
 class MorseMoveTestCase(MorseTestCase):
-    """Tests of robots that move; a robot has a ``pose``, a ``motion`` and a ``teleport`` component."""
+    """Tests of a robot that moves.
+
+    The scene has one robot called ``robot``, with components called ``pose``, ``motion`` and ``teleport``.
+    """
 
     def assertAlmostEqualPosition(  # noqa: N802
-        self, robot: Robot, expected_pose: Sequence[float], precision: float
+        self, simu: Morse, expected_pose: Sequence[float], precision: float
     ) -> None:
-        """Check where a robot is.
+        """Check where ``simu.robot`` is.
 
         Args:
+            simu: connection to the simulation.
             expected_pose: x, y, z (m), yaw, pitch, roll (rad).
             precision: the largest difference, m and rad.
         """
-        pose = robot.pose.get()
-        for name, expected in zip(("x", "y", "z", "yaw", "pitch", "roll"), expected_pose, strict=False):
+        pose = simu.robot.pose.get()
+        for name, expected in zip(("x", "y", "z", "yaw", "pitch", "roll"), expected_pose, strict=True):
             difference = pose[name] - expected
             if name in ("yaw", "pitch", "roll"):
                 difference = math.remainder(difference, 2.0 * math.pi)
@@ -161,24 +164,24 @@ class MorseMoveTestCase(MorseTestCase):
                 self.fail(f"{name} is {pose[name]:g}, expected {expected:g} within {precision:g}; the pose is {pose}")
 
     def assertAlmostEqualPositionThenFix(  # noqa: N802
-        self, robot: Robot, expected_pose: Sequence[float], precision: float
+        self, simu: Morse, expected_pose: Sequence[float], precision: float
     ) -> None:
-        """Check where a robot is, and put it exactly there, 1 cm above the ground, so that errors do not add up.
+        """Check where ``simu.robot`` is, and put it exactly there, 1 cm higher, so that errors do not add up.
 
         Args:
+            simu: connection to the simulation.
             expected_pose: x, y, z (m), yaw, pitch, roll (rad).
             precision: the largest difference, m and rad.
         """
-        self.assertAlmostEqualPosition(robot, expected_pose, precision)
-        simulation = robot._morse
-        simulation.deactivate(robot.motion)
-        simulation.activate(robot.teleport)
+        self.assertAlmostEqualPosition(simu, expected_pose, precision)
+        simu.deactivate("robot.motion")
         x, y, z, yaw, pitch, roll = expected_pose
-        robot.teleport.publish({"x": x, "y": y, "z": z + 0.01, "yaw": yaw, "pitch": pitch, "roll": roll})
-        time.sleep(0.1)
-        simulation.deactivate(robot.teleport)
-        simulation.activate(robot.motion)
-        time.sleep(0.1)
+        simu.robot.teleport.publish({"x": x, "y": y, "z": z + 0.01, "yaw": yaw, "pitch": pitch, "roll": roll})
+        simu.activate("robot.teleport")
+        simu.sleep(0.1)
+        simu.deactivate("robot.teleport")
+        simu.activate("robot.motion")
+        simu.sleep(0.1)
 
 
 class MorseBuilderFailureTestCase(MorseTestCase):

@@ -1,0 +1,122 @@
+"""What follows the scene on the command line of ``morse run``: arguments of the script, or misplaced options."""
+
+from __future__ import annotations
+
+import ast
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.cli.messages import CommandError, warn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+#: names by which programs get at their command line
+_READERS = frozenset(
+    {"argv", "orig_argv", "argparse", "getopt", "optparse", "absl", "click", "docopt", "fire", "typer", "tyro"}
+)
+
+
+def check_arguments(
+    scene: Sequence[str], arguments: Sequence[str], script: Path, source_paths: Iterable[str], parameters: Iterable[Any]
+) -> None:
+    """Refuse options of ``morse run`` that stand after the scene, unless the script may read them itself.
+
+    Args:
+        scene: the words that name the scene.
+        arguments: what follows them.
+        script: the file of the scene.
+        source_paths: where the packages of its project are.
+        parameters: those of ``morse run``.
+
+    Raises:
+        CommandError: the script would not see them, and the simulation would run without them.
+    """
+    takes_value = {name: not parameter.is_flag for parameter in parameters for name in _options_of(parameter)}
+    options = [word for word in arguments if word.startswith("-")]
+    own = [word for word in options if word.split("=")[0] in takes_value]
+    if not options or _reads_arguments(script, [str(script.parent), *source_paths]):
+        if own:
+            warn(
+                f"{', '.join(own)}: the script gets what follows the scene; options of `morse run` go before the scene."
+            )
+        return
+    if own:
+        before, after = _sorted(arguments, takes_value)
+        right = shlex.join(["morse", "run", *before, *scene, *after])
+        raise CommandError(
+            f"{', '.join(own)}: options of `morse run` go before the scene; after it they are for the script, "
+            f"which does not read its arguments. Write: {right}",
+            status=2,
+        )
+    warn(f"{', '.join(options)}: the script does not read its arguments, so this has no effect.")
+
+
+def _options_of(parameter: Any) -> list[str]:
+    return [name for name in (*parameter.opts, *parameter.secondary_opts) if name.startswith("-")]
+
+
+def _sorted(arguments: Sequence[str], takes_value: dict[str, bool]) -> tuple[list[str], list[str]]:
+    """The options of the command with their values, and the other words."""
+    before: list[str] = []
+    after: list[str] = []
+    words = iter(arguments)
+    for word in words:
+        name, equals, _ = word.partition("=")
+        if name not in takes_value:
+            after.append(word)
+            continue
+        before.append(word)
+        if takes_value[name] and not equals and (value := next(words, None)) is not None:
+            before.append(value)
+    return before, after
+
+
+def _reads_arguments(script: Path, directories: list[str]) -> bool:
+    """Whether a script, or what it imports from its project, names something that reads the command line."""
+    seen: set[Path] = set()
+    waiting = [script]
+    while waiting:
+        file = waiting.pop()
+        if file in seen:
+            continue
+        seen.add(file)
+        try:
+            tree = ast.parse(file.read_bytes())
+        except (OSError, SyntaxError, ValueError):
+            if file == script and file.suffix != ".blend":
+                return True  # the error is said when it is run
+            continue
+        for node in ast.walk(tree):
+            if _READERS.intersection(_names(node)):
+                return True
+            waiting += [found for name in _modules(node) for found in _files(name, directories)]
+    return False
+
+
+def _names(node: ast.AST) -> Iterable[str]:
+    match node:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return (name,)
+        case ast.Import(names=names):
+            return [alias.name.partition(".")[0] for alias in names]
+        case ast.ImportFrom(module=module, names=names):
+            return [*(alias.name for alias in names), (module or "").partition(".")[0]]
+    return ()
+
+
+def _modules(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if isinstance(node, ast.ImportFrom):
+        # of a relative import only the last words are known: they are looked for everywhere
+        return [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return []
+
+
+def _files(module: str, directories: list[str]) -> list[Path]:
+    path = Path(*module.split(".")) if module else Path()
+    candidates = [Path(directory) / path for directory in directories]
+    files = [file for stem in candidates for file in (stem.with_suffix(".py"), stem / "__init__.py")]
+    return [file for file in files if module and file.is_file()]
