@@ -54,7 +54,7 @@ def main() -> None:
         scan_error_m=scan_error,
         scan_bad_share=scan_bad,
     )
-    simulation.shut_down()
+    simulation.close()
     sys.stdout.flush()
 
 

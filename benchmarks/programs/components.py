@@ -26,7 +26,7 @@ def main() -> None:
     once = stopwatch.cost_of(act, 1).wall
     cost = stopwatch.cost_of(act, max(1, min(2000, int(0.05 / max(once, 1e-9)))))
     stopwatch.report(us=cost.wall * 1e6, processor_us=cost.processor * 1e6)
-    simulation.shut_down()
+    simulation.close()
 
 
 if __name__ == "__main__":

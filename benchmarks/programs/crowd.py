@@ -28,7 +28,7 @@ def main() -> None:
     error = start(simulation)
     pace, _ = stopwatch.measure(simulation.tick, arguments.secs)
     stopwatch.report(factor=pace.wall, processor_factor=pace.processor, load_s=loaded, position_error_m=error())
-    simulation.shut_down()
+    simulation.close()
 
 
 def start(simulation: Simulation) -> Callable[[], float]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 
-from morse.simulation.simulation import Simulation
+from morse.simulation.ticking import Ticker
 
-_tick = Simulation.tick
+_tick = Ticker.tick
 
 
-def _only_one_tick(simulation: Simulation) -> None:
-    _tick(simulation)
+def _only_one_tick(ticker: Ticker) -> None:
+    _tick(ticker)
     print("first tick", flush=True)
     os._exit(0)
 
@@ -19,7 +19,7 @@ def main() -> None:
     """Run the command."""
     from morse.cli import main as morse
 
-    Simulation.tick = _only_one_tick  # type: ignore[method-assign]
+    Ticker.tick = _only_one_tick  # type: ignore[method-assign]
     morse()
 
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import morse
 from benchmarks import work
-from morse.assets.collision import resolve_shapes
-from morse.builder.script import load_scene
-from morse.simulation.options import RunOptions
-from morse.simulation.simulation import Simulation
-from morse.simulation.viewing import open_view
 
 if TYPE_CHECKING:
     from morse.core.object import Object
+    from morse.simulation.simulation import Simulation
 
 SCENES = Path(__file__).parents[1] / "scenes"
 
@@ -28,20 +26,15 @@ def prepare(scene: str, *, view: bool = False, **arguments: object) -> Simulatio
         arguments: of the scene.
     """
     logging.disable(logging.WARNING)
-    options = RunOptions(
-        str(SCENES / f"{scene}.py"),
+    simulation = morse.load(
+        SCENES / f"{scene}.py",
         arguments=[f"{name}={value}" for name, value in arguments.items()],
-        view="web" if view else "none",
-        view_port=0,
-        open_browser=False,
+        sockets=True,
+        view="web" if view else None,
     )
-    described = load_scene(options)
-    resolve_shapes(described)
-    simulation = Simulation(described, options)
-    simulation.load()
-    simulation.view = open_view(simulation)
-    if simulation.view is not None:
-        simulation.view.announce()
+    # as `morse run` does: what exists now stays to the end
+    gc.collect()
+    gc.freeze()
     return simulation
 
 

@@ -26,7 +26,7 @@ def main() -> None:
         scan_error_m=error,
         scan_bad_share=bad,
     )
-    simulation.shut_down()
+    simulation.close()
 
 
 if __name__ == "__main__":

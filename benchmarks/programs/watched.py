@@ -52,7 +52,7 @@ def main() -> None:
     differences = {f"pages_{n}_ms": median(costs[n] - costs[0] for costs in rounds) for n in arguments.pages}
     alone = median(costs[0] for costs in rounds)
     stopwatch.report(alone_ms=alone, position_error_m=error(), **differences)
-    simulation.shut_down()
+    simulation.close()
 
 
 if __name__ == "__main__":

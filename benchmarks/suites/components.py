@@ -32,7 +32,7 @@ def components(plan: Plan) -> Iterator[Result]:
 
 def _others() -> list[str]:
     # imported only now: a mistake in MORSE should not keep the other benchmarks from running
-    from morse.builder import catalog
+    from morse.builder.names import catalog
 
     packages = ("morse.sensors", "morse.actuators")
     return sorted({name for package in packages for name in catalog.components(package)} - set(_WANTED))

@@ -7,6 +7,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -80,11 +81,17 @@ def _first_tick(scene: tuple[str, ...], home: dict[str, str], folder: str | None
         text=True,
     ) as child:  # fmt: skip
         assert child.stdout is not None
+        late = threading.Timer(_PATIENCE, child.kill)
+        late.start()
         said = []
-        for line in child.stdout:
-            if line == "first tick\n":
-                return time.perf_counter() - begin
-            said.append(line)
+        try:
+            for line in child.stdout:
+                if line == "first tick\n":
+                    return time.perf_counter() - begin
+                said.append(line)
+        finally:
+            late.cancel()
+            child.kill()
     raise TrialFailed(f"{' '.join(scene)} had no first tick:\n{''.join(said[-5:])}")
 
 
