@@ -9,7 +9,16 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from component_library import component_pages, index_page, model_pages, robot_pages, service_pages
+from component_library import (
+    component_pages,
+    index_page,
+    kind_page,
+    middleware_page,
+    model_pages,
+    modifier_page,
+    robot_pages,
+    service_pages,
+)
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
@@ -22,7 +31,8 @@ def page_names() -> list[str]:
     names = [f"robots/{name.lower()}" for name in robot_pages.robot_classes()]
     for kind in ("sensors", "actuators"):
         names += [f"{kind}/{name.lower()}" for name in component_pages.builder_classes(kind)]
-    return ["index", *(f"{kind}/index" for kind in index_page.KINDS), *names, "models", "services"]
+    others = ["modifiers", "models", "message-kinds", "middlewares", "services"]
+    return ["index", *(f"{kind}/index" for kind in index_page.KINDS), *names, *others]
 
 
 def write(folder: Path) -> list[Path]:
@@ -33,7 +43,10 @@ def write(folder: Path) -> list[Path]:
         **robot_pages.pages(),
         **component_pages.pages("sensors"),
         **component_pages.pages("actuators"),
+        **modifier_page.pages(),
         **model_pages.pages(),
+        **kind_page.pages(),
+        **middleware_page.pages(),
         **service_pages.pages(),
     }
     for name, text in pages.items():

@@ -7,11 +7,11 @@ from importlib import import_module
 from typing import Any
 
 from component_library import scenes
-from component_library.declared import data_table, level_table, own_services, property_table, service_list
+from component_library.declared import data_table, kind_table, level_table, own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
 from morse.builder import workspace
-from morse.builder.classes import load_class
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
+from morse.builder.names.classes import load_class
 from morse.core.declarations import data_fields
 from morse.middleware import registry
 
@@ -42,9 +42,7 @@ def component_class(builder: type[ComponentCreator]) -> type[Any]:
 
 def short_description(builder: type[ComponentCreator]) -> str:
     """What a component is, in one sentence."""
-    cls = component_class(builder)
-    own = inspect.getdoc(builder) if builder.__module__ != f"morse.builder.{builder._kind}s" else None
-    text = own or getattr(cls, "_short_desc", "") or inspect.getdoc(cls) or ""
+    text = inspect.getdoc(builder) or ""
     return prose(text).split("\n\n")[0].rstrip(".") + "."
 
 
@@ -77,6 +75,7 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
         table(["", ""], facts),
         section("Use", *use),
         section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls)) if fields else "",
+        section("Messages", kind_table(cls)),
         section("Properties", property_table(cls, changed)),
         section("Levels", level_table(cls)),
         section("In scene scripts", _own_methods(builder)),
@@ -101,9 +100,9 @@ def _common_services(sensor: bool) -> str:
 def _interfaces(cls: type, direction: str) -> str:
     rows = []
     for name, middleware in registry.installed().items():
-        streams = middleware.streams_of(cls, None, direction)
-        if middleware.stream_manager is not None and streams:
-            rows.append([code(name), ", ".join(code(path.rpartition(".")[2]) for path in streams)])
+        stream = middleware.stream_of(cls, direction)
+        if stream is not None:
+            rows.append([code(name), code(stream.rpartition(".")[2])])
     return table(["middleware", "stream"], rows)
 
 

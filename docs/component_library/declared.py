@@ -6,9 +6,10 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 from component_library.markdown import arguments, code, prose, table
-from morse.core.declarations import data_fields, levels, properties
+from morse.core.declarations import data_fields, kinds, levels, properties
 from morse.core.object import Object
 from morse.core.services import ServiceDeclaration, declared_services, signature_of
+from morse.core.validation.arguments import argument_ranges
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -25,9 +26,11 @@ def data_table(cls: type) -> str:
         # some defaults say in words what they will be
         words = isinstance(field.default, str) and field.type not in ("string", "str")
         default = field.default if words else code(_shown(field.default))
-        row = [code(name), field.type, field.unit, default, field.doc]
+        row = [code(name), field.type, field.unit, field.frame, default, _bounds(field.low, field.high), field.doc]
         rows.append([*row, level] if has_levels else row)
-    return table(["field", "type", "unit", "at the start", "what", *(["level"] if has_levels else [])], rows)
+    return table(
+        ["field", "type", "unit", "frame", "at the start", "range", "what", *(["level"] if has_levels else [])], rows
+    )
 
 
 def property_table(cls: type, changed: Mapping[str, Any]) -> str:
@@ -38,9 +41,16 @@ def property_table(cls: type, changed: Mapping[str, Any]) -> str:
         changed: what its builder class sets.
     """
     return table(
-        ["property", "type", "default", "what"],
+        ["property", "type", "unit", "default", "range", "what"],
         (
-            [code(prop.name), prop.type, code(_shown(changed.get(prop.name, prop.default))), prop.doc]
+            [
+                code(prop.name),
+                prop.type,
+                prop.unit,
+                code(_shown(changed.get(prop.name, prop.default))),
+                ", ".join(map(str, prop.choices)) or _bounds(prop.low, prop.high),
+                prop.doc,
+            ]
             for prop in properties(cls).values()
         ),
     )
@@ -52,6 +62,17 @@ def level_table(cls: type) -> str:
         ["level", "what", ""],
         ([code(name), level.doc, "default" if level.default else ""] for name, level in levels(cls).items()),
     )
+
+
+def kind_table(cls: type) -> str:
+    """The message kinds of a component."""
+    rows = []
+    for use in kinds(cls):
+        level = use.level if isinstance(use.level, str) else ", ".join(use.level)
+        link = f"[{use.kind}](../message-kinds.md#{use.kind.replace('_', '-')})"
+        remark = "on request" if use.on_request else ""
+        rows.append([link, ", ".join(use.slots), use.topic and code(use.topic), level, remark])
+    return table(["kind", "slots", "sub-topic", "level", ""], rows)
 
 
 def own_services(cls: type) -> list[ServiceDeclaration]:
@@ -73,10 +94,19 @@ def _service(cls: type, declaration: ServiceDeclaration) -> str:
     lines = [f"`{shown}`", f": {' '.join(prose(plain).split())}"]
     if declaration.asynchronous:
         lines[1] += " Answers when it is done; can be cancelled."
-    lines += [f"  - `{name}`: {what}" for name, what in arguments(plain)]
+    ranges = argument_ranges(method)
+    explained = arguments(plain)
+    lines += [f"  - `{name}`: {what}{f' ({ranges[name]})' if name in ranges else ''}" for name, what in explained]
+    lines += [f"  - `{name}`: {what}" for name, what in ranges.items() if name not in dict(explained)]
     if len(lines) > 2:
         lines.insert(2, "")
     return "\n".join(lines) + "\n"
+
+
+def _bounds(low: float | None, high: float | None) -> str:
+    if low is None and high is None:
+        return ""
+    return f"{'' if low is None else f'{low:g}'} … {'' if high is None else f'{high:g}'}".strip()
 
 
 def _shown(value: Any) -> str:

@@ -23,8 +23,15 @@ def pages() -> dict[str, str]:
         f"{kind}/index": page(kind.capitalize(), _list(kind, ""), _tree(map(str.lower, _names(kind)))) for kind in KINDS
     }
     parts = [section(kind.capitalize(), _list(kind, f"{kind}/")) for kind in KINDS]
-    parts.append(section("And", "- [Environments and things](models.md)\n- [Services of the simulation](services.md)"))
-    parts.append(_tree([*kinds, "models", "services"]))
+    others = {
+        "modifiers": "Modifiers",
+        "models": "Environments and things",
+        "message-kinds": "Message kinds",
+        "middlewares": "Middlewares",
+        "services": "Services of the simulation",
+    }
+    parts.append(section("And", *(f"- [{title}]({name}.md)" for name, title in others.items())))
+    parts.append(_tree([*kinds, *others]))
     return {"index": page("Component library", _INTRODUCTION, *parts), **kinds}
 
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from component_library.markdown import block, code, page, section, table
 from component_library.sizes import extent
 from morse.assets import find, load, search
-from morse.builder.selection import pick
+from morse.builder.assembly.selection import pick
 from morse.scene import PhysicsType
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from morse.builder.selection import Role
+    from morse.builder.assembly.selection import Role
     from morse.scene import Library, Node
 
 _PROP = """from morse.builder import *

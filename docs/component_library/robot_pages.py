@@ -10,7 +10,7 @@ from component_library.declared import own_services, property_table, service_lis
 from component_library.markdown import block, code, page, prose, section, table
 from component_library.sizes import extent
 from morse.builder import robots, workspace
-from morse.builder.robot import GroundRobot, Robot, WheeledRobot
+from morse.builder.components.robot import GroundRobot, Robot, WheeledRobot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -7,20 +7,41 @@ import re
 from morse.core.declarations import data_fields
 
 #: components that need a certain robot; all others ride on an ATRV
-_CARRIERS = {"MotionVWDiff": "Pioneer3DX"}
+_CARRIERS = {
+    "MotionVWDiff": "Pioneer3DX",
+    "QuadrotorDynamicControl": "Quadrotor",
+    "RotorcraftAttitude": "Quadrotor",
+    "RotorcraftVelocity": "Quadrotor",
+    "RotorcraftWaypoint": "Quadrotor",
+    "StabilizedQuadrotor": "QUAD2012",
+    "SteerForce": "Hummer",
+    "WheelEncoders": "Pioneer3DX",
+}
+#: components that are appended to another component, which is on the robot
+_HOLDERS = {"PTUPosture": "PTU"}
+#: components that need to know where on the earth they are
+_ON_THE_EARTH = ("Magnetometer",)
 
 
 def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
     """A scene script with a component on a robot."""
     variable = variable_of(name)
     robot = _CARRIERS.get(name, "ATRV")
-    lines = ["from morse.builder import *", "", f"robot = {robot}()", "", f"{variable} = {name}()"]
-    if sensor:
+    lines = ["from morse.builder import *", "", f"robot = {robot}()", ""]
+    holder = "robot"
+    if name in _HOLDERS:
+        holder = variable_of(_HOLDERS[name])
+        lines += [f"{holder} = {_HOLDERS[name]}()", f"robot.append({holder})", ""]
+    lines.append(f"{variable} = {name}()")
+    if sensor and holder == "robot":
         lines.append(f"{variable}.translate(x=0.3, z=0.8)")
-    lines += [f"robot.append({variable})", ""]
+    lines += [f"{holder}.append({variable})", ""]
     if fields:
         lines.append("robot.add_default_interface('socket')")
-    return "\n".join([*lines, "env = Environment('empty')"])
+    lines.append("env = Environment('empty')")
+    if name in _ON_THE_EARTH:
+        lines.append("env.properties(longitude=1.43, latitude=43.6, altitude=135.0)")
+    return "\n".join(lines)
 
 
 def robot_scene(name: str, *, motion: str, height: float) -> str:
@@ -44,7 +65,8 @@ def robot_scene(name: str, *, motion: str, height: float) -> str:
 
 def client(name: str, cls: type, *, sensor: bool) -> str:
     """A program that reads a sensor, or commands an actuator."""
-    component = f"simu.robot.{variable_of(name)}"
+    holder = f"{variable_of(_HOLDERS[name])}." if name in _HOLDERS else ""
+    component = f"simu.robot.{holder}{variable_of(name)}"
     if sensor:
         return f"from pymorse import Morse\n\nwith Morse() as simu:\n    print({component}.get())"
     fields = {field: value.default for field, value in data_fields(cls).items()}

@@ -205,7 +205,7 @@ def robots(journey: Journey) -> None:
 
 
 #: pictures of the live view's own gallery that the documentation shows
-_GALLERY = ("indoors", "outdoors")
+_GALLERY = ("indoors", "outdoors", "office", "warehouse")
 
 
 def gallery(journey: Journey) -> None:
