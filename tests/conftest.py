@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import importlib.util
 import os
+import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import HealthCheck, find, settings
+from hypothesis import strategies as st
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
@@ -23,6 +27,52 @@ FLAGS = [
 ]
 
 _MUST_RUN_IN_CI = ("browser", "blender")
+
+#: folders whose tests make up `pytest -m quick`, except those that take long or need more than Python
+QUICK = ("architecture", "assets", "builder", "core", "helpers", "mathutils", "physics", "sensors", "services")
+_NOT_QUICK = ("slow", "soak", "browser", "blender")
+
+#: the first port of the services of a worker's simulations, and the distance to those of the next worker
+_FIRST_PORT, _PORTS = 20_000, 200
+
+# other programs that take the processor are no reason to fail
+settings.register_profile("unhurried", deadline=None)
+settings.load_profile("unhurried")
+
+# A shell starts its background jobs (`pytest &`) with SIGINT ignored, and so would they start theirs: tests that press
+# Ctrl+C in a child would wait for ever
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# each worker of pytest-xdist has ports of its own
+if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
+    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * (int(worker[2:]) % 100))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark quick tests by their folders."""
+    for item in items:
+        folder = (
+            item.path.relative_to(Path(__file__).parent).parts[0] if Path(__file__).parent in item.path.parents else ""
+        )
+        if folder in QUICK and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
+            item.add_marker("quick")
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Let hypothesis make its table of characters before the first test, whose input would take too long with it."""
+    if any(getattr(getattr(item, "function", None), "is_hypothesis_test", False) for item in session.items):
+        unchecked = settings(database=None, suppress_health_check=list(HealthCheck), deadline=None)
+        find(st.text(min_size=1), lambda _: True, settings=unchecked)
+
+
+def pytest_sessionstart() -> None:
+    """In an editable installation, the C files may have changed: a test of old libraries would say nothing."""
+    from morse.kernel import build, targets
+
+    host = targets.host()
+    if host is not None and importlib.util.find_spec("ziglang") and os.access(targets.FOLDER.parent, os.W_OK):
+        build.build(host)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -16,7 +16,7 @@ env = Environment("empty")
 def deflected(rig, axes, arguments="", seconds=1.0):
     made = rig(SCENE.format(arguments=arguments))
     made.run(0.3)
-    made.context.gamepad = lambda: tuple(axes)
+    made.hold(axes=axes)
     made.run(seconds)
     return made["robot.pose"].local_data
 

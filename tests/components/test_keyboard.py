@@ -16,7 +16,7 @@ env = Environment("empty")
 def held(rig, keys, seconds=1.0, properties="ControlType='Position'"):
     made = rig(SCENE.format(properties=properties))
     made.run(0.3)
-    made.context.held_keys = lambda: frozenset(keys)
+    made.hold(keys)
     made.run(seconds)
     return made
 
@@ -53,7 +53,7 @@ def test_the_speed_is_a_property(rig):
 
 def test_released_keys_stop_the_robot(rig):
     made = held(rig, ["ArrowUp"], properties="ControlType='Velocity'")
-    made.context.held_keys = frozenset
+    made.hold()
     made.run(0.5)
     stopped = made["robot.pose"].local_data["x"]
     made.run(1.0)
@@ -62,7 +62,7 @@ def test_released_keys_stop_the_robot(rig):
 
 def test_the_zero_is_sent_once_so_that_others_may_drive(rig):
     made = held(rig, ["ArrowUp"], seconds=0.2)
-    made.context.held_keys = frozenset
+    made.hold()
     made.run(0.2)
     calls = []
     made["robot"].apply_speed = lambda *arguments: calls.append(arguments)
@@ -72,7 +72,6 @@ def test_the_zero_is_sent_once_so_that_others_may_drive(rig):
 
 def test_keys_drive_the_robot_that_listens(rig):
     made = rig(SCENE.format(properties="ControlType='Position'"))
-    made.context.held_keys = lambda: frozenset(["ArrowUp"])
-    made.context.listening_robot = lambda: "another"
+    made.hold(["ArrowUp"], robot="another")
     made.run(0.5)
     assert made["robot.pose"].local_data["x"] == pytest.approx(0.0, abs=1e-3)

@@ -22,7 +22,7 @@ def moved(rig, level, v=0.5, w=0.3, seconds=2.0):
     made.command("robot.motion", v=v, w=w)
     total = 0.0
     for _ in range(round(seconds * 60)):
-        made.tick()
+        made.simulation.step()
         total += made["robot.odometry"].local_data.get("dS", 0.0)
     return made["robot.odometry"].local_data, total
 
@@ -48,7 +48,7 @@ def test_differential_adds_up_to_the_displacement(rig):
     made.command("robot.motion", v=1.0, w=0.5)
     x = y = yaw = 0.0
     for _ in range(120):
-        made.tick()
+        made.simulation.step()
         data = made["robot.odometry"].local_data
         x, y, yaw = x + data["dx"], y + data["dy"], yaw + data["dyaw"]
     assert (x, y, yaw) == pytest.approx((2 * math.sin(1.0), 2 * (1 - math.cos(1.0)), 1.0), abs=0.01)

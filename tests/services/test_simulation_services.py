@@ -189,6 +189,9 @@ def test_the_log_level(simu: Morse) -> None:
     assert call(simu, "set_log_level", "core.request_manager", "warning") is None
     with pytest.raises(MorseServiceFailed, match="'warnin' is no log level; did you mean 'warning'"):
         call(simu, "set_log_level", "core.request_manager", "warnin")
+    for name in ("core.request_manage", "a" + ".b" * 30_000):
+        with pytest.raises(MorseServiceFailed, match="nothing that is called"):
+            call(simu, "set_log_level", name, "warning")
 
 
 def test_the_viewpoint_is_moved(simu: Morse) -> None:
@@ -210,6 +213,14 @@ def test_the_projection_of_the_viewpoint(simu: Morse) -> None:
     depth = [sum(a * b for a, b in zip(row, [0.0, 0.0, -200.0, 1.0], strict=True)) for row in matrix]
     assert depth[2] / depth[3] == pytest.approx(1.0)
     assert matrix[1][1] / matrix[0][0] == pytest.approx(16 / 9)
+
+
+@pytest.mark.parametrize("far", [0.1, 0.05, 0.0])
+def test_the_viewpoint_sees_further_than_its_near_clip(simu: Morse, far: float) -> None:
+    before = call(simu, "get_camarafp_projection_matrix")
+    with pytest.raises(MorseServiceFailed, match=r"0\.1 m|at least|greater"):
+        call(simu, "set_camarafp_far_clip", far)
+    assert call(simu, "get_camarafp_projection_matrix") == before
 
 
 @pytest.mark.parametrize("wrong", [None, "far", math.nan, [1.0, 2.0], [[1.0] * 4] * 3, [[1.0] * 3] * 4])

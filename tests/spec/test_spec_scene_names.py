@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from morse.builder import bpymorse
 from morse.builder.errors import ScriptError
 
 _ENV = "\nenv = Environment('empty')\n"
@@ -89,35 +88,40 @@ def test_dots_in_a_name_fail_the_script(load, made):
 
 
 def test_objects_are_found_by_number_and_by_name(load):
-    load("robot = ATRV()\nenv = Environment('indoors-1/boxes')")
-    objects = bpymorse.get_objects()
-    assert objects["RedBox"] == bpymorse.get_object("RedBox")
-    assert "RedBox" in objects
-    assert "robot" in objects.keys()  # noqa: SIM118 (a list that has names, not a dict)
-    assert objects.get("nothing") is None
-    assert objects[0] in list(objects)
-    assert objects["robot"].children["Wheel.1"].parent == objects["robot"]
-    with pytest.raises(KeyError, match="did you mean 'RedBox'"):
-        objects["RedBx"]
+    script = """
+objects = bpymorse.get_objects()
+assert objects["RedBox"] == bpymorse.get_object("RedBox")
+assert "RedBox" in objects
+assert "robot" in objects.keys()
+assert objects.get("nothing") is None
+assert objects[0] in list(objects)
+assert objects["robot"].children["Wheel.1"].parent == objects["robot"]
+objects["RedBx"]
+"""
+    with pytest.raises(ScriptError, match="did you mean 'RedBox'"):
+        load("robot = ATRV()\nenv = Environment('indoors-1/boxes')" + script)
 
 
 def test_properties_are_gone_through_as_objects_with_names_and_values(load):
-    load("robot = ATRV()\nrobot.properties(Label='x', Count=3)" + _ENV)
-    game = bpymorse.get_object("robot").game
-    found = {prop.name: prop.value for prop in game.properties}
-    assert found["Label"] == "x"
-    assert found["Count"] == 3
-    assert "Label" in game.properties
-    assert game.properties.get("nothing") is None
-    game.properties["Count"].value = 4
-    assert dict(game.properties.items())["Count"].value == 4
-    assert game.properties[0].name == game.properties.keys()[0]
+    script = """
+game = bpymorse.get_object("robot").game
+found = {prop.name: prop.value for prop in game.properties}
+assert found["Label"] == "x"
+assert found["Count"] == 3
+assert "Label" in game.properties
+assert game.properties.get("nothing") is None
+game.properties["Count"].value = 4
+assert dict(game.properties.items())["Count"].value == 4
+assert game.properties[0].name == game.properties.keys()[0]
+"""
+    scene = load("robot = ATRV()\nrobot.properties(Label='x', Count=3)" + _ENV + script)
+    assert scene.find("robot").properties["Count"] == 4
 
 
 def test_settings_of_the_game_engine_without_a_meaning_are_taken_with_a_warning(load, caplog):
-    load("r = ATRV()\nr._bpy_object.game.velocity_max = 3\nr._bpy_object.game.mass = 7" + _ENV)
+    scene = load("r = ATRV()\nr._bpy_object.game.velocity_max = 3\nr._bpy_object.game.mass = 7" + _ENV)
     assert "scene.py:3: game.velocity_max has no effect" in caplog.text
-    assert bpymorse.get_object("r").game.mass == 7.0
+    assert scene.find("r").body.mass == 7.0
 
 
 def test_settings_that_the_game_engine_did_not_have_are_refused(load):

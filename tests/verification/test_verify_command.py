@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from morse.cli.app import execute
 from morse.simulation.options import RunOptions
 from morse.verification.verify import Difference, ReplayError, verify
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 SCENE = """
 import sys
@@ -94,3 +103,50 @@ def test_a_scene_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 def test_numbers_of_ticks_that_are_none(tmp_path: Path, ticks: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert execute(["verify", f"--ticks={ticks}", scene(tmp_path, "Fair")]) == 2
     assert "--ticks" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes are asked after by their numbers")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_nothing_is_left_of_a_command_that_was_killed(tmp_path: Path, number: int) -> None:
+    script, told = tmp_path / "scene.py", tmp_path / "told"
+    script.write_text(
+        "import os, pathlib\nfrom morse.builder import *\n"
+        f"pathlib.Path({str(told)!r}).write_text(str(os.getpid()) + '.')\n"
+        "robot = FakeRobot()\nenv = Environment('empty', fastmode=True)\n"
+    )
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    command = [sys.executable, "-m", "morse", "verify", "--ticks", "10000000", str(script)]
+    with subprocess.Popen(command, env={**os.environ, "TMPDIR": str(folder)}, stdout=subprocess.DEVNULL) as process:
+        child = int(_wait(lambda: told.exists() and told.read_text().endswith(".") and told.read_text())[:-1])
+        os.kill(process.pid, number)
+        process.wait(30)
+    _wait(lambda: not _lives(child))
+    assert list(folder.iterdir()) == []
+
+
+def _wait(condition: Callable[[], Any], limit: float = 60.0) -> Any:
+    end = time.monotonic() + limit
+    while not (found := condition()):
+        assert time.monotonic() < end, f"waited {limit} s"
+        time.sleep(0.02)
+    return found
+
+
+def _lives(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    # one that has ended stays in the table until somebody asks after it
+    state = Path(f"/proc/{pid}/stat")
+    return not (state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z")
+
+
+def test_what_a_scene_prints_and_reads_does_not_disturb(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(
+        "import sys\nfrom morse.builder import *\nprint('not JSON'); assert sys.stdin.read() == ''\n"
+        "robot = FakeRobot()\nenv = Environment('empty', fastmode=True)\n"
+    )
+    assert verify(RunOptions(str(script)), 5, clients=0) == []

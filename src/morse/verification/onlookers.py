@@ -14,7 +14,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from morse.core.exceptions import MorseError
-from morse.simulation.viewing import View
+from morse.viewer.live_view import View
 from morse.viewer.page_messages import Hello, PageMessage, Taken, Watch
 from morse.viewer.protocol import VERSION
 from morse.viewer.snapshot import holds_poses

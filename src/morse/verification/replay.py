@@ -1,29 +1,30 @@
 """Runs a scene for some ticks and writes the fingerprint of every part after each of them.
 
 ``python -m morse.verification.replay OPTIONS`` is what `morse.verification.verify` starts; OPTIONS is
-JSON: the fields of a `Replay`. One JSON object a tick goes to its file ``output``.
+JSON: the fields of a `Replay`. One JSON object a tick goes to the standard output; what the scene prints goes to the
+standard error. The process ends with the one that started it, however that ended: its standard input ends then.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
+import threading
 from contextlib import nullcontext
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from morse.assets.collision import resolve_shapes
 from morse.builder.script import load_scene
 from morse.core import log
-from morse.simulation.digest import fingerprints
+from morse.launch.load import start
 from morse.simulation.options import RunOptions
-from morse.simulation.simulation import Simulation
-from morse.simulation.viewing import View
 from morse.verification.onlookers import Onlookers
 
 if TYPE_CHECKING:
     from typing import TextIO
+
+    from morse.simulation.simulation import Simulation
 
 #: a run that is paced by the wall clock takes no longer than that, s
 _PACED = 3.0
@@ -36,7 +37,6 @@ class Replay:
     Attributes:
         options: fields of `RunOptions`.
         ticks: length of each run.
-        output: file to write.
         restarts: how often to start anew afterwards.
         clients: readers of every stream.
         pages: of the live view, if the options ask for one.
@@ -45,35 +45,24 @@ class Replay:
 
     options: dict[str, Any]
     ticks: int
-    output: str
     restarts: int = 0
     clients: int = 0
     pages: int = 1
     paced: bool = False
 
 
-def replay(wanted: Replay) -> None:
+def replay(wanted: Replay, file: TextIO) -> None:
     """Write the fingerprints of ``1 + restarts`` runs, one after the other."""
     options = RunOptions(**wanted.options)
-    scene = load_scene(options)
-    resolve_shapes(scene)
-    simulation = Simulation(scene, options)
-    try:
-        simulation.load()
-        if options.view != "none":
-            simulation.view = View(simulation)
+    with start(load_scene(options), options) as simulation:
+        if simulation.view is not None:
             simulation.view.announce()
         watched = bool(wanted.clients or simulation.view)
-        with (
-            Onlookers(simulation, wanted.clients, wanted.pages) if watched else nullcontext(),
-            Path(wanted.output).open("w", encoding="utf-8") as file,
-        ):
+        with Onlookers(simulation, wanted.clients, wanted.pages) if watched else nullcontext():
             for run in range(1 + wanted.restarts):
                 if run:
                     simulation.restart()
                 _run(simulation, wanted, file)
-    finally:
-        simulation.shut_down()
 
 
 def _run(simulation: Simulation, wanted: Replay, file: TextIO) -> None:
@@ -82,15 +71,35 @@ def _run(simulation: Simulation, wanted: Replay, file: TextIO) -> None:
         pacer.set_speed(max(1.0, wanted.ticks * simulation.clock.period / _PACED))
     for _ in range(wanted.ticks):
         simulation.tick()
-        file.write(json.dumps(fingerprints(simulation.context)) + "\n")
+        file.write(json.dumps(simulation.save().fingerprints()) + "\n")
         if wanted.paced:
             pacer.wait()
 
 
 def main(argument: str) -> None:
     """Run what the JSON text says."""
+    _end_with_the_parent()
+    # scenes may print: their words are not to stand among the fingerprints
+    own = os.dup(1)
+    os.dup2(2, 1)
     log.setup(level="ERROR")
-    replay(Replay(**json.loads(argument)))
+    with open(own, "w", encoding="utf-8") as file:
+        replay(Replay(**json.loads(argument)), file)
+
+
+def _end_with_the_parent() -> None:
+    alive = os.dup(0)
+    # scenes may read: they find the end of the file
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+
+    def wait() -> None:
+        while os.read(alive, 1):
+            pass
+        os._exit(1)
+
+    threading.Thread(target=wait, name="parent", daemon=True).start()
 
 
 if __name__ == "__main__":

@@ -7,8 +7,7 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
+import threading
 from typing import TYPE_CHECKING, Any
 
 from morse.verification.replay import Replay
@@ -66,15 +65,11 @@ def verify(
     Raises:
         ReplayError: a run failed.
     """
-    with tempfile.TemporaryDirectory(prefix="morse-verify-") as folder:
-        progress("a first run, and one more after a restart in the same process")
-        first = _replay(
-            dataclasses.replace(options, view="none"), "1", ticks=ticks, restarts=1, output=str(Path(folder) / "first")
-        )
-        progress("another process, with the live view open, clients that read, and the pace of the wall clock")
-        watched = dataclasses.replace(options, view="web")
-        wanted = {"ticks": ticks, "clients": clients, "pages": pages, "paced": True}
-        second = _replay(watched, "2", **wanted, output=str(Path(folder) / "second"))
+    progress("a first run, and one more after a restart in the same process")
+    first = _replay(dataclasses.replace(options, view="none"), "1", ticks=ticks, restarts=1)
+    progress("another process, with the live view open, clients that read, and the pace of the wall clock")
+    watched = dataclasses.replace(options, view="web")
+    second = _replay(watched, "2", ticks=ticks, clients=clients, pages=pages, paced=True)
     comparisons = [
         ("a new process and a restart", first[:ticks], first[ticks:]),
         ("two processes, one of them watched and paced", first[:ticks], second),
@@ -88,10 +83,33 @@ def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
     # programs that rely on the order of sets show it if strings have other hashes
     environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
     command = [sys.executable, "-m", "morse.verification.replay", json.dumps(dataclasses.asdict(replay))]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-    if done.returncode:
-        raise ReplayError((done.stdout + done.stderr).strip())
-    return [json.loads(line) for line in Path(replay.output).read_text(encoding="utf-8").splitlines()]
+    pipe = subprocess.PIPE
+    # its standard input stays open as long as this process lives, even if that is killed
+    with subprocess.Popen(
+        command, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment
+    ) as process:
+        try:
+            records, said = _read(process)
+        except BaseException:
+            process.kill()
+            raise
+    if process.returncode:
+        raise ReplayError(said.strip())
+    return [json.loads(line) for line in records.splitlines()]
+
+
+def _read(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """All that a process writes, without closing its standard input, as `Popen.communicate` would."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    assert process.stderr is not None
+    said: list[str] = []
+    listener = threading.Thread(target=lambda stream: said.append(stream.read()), args=(process.stderr,))
+    listener.start()
+    records = process.stdout.read()
+    listener.join()
+    process.wait()
+    return records, said[0]
 
 
 def _first_difference(runs: str, a: list[_Record], b: list[_Record]) -> Iterator[Difference]:

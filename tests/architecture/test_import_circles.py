@@ -1,0 +1,93 @@
+"""Which files of MORSE import each other in circles; imports for types alone count, too."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import morse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+ROOT = Path(morse.__file__).parent
+
+
+def files(root: Path) -> dict[str, Path]:
+    """Every file below a package by the name of its module."""
+    found = {}
+    for path in sorted(root.rglob("*.py")):
+        parts = path.relative_to(root.parent).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(module: str, path: Path, known: Iterable[str]) -> set[str]:
+    """The known modules that a file names in its imports, wherever they stand in it."""
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    return {name for name in _named(package, path) if name in set(known) and name != module}
+
+
+def _named(package: str, path: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            yield base
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def circles(graph: Mapping[str, set[str]]) -> list[set[str]]:
+    """The sets of modules each of which reaches all others of its set (Tarjan, 1972)."""
+    order: dict[str, int] = {}
+    low: dict[str, int] = {}
+    stack: list[str] = []
+    found: list[set[str]] = []
+
+    def visit(module: str) -> None:
+        order[module] = low[module] = len(order)
+        stack.append(module)
+        for other in graph[module]:
+            if other not in order:
+                visit(other)
+            if other in stack:
+                low[module] = min(low[module], low[other])
+        if low[module] == order[module]:
+            circle = set(stack[stack.index(module) :])
+            del stack[stack.index(module) :]
+            found.append(circle)
+
+    for module in graph:
+        if module not in order:
+            visit(module)
+    return [circle for circle in found if len(circle) > 1]
+
+
+def graph(root: Path) -> dict[str, set[str]]:
+    """Each module below a package to those that it imports; `from package import module` names the module alone."""
+    known = files(root)
+    drawn = {}
+    for module, path in known.items():
+        named = imports(module, path, known)
+        # `from morse.core import sensor` asks for the file sensor.py: the package itself is not in question
+        drawn[module] = {name for name in named if not any(other.startswith(name + ".") for other in named)}
+    return drawn
+
+
+def test_the_check_sees_circles(tmp_path: Path) -> None:
+    package = tmp_path / "ring"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text("from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ring import b\n")
+    (package / "b.py").write_text("def late():\n    import ring.c\n")
+    (package / "c.py").write_text("from .a import A\n")
+    (package / "d.py").write_text("import ring.a\n")
+    assert circles(graph(package)) == [{"ring.a", "ring.b", "ring.c"}]
+
+
+def test_no_circle_of_more_than_two_files() -> None:
+    large = [sorted(circle) for circle in circles(graph(ROOT)) if len(circle) > 2]
+    assert large == [], "these files import each other in a circle: move what they share into a file below them"
