@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
+import importlib.util
 import json
 import os
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import time
 from functools import cache
@@ -19,18 +22,52 @@ if TYPE_CHECKING:
 
 _HERE = Path(__file__).parent
 _LIMIT = 50.0
-#: a Python that has rclpy, if it is not this one
-PYTHON = os.environ.get("MORSE_TEST_ROS_PYTHON", sys.executable)
-_PROMISED = {"rclpy": "MORSE_TEST_ROS_PYTHON", "cyclonedds": "CI"}
+_MADE = _HERE.parents[2] / ".venv-ros/bin/python"
+#: a Python that has rclpy: this one, that of the variable, or that which .ci/ros2 makes
+PYTHON = (
+    sys.executable
+    if importlib.util.find_spec("rclpy")
+    else os.environ.get("MORSE_TEST_ROS_PYTHON") or (str(_MADE) if _MADE.exists() else sys.executable)
+)
+#: domains whose ports are below those that the system gives to others
+_DOMAINS = range(1, 100)
+_kept: list[Any] = []
 
-DOMAIN = 90 + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw") or 0) % 10
-"""Each worker of the tests has a ROS domain of its own."""
+
+def _own_domain() -> int:
+    """A ROS domain that no other process of tests on this machine uses."""
+    given = os.environ.get("MORSE_TEST_ROS_DOMAIN")
+    if given:
+        return int(given)
+    for domain in _DOMAINS:
+        file = open(Path(tempfile.gettempdir()) / f"morse-test-ros-domain-{domain}", "w")  # noqa: SIM115
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.close()
+            continue
+        _kept.append(file)  # the lock ends with the process
+        return domain
+    raise RuntimeError("all ROS domains are in use by other tests")
+
+
+DOMAIN = _own_domain()
 
 
 def environment(python: str) -> dict[str, str]:
     """The variables of a process on the other side."""
-    dropped = ("PYTHONPATH", "CYCLONEDDS_URI") if python != sys.executable else ("CYCLONEDDS_URI",)
-    return {name: value for name, value in os.environ.items() if name not in dropped}
+    kept = {name: value for name, value in os.environ.items() if name != "CYCLONEDDS_URI"}
+    if python != sys.executable:
+        kept.pop("PYTHONPATH", None)
+    return kept
+
+
+def lent() -> dict[str, str]:
+    """The variables with which the other Python has the packages of this one, too."""
+    import morse
+
+    paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib")]
+    return {**environment(PYTHON), "PYTHONPATH": os.pathsep.join(paths), "MORSE_TEST_ROS_DOMAIN": str(DOMAIN)}
 
 
 @cache
@@ -41,10 +78,9 @@ def has(python: str, module: str) -> bool:
 
 
 def need(module: str, python: str = sys.executable) -> None:
-    """Skip the test if there is no such module; where it was promised, the test has failed."""
+    """Skip the test if there is no such module; in CI the test has failed."""
     if not has(python, module):
-        promised = os.environ.get(_PROMISED.get(module, ""))
-        (pytest.fail if promised and python == PYTHON else pytest.skip)(f"{python} has no {module}")
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{python} has no {module}: see .ci/ros2")
 
 
 def talk(script: str, step: Callable[[], object], python: str = sys.executable) -> dict[str, Any]:
