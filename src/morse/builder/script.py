@@ -38,11 +38,14 @@ def is_loading() -> bool:
     return _loading
 
 
-def load_scene(options: RunOptions) -> Scene:
+def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
     """Run a scene script and return the scene that it describes.
 
     The script, and the components that it names, have a ``sys.path``, a ``sys.argv`` and modules of their own: see
     `morse.core.project_imports`. They go with the scene, as its attribute ``project``.
+
+    Args:
+        anew: the files may have been saved a moment ago: compiled ones are not believed.
 
     Raises:
         ScriptError: the script has an error.
@@ -50,7 +53,7 @@ def load_scene(options: RunOptions) -> Scene:
     script = Path(options.script).absolute()
     directories = list(dict.fromkeys([*options.source_paths, str(script.parent)]))
     libraries = LibrariesFirst(script.stem, directories)
-    project = ProjectImports(directories, [str(script), *options.arguments], [libraries])
+    project = ProjectImports(directories, [str(script), *options.arguments], [libraries], from_source=anew)
     if _lacks_mathutils():
         project.offer("mathutils", mathutils)
 

@@ -37,15 +37,23 @@ class ProjectImports:
         directories: of the project's packages, and of its scene script.
         argv: ``sys.argv`` for the script.
         finders: asked before others while the block is entered.
+        from_source: compile every module, also where Python keeps a compiled file.
     """
 
-    def __init__(self, directories: Iterable[str] = (), argv: Sequence[str] = (), finders: Sequence[Any] = ()) -> None:
+    def __init__(
+        self,
+        directories: Iterable[str] = (),
+        argv: Sequence[str] = (),
+        finders: Sequence[Any] = (),
+        *,
+        from_source: bool = False,
+    ) -> None:
         self._directories = list(directories)
         self._argv = list(argv)
         self._modules: dict[str, ModuleType] = {}
         self._names: set[str] = set()
         self._entered = 0
-        self._renewing = False
+        self._from_source = self._renewing = from_source
         self._finders: list[Any] = [*finders, self]
         self._builtins = {**vars(builtins), "__import__": self._import}
         self._kept: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
@@ -86,7 +94,7 @@ class ProjectImports:
             try:
                 for name in before:
                     _with_submodules(importlib.import_module(name))
-                self._renewing = False
+                self._renewing = self._from_source
                 yield
             except BaseException:
                 for name in before:
@@ -96,7 +104,7 @@ class ProjectImports:
                     _bind(module)
                 raise
             finally:
-                self._renewing = False
+                self._renewing = self._from_source
 
     def own_modules(self) -> dict[str, ModuleType]:
         """The project's own modules that have been imported, by name."""
@@ -124,6 +132,13 @@ class ProjectImports:
             self._entered += 1
             if self._entered == 1:
                 self._switch_in()
+
+    def leave(self) -> None:
+        """Take back `stay`: another project is to take the place of this one."""
+        with _switching:
+            self._entered -= 1
+            if self._entered == 0:
+                self._switch_out()
 
     def _switch_in(self) -> None:
         hides = self._names | {name for name in self._offered() if not _is_library(name)}

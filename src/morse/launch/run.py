@@ -23,6 +23,7 @@ from morse.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.launch.rereading import Rereading
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
     from morse.simulation.profile import Profile
@@ -45,13 +46,19 @@ def run(options: RunOptions) -> int:
     logger.info("PID: %d", os.getpid())
     simulation: Simulation | None = None
     try:
-        scene = _load_scene(options)
-        if scene is None:
-            return 1
-        simulation = _start(scene, options)
-        if simulation is None:
-            return 1
-        return _loop(simulation)
+        next_scene = _load_scene(options)
+        status = 1
+        while next_scene is not None:
+            scene, next_scene = next_scene, None
+            simulation = _start(scene, options)
+            if simulation is None:
+                return 1
+            rereading = _follow(simulation, options)
+            status = _loop(simulation)
+            if rereading is not None and rereading.successor is not None:
+                _finish(simulation, for_another=True)
+                next_scene, options = rereading.successor
+        return status
     except KeyboardInterrupt:
         logger.info("interrupted")
         return 130
@@ -149,6 +156,17 @@ def _listen_for_signals(simulation: Simulation) -> None:
         signal.signal(getattr(signal, name), stop)
 
 
+def _follow(simulation: Simulation, options: RunOptions) -> Rereading | None:
+    """Let an edited scene script take the place of the simulation, if the run follows the files it came from."""
+    if not options.watch:
+        return None
+    from morse.launch.rereading import Rereading
+
+    rereading = Rereading(options, simulation.scene)
+    simulation.reread = lambda: rereading.start_anew(simulation)
+    return rereading
+
+
 def _loop(simulation: Simulation) -> int:
     from morse.physics import UnstableError
     from morse.simulation.profile_table import LiveProfile
@@ -183,7 +201,7 @@ def _write_trace(profile: Profile) -> None:
         logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", path)
 
 
-def _finish(simulation: Simulation | None) -> None:
+def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None:
     if simulation is None or simulation.finished:
         return
     section("COMPONENTS FINALIZATION")
@@ -194,5 +212,8 @@ def _finish(simulation: Simulation | None) -> None:
     simulation.finalize_observers()
     section("CLOSING OVERLAYS...")
     simulation.end()
+    if for_another:
+        gc.unfreeze()
+        return
     section("EXITING SIMULATION")
     sys.stdout.flush()

@@ -83,6 +83,8 @@ class Simulation(Handles):
         self.pacer = self._loop.pacer
         self.context.stopping = lambda: self._loop.stopping
         self.view: Any = None
+        #: loads the edited scene in the place of this one; False if there is nothing new to load
+        self.reread: Callable[[], bool] | None = None
         self.profile: Profile | None = None
         #: measures the sensors that the script wants to be profiled
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
@@ -413,6 +415,11 @@ class Simulation(Handles):
         for observer in self.observers:
             observer.restarted()
         self._loop.restarted()
+
+    def start_anew(self) -> None:
+        """What a person asks for (F11): an edited scene script is read again, where `morse run` follows files."""
+        if self.reread is None or not self.reread():
+            self.restart()
 
     # -- the end ---------------------------------------------------------------------------
 

@@ -94,7 +94,7 @@ class View(Observer):
             page.Play: lambda _: self._set_paused(False),
             page.Pause: lambda _: self._set_paused(True),
             page.Step: lambda event: simulation.request_steps(event.count) if simulation.paused else None,
-            page.Reset: lambda _: simulation.restart(),
+            page.Reset: lambda _: simulation.start_anew(),
             page.SetSpeed: lambda event: simulation.pacer.set_speed(event.factor or math.inf),
             page.Rewind: lambda event: self._history.rewind(event.time),
             page.StepBack: lambda _: self._history.step_back(),
@@ -115,6 +115,11 @@ class View(Observer):
     def url(self) -> str:
         """The address to open in a browser."""
         return self._url
+
+    @property
+    def address(self) -> tuple[int, str | None]:
+        """TCP port, and the token that a page has to show, if there is one."""
+        return self._server.address
 
     def show(self, height: int) -> Frame:
         """The page in a frame, for a notebook; see `morse.viewer.notebook.frame`."""

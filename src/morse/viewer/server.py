@@ -62,7 +62,7 @@ class ViewServer:
         """
         self._network = network
         self._host = host
-        self._port = port
+        self._port = self._served_on = port
         self._hub = Hub(Access(host, token), title)
         self._depot = Depot()
         self._revision = 0
@@ -83,7 +83,7 @@ class ViewServer:
             OSError: if the address cannot be bound, with what to do about it.
         """
         try:
-            port = self._network.call(self._hub.open(self._host, _ports(self._port)))
+            port = self._served_on = self._network.call(self._hub.open(self._host, _ports(self._port)))
         except OSError as error:
             raise OSError(
                 f"The live view cannot be served on {self._host}, port {self._port}: {error}. "
@@ -95,6 +95,11 @@ class ViewServer:
         if self._port not in (0, port):
             logger.warning("port %d is in use: the live view is served on port %d", self._port, port)
         return f"http://{address}:{port}/" + (f"?token={quote(token, safe='')}" if token else "")
+
+    @property
+    def address(self) -> tuple[int, str | None]:
+        """TCP port, and the token that a page has to show, if there is one."""
+        return self._served_on, self._hub.access.token
 
     def stop(self) -> None:
         """Tell the pages that the simulation has ended, and close the server."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import threading
 import time
 from collections import deque
@@ -29,16 +30,22 @@ logger = logging.getLogger(__name__)
 _INTERVAL = 0.2
 #: wall-clock seconds after which a file that cannot be read is not one that is being written
 _PATIENCE = 1.0
+_AT_START = "it is read again when the simulation is started anew from the live view (F11)"
 
 
 class Watch(Observer):
     """Shows a model that was saved, and runs a component that was saved, within a second or so.
 
     A thread looks at the files and reads the models; the simulation changes between two ticks.
+
+    Attributes:
+        exchanged: the files of components that run as they were saved last.
     """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
+        self._script = os.path.abspath(simulation.options.script)
+        self.exchanged: set[str] = set()
         self._files = SavedFiles()
         self._ready: deque[Callable[[], None]] = deque()
         self._unread: dict[str, float] = {}
@@ -62,11 +69,16 @@ class Watch(Observer):
     def _watched(self) -> list[str]:
         project = self._simulation.scene.project
         sources = project.sources().values() if isinstance(project, ProjectImports) else ()
-        return list(dict.fromkeys([*(use.path for use in list(self._simulation.scene.models)), *sources]))
+        scripts = [self._script] if self._simulation.reread is not None else []
+        models = [use.path for use in list(self._simulation.scene.models)]
+        return list(dict.fromkeys([*models, *sources, *scripts]))
 
     def _run(self) -> None:
         while not self._stop.wait(_INTERVAL):
             saved = self._files.look(self._watched())
+            if self._script in saved:
+                saved.remove(self._script)
+                logger.info("%s was saved: %s", self._script, _AT_START)
             modules = [path for path in saved if path.endswith(".py")]
             if modules:
                 self._ready.append(lambda files=modules: self._exchange(files))  # type: ignore[misc]
@@ -120,11 +132,15 @@ class Watch(Observer):
             self._refuse(files[0], str(error) if isinstance(error, MorseError) else describe(error))
         else:
             if not names:
-                logger.info("%s was saved: it takes effect when the simulation is started again", files[0])
+                again = _AT_START if self._simulation.reread is not None else "it takes effect in the next simulation"
+                logger.info("%s was saved: %s", files[0], again)
             for name in names:
                 logger.info("%s runs %s as it was saved now", name, ", ".join(Path(file).name for file in files))
             if names:
+                self.exchanged.update(files)
                 self._changed(files[0], "class")
+            else:
+                self.exchanged.difference_update(files)
 
     def _changed(self, path: str, what: str) -> None:
         simulation = self._simulation

@@ -1,0 +1,90 @@
+"""Reads an edited scene script again when a person starts the simulation anew (F11)."""
+
+from __future__ import annotations
+
+import logging
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from morse.builder.script import ScriptError, load_scene
+from morse.core.exceptions import MorseError
+from morse.core.project_imports import ProjectImports
+from morse.simulation.watching.watch import Watch
+
+if TYPE_CHECKING:
+    from morse.scene import Scene
+    from morse.simulation.options import RunOptions
+    from morse.simulation.simulation import Simulation
+
+logger = logging.getLogger("morse.main")
+
+
+class Rereading:
+    """Compares the files that describe a scene with those on the disk, and loads the scene from the edited ones.
+
+    Args:
+        options: of the run that the scene was loaded for.
+        scene: as it was loaded; its project stays in the process until another one takes its place.
+
+    Attributes:
+        successor: the edited scene and the options to run it with; None until there is one.
+    """
+
+    def __init__(self, options: RunOptions, scene: Scene) -> None:
+        self._options, self._scene = options, scene
+        self._stamps = {path: _stamp(path) for path in [os.path.abspath(options.script), *self._sources()]}
+        self.successor: tuple[Scene, RunOptions] | None = None
+
+    def _sources(self) -> list[str]:
+        project = self._scene.project
+        return list(project.sources().values()) if isinstance(project, ProjectImports) else []
+
+    def edited(self, simulation: Simulation) -> list[str]:
+        """The files that were saved since the scene was loaded, but for components that run as they were saved."""
+        taken = {path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged}
+        return [path for path, stamp in self._stamps.items() if path not in taken and _stamp(path) != stamp]
+
+    def start_anew(self, simulation: Simulation) -> bool:
+        """Load the edited scene and end the simulation, which the scene then replaces.
+
+        Returns:
+            False if no file was edited, or if the edited ones describe no scene: the errors are in the log then, and
+            the simulation is to start anew as it was.
+        """
+        edited = self.edited(simulation)
+        if not edited:
+            return False
+        project = self._scene.project
+        if isinstance(project, ProjectImports):
+            project.leave()
+        try:
+            scene = load_scene(self._options, anew=True)
+        except (ScriptError, MorseError) as error:
+            text = error.report() if isinstance(error, ScriptError) else str(error)
+            first, _, rest = text.partition("\n")
+            logger.error("[ERROR][MORSE] the edited scene is not taken, the one before starts anew: %s", first)
+            if rest:
+                logger.error("%s", rest)
+            if isinstance(project, ProjectImports):
+                project.stay()
+            return False
+        if isinstance(scene.project, ProjectImports):
+            scene.project.stay()
+        logger.info("read again: %s", ", ".join(edited))
+        options = self._options
+        if simulation.view is not None and options.view == "web":
+            # the pages that are open come back to the same address
+            port, token = simulation.view.address
+            options = replace(options, view_port=port, view_token=token, open_browser=False)
+        self.successor = scene, options
+        simulation.stop()
+        return True
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size

@@ -1,0 +1,93 @@
+"""F11 reads an edited scene script again."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+from view_pages import Client, until
+
+from morse.testing.process import SimulationProcess
+from pymorse import Morse
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+SCENE = """
+from morse.builder import *
+from places import START
+
+robot = ATRV("rover")
+robot.translate(START, 0.0, 0.0)
+pose = Pose()
+robot.append(pose)
+robot.add_default_interface("socket")
+env = Environment("empty", fastmode=True)
+"""
+
+
+class Edited:
+    """A simulation that follows its files, and a page that drives it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.script, self.places = folder / "scene.py", folder / "places.py"
+        self.script.write_text(SCENE)
+        self.places.write_text("START = 1.0\n")
+        self.process = SimulationProcess(self.script, folder / "log", options=["--view-port", "0"])
+        self.process.wait_initialized(60.0)
+        self.url = self.addresses()[0]
+
+    def log(self) -> str:
+        return self.process.log.read_text()
+
+    def addresses(self) -> list[str]:
+        return re.findall(r"the live view is at (http://\S+)", self.log())
+
+    def start_anew(self, times: int) -> None:
+        with Client(self.url) as page:
+            page.expect("seat", pages=1)
+            page.send("reset")
+            until(lambda: len(self.addresses()) > times, limit=60.0)
+
+    def x(self, robot: str = "rover") -> float:
+        """Where the robot is, asked over the port that the log named last."""
+        ports = re.findall(r"services are on port (\d+)", self.log())
+        with Morse("127.0.0.1", int(ports[-1])) as simu:
+            return float(getattr(simu, robot).pose.get(timeout=20.0)["x"])
+
+
+@pytest.fixture
+def edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edited]:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    running = Edited(tmp_path)
+    yield running
+    running.process.kill()
+
+
+def test_an_edited_script_is_read_again(edited: Edited) -> None:
+    assert edited.x() == pytest.approx(1.0, abs=0.01)
+    edited.script.write_text(SCENE.replace('ATRV("rover")', 'ATRV("other")').replace("START, 0.0", "START + 1.5, 0.0"))
+    edited.start_anew(1)
+    assert edited.x("other") == pytest.approx(2.5, abs=0.01)
+    assert edited.addresses() == [edited.url] * 2, "pages come back to the same address"
+    # what the script imports counts as well
+    edited.places.write_text("START = -3.25\n")
+    edited.start_anew(2)
+    assert edited.x("other") == pytest.approx(-1.75, abs=0.01)
+
+
+def test_a_script_with_a_mistake_is_not_taken(edited: Edited) -> None:
+    edited.script.write_text(SCENE.replace("ATRV", "ATVR"))
+    with Client(edited.url) as page:
+        page.expect("seat", pages=1)
+        page.send("reset")
+        until(lambda: "the edited scene is not taken" in edited.log(), limit=60.0)
+        log = edited.log()
+        assert "ATVR" in log
+        assert "scene.py:5" in log
+        assert "ATRV" in log
+    assert edited.x() == pytest.approx(1.0, abs=0.01)
+    assert len(edited.addresses()) == 1
