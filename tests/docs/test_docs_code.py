@@ -16,11 +16,12 @@ from pymorse import MorseServiceFailed, MorseServicePreempted
 if TYPE_CHECKING:
     from pathlib import Path
 
-# tests/middleware/ros2 runs that of ROS 2, which needs more than MORSE
+# tests/middleware runs those that need another side
+ELSEWHERE = {DOCS / f"{name}.md" for name in ("ros2", "text-files", "rosbridge", "foxglove", "mqtt", "mavlink")}
 SCENES = [
     block
     for block in blocks("python")
-    if block.is_scene and "ranger_sim" not in block.text and block.page != DOCS / "ros2.md"
+    if block.is_scene and "ranger_sim" not in block.text and block.page not in ELSEWHERE
 ]
 CLIENTS = [block for block in blocks("python") if block.is_client and "input(" not in block.text]
 

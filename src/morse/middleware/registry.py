@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import Option
 
 #: middlewares that scripts may name although this installation does not have them
-_OTHER_NAMES = ("ros", "yarp", "yarp_json", "pocolibs", "moos", "hla", "mavlink", "text", "pprzlink")
+_OTHER_NAMES = ("ros", "yarp", "yarp_json", "pocolibs", "moos", "hla", "mavlink", "pprzlink")
 _GROUP = "morse.middlewares"
 _KIND_STREAM = "morse.core.kind_stream.KindStream"
 
@@ -56,6 +56,7 @@ class Middleware:
         default_publisher: the class of the streams of sensors. The usual one carries message kinds by the methods
             that the stream manager marks with `morse.core.mapping.maps`.
         default_reader: the same for actuators; None if nothing can be commanded.
+        needs_network: it opens connections; one that does not carries data in every simulation.
         not_carried: names of component classes that have no stream.
     """
 
@@ -66,6 +67,7 @@ class Middleware:
     stream_options: Mapping[str, Option] | None = field(default_factory=dict)
     default_publisher: str | None = _KIND_STREAM
     default_reader: str | None = _KIND_STREAM
+    needs_network: bool = True
     not_carried: tuple[str, ...] = ()
 
     def stream_of(self, component: type, direction: str) -> str | None:
@@ -172,3 +174,10 @@ def request_manager(name: str) -> str:
 def middleware_of_stream_manager(classpath: str) -> Middleware | None:
     """The middleware whose stream manager that is, or None."""
     return next((m for m in installed().values() if m.stream_manager == classpath), None)
+
+
+@cache
+def needs_network(classpath: str) -> bool:
+    """Whether a stream manager opens connections, as far as is known."""
+    described = middleware_of_stream_manager(classpath)
+    return described is None or described.needs_network

@@ -12,6 +12,7 @@ from morse.core.exceptions import MorseError
 from morse.core.kinds import findings_of
 from morse.core.realism import Realism
 from morse.core.robot import Robot
+from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
 from morse.simulation.faults import describe
 
@@ -129,7 +130,9 @@ def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:
 
 
 def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:
-    """Add modifiers and overlays, and open streams and services where the simulation has a network.
+    """Add modifiers and overlays, and open streams and services.
+
+    Without a network only those streams are opened that need none.
 
     Args:
         declarations: of the components to connect; None for all of the scene.
@@ -152,9 +155,9 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
     ]
     for instance, _ in overlays:
         context.overlays[instance.name()] = instance
-    if context.network is None:
-        return
     for stream in declaration.streams:
+        if context.network is None and needs_network(stream.manager):
+            continue
         try:
             manager = context.stream_managers.get(stream.manager)
             if manager is None:
@@ -162,6 +165,8 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
             manager.connect(component, stream)
         except MorseError as error:
             raise LoadError(f"{_where(declaration)}: {error}") from None
+    if context.network is None:
+        return
     for name in declaration.managers:
         add_request_manager(context, name)
         context.services.register_request_manager_mapping(declaration.name, name)

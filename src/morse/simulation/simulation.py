@@ -11,6 +11,7 @@ from morse.core.clock import Clock
 from morse.core.context import Context, Controls, acting, forget
 from morse.core.journal import CONTROLS, DELETE, RESET, RESTORE, SPAWN
 from morse.core.request_manager import MorseServices
+from morse.middleware.registry import needs_network
 from morse.physics import World
 from morse.simulation.component_handles import normalized
 from morse.simulation.faults import describe
@@ -112,10 +113,10 @@ class Simulation(Handles):
         """
         with acting(self.context), self.scene.project:
             self._make_components()
-            if self.context.network is not None:
-                for manager, options in self.scene.manager_options.items():
-                    if options and manager not in self.context.stream_managers:
-                        self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
+            for manager, options in self.scene.manager_options.items():
+                opens = self.context.network is not None or not needs_network(manager)
+                if opens and options and manager not in self.context.stream_managers:
+                    self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
         self.observers[:0] = self.context.stream_managers.values()
 
     def _make_components(self) -> None:

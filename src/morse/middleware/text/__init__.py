@@ -1,0 +1,1 @@
+"""The data of sensors as text files."""

@@ -1,0 +1,85 @@
+"""Writes data streams to text files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.core.classpath import load_class
+from morse.core.datastream import DatastreamManager
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.mapping import maps
+from morse.middleware.text.file import TextFile
+from morse.middleware.text.streams import TextStream
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.scene import StreamDeclaration
+
+
+class TextDatastreamManager(DatastreamManager):
+    """One file for each stream, in the working directory unless the stream has the option ``file``.
+
+    A file is written anew when a simulation is loaded. It goes on when the simulation is reset. Other programs see
+    what is written at the latest after a simulated second.
+    """
+
+    classpath = "morse.middleware.text_datastream.TextDatastreamManager"
+    manager_options = {}  # noqa: RUF012 - declared by the base
+
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        super().__init__(options, context)
+        self._files: dict[Path, TextFile] = {}
+        self._in_use: dict[Path, str] = {}
+        self._period = max(1, round(context.clock.frequency))
+
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> TextStream:
+        """See `DatastreamManager.make_stream`.
+
+        Raises:
+            MorseMiddlewareError: it is not a text stream of a sensor, or its file cannot be had.
+        """
+        cls = load_class(declaration.stream)
+        if not (isinstance(cls, type) and issubclass(cls, TextStream)):
+            raise MorseMiddlewareError(
+                f"{declaration.stream} does not write text: it has to be a subclass of "
+                "morse.middleware.text_datastream.Publisher or CSVPublisher"
+            )
+        if declaration.direction == "IN":
+            raise MorseMiddlewareError("text files are written, not read: they cannot command a component")
+        stream: TextStream = super().make_stream(component, declaration)
+        stream.file = self._file(component.name(), stream.kwargs["file"])
+        return stream
+
+    def _file(self, name: str, given: str | None) -> TextFile:
+        path = Path(given if given else f"{name}.txt").expanduser().absolute()
+        owner = self._in_use.setdefault(path, name)
+        if owner != name or any(stream.file.path == path for stream in self.streams.get(name, ())):
+            raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; say another one: file='...'")
+        if path not in self._files or self._files[path].owner != name:
+            self._files[path] = TextFile(path, name)
+        return self._files[path]
+
+    def closed(self, stream: TextStream) -> None:
+        """Another component may write the file, or a new one of the same name go on with it."""
+        self._in_use.pop(stream.file.path, None)
+        stream.file.flush()
+
+    @maps("general")
+    def general(self, stream: TextStream) -> str:
+        """All fields, whatever the kind."""
+        return stream.encode_data()
+
+    def flush(self) -> None:
+        """A tick ends."""
+        if self.context.clock.tick % self._period == 0:
+            for file in self._files.values():
+                file.flush()
+
+    def finalize(self) -> None:
+        """Write what is left and close the files."""
+        super().finalize()
+        for file in self._files.values():
+            file.close()
+        self._files.clear()

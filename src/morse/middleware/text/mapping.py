@@ -1,0 +1,19 @@
+"""What text files carry, and their options."""
+
+from __future__ import annotations
+
+from morse.core.declarations import Option
+from morse.middleware.registry import Middleware
+
+STREAM_OPTIONS = {"file": Option(str, None, "path of the file; the name of the component and .txt if not given")}
+
+MIDDLEWARE = Middleware(
+    name="text",
+    stream_manager="morse.middleware.text_datastream.TextDatastreamManager",
+    stream_options=STREAM_OPTIONS,
+    default_publisher="morse.middleware.text_datastream.Publisher",
+    default_reader=None,
+    needs_network=False,
+    # pictures and clouds are megabytes in each tick
+    not_carried=("Camera", "CameraUnit"),
+)

@@ -1,0 +1,22 @@
+"""Values as Python writes them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def written(value: Any) -> str:
+    """The value on one line; arrays as lists, a set in a fixed order."""
+    return repr(_plain(value)).replace("\n", " ")
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "tolist"):  # numpy
+        return value.tolist()
+    if isinstance(value, dict):
+        return {name: _plain(inner) for name, inner in value.items()}
+    if type(value) in (list, tuple):
+        return type(value)(_plain(inner) for inner in value)
+    if isinstance(value, (set, frozenset)):
+        return sorted(value, key=str)  # the order of a set differs from process to process
+    return value
