@@ -11,7 +11,6 @@ from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.backends.choice import make_backend
-from morse.middleware.ros2.cdr import encode
 from morse.middleware.ros2.kinds.sensing import SensingKinds
 from morse.middleware.ros2.kinds.spatial import SpatialKinds
 from morse.middleware.ros2.kinds.states import StateKinds, clock
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
     from morse.core.kinds import BoundKind
-    from morse.middleware.ros2.backends.backend import Publisher, Subscription
+    from morse.middleware.ros2.backends.backend import Backend, Publisher, Subscription
     from morse.middleware.ros2.outlets import Inlet, Outlet
     from morse.middleware.ros2.stream import Ros2Stream
 
@@ -49,12 +48,14 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
 
     classpath = "morse.middleware.ros2.datastream.Ros2DatastreamManager"
     manager_options = MANAGER_OPTIONS
+    #: how messages call this middleware
+    title = "ros2"
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
         self.names = Names(self.options)
-        self.backend = make_backend({**self.options, "domain_id": self._domain()})
-        logger.info("ros2: %s, %s", self.backend.name, self.backend.opens)
+        self.backend = self._make_backend()
+        logger.info("%s: %s, %s", self.title, self.backend.name, self.backend.opens)
         self._complaints = Complaints(logger)
         #: topics by name: their type, and the component that has them
         self._claims: dict[str, tuple[str, str]] = {}
@@ -70,6 +71,10 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
             lambda message: self._publish(self._tf_static, _TF, message),
         )
 
+    def _make_backend(self) -> Backend:
+        """What carries the bytes."""
+        return make_backend({**self.options, "domain_id": self._domain()})
+
     def _domain(self) -> int:
         if self.options["domain_id"] is not None:
             return int(self.options["domain_id"])
@@ -82,7 +87,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
         self._claims[topic] = (type_name, "the simulation")
         made = self.backend.publisher(topic, type_name, qos)
         if made is None:
-            logger.warning("ros2: %s is not published: %s", topic, self._lacks(type_name))
+            logger.warning("%s: %s is not published: %s", self.title, topic, self._lacks(type_name))
         return made
 
     def _lacks(self, type_name: str) -> str:
@@ -90,7 +95,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
 
     def _publish(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
         if publisher is not None:
-            publisher.publish(encode(type_name, message))
+            publisher.publish(self.backend.encode(type_name, message))
 
     # -- topics ------------------------------------------------------------------------------
 
@@ -155,7 +160,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
         others = {robot_of(other.component_instance).name() for streams in self.streams.values() for other in streams}
         if self.names.for_one_robot and len(others) > 1:
             raise MorseMiddlewareError(
-                f"the options 'namespace' and 'frame_prefix' of ros2 are for one robot, and there are "
+                f"the options 'namespace' and 'frame_prefix' of {self.title} are for one robot, and there are "
                 f"{', '.join(sorted(others))}"
             )
 

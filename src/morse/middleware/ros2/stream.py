@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from morse.core.kind_stream import KindStream
-from morse.middleware.ros2.cdr import CdrError, decode, encode
+from morse.middleware.ros2.cdr import CdrError
 from morse.middleware.ros2.fields import field_outlet, unsaid
 from morse.middleware.ros2.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.names import robot_of
@@ -133,7 +133,7 @@ class Ros2Stream(KindStream):
             made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))
             if made is None:
                 return
-            data = encode(line.outlet.type, made)
+            data = self.manager.backend.encode(line.outlet.type, made)
         except _UNFIT as error:
             self.complain(
                 f"encode {line.topic}", f"a message for {line.topic} is no {line.outlet.type} and is left out: {error}"
@@ -166,7 +166,7 @@ class Ros2Stream(KindStream):
 
     def _read(self, hearing: _Hearing, data: bytes) -> None:
         try:
-            message = decode(hearing.inlet.type, data)
+            message = self.manager.backend.decode(hearing.inlet.type, data)
             slots = hearing.inlet.take(message)
         except (CdrError, *_UNFIT) as error:
             self.complain(f"read {hearing.topic}", f"a message on {hearing.topic} is refused: {error}")

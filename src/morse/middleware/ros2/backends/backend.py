@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.middleware.ros2 import cdr
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 
 class Qos(NamedTuple):
@@ -25,7 +30,7 @@ class Publisher(ABC):
 
     @abstractmethod
     def publish(self, data: bytes) -> bool:
-        """Send a message, as `morse.middleware.ros2.cdr.encode` makes it.
+        """Send a message, as `Backend.encode` makes it.
 
         Returns:
             False if it is lost, since readers are too slow.
@@ -62,6 +67,22 @@ class Backend(ABC):
 
     name: str
     opens: str
+
+    def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
+        """A message as publishers take it: CDR, unless the backend has another form.
+
+        Raises:
+            ValueError, TypeError, OverflowError, struct.error: a value does not fit its field.
+        """
+        return cdr.encode(type_name, message)
+
+    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+        """A message from what a subscription gives, with all its fields.
+
+        Raises:
+            ValueError: the data is no message of that type.
+        """
+        return cdr.decode(type_name, data)
 
     @abstractmethod
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
