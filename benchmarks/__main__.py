@@ -50,7 +50,7 @@ def main(
 ) -> None:
     """Measure MORSE beside bare MuJoCo loops and the simulators that are installed.
 
-    The exit status is 1 if a program broke down or did its work wrongly; a value that falls short is no failure.
+    The exit status is 1 if a program broke down or did its work wrongly; a value that falls short is not a failure.
     """
     console = Console()
     unknown = sorted(set(names or ()) - SUITES.keys())

@@ -35,7 +35,7 @@ _NOT_QUICK = ("slow", "soak", "browser", "blender")
 #: the first port of the services of a worker's simulations, and the distance to those of the next worker
 _FIRST_PORT, _PORTS = 20_000, 200
 
-# other programs that take the processor are no reason to fail
+# other programs that take the processor are not a reason to fail
 settings.register_profile("unhurried", deadline=None)
 settings.load_profile("unhurried")
 

@@ -19,7 +19,7 @@ from benchmarks.result import Result, at_least, at_most, failure  # noqa: E402
 from benchmarks.suites.circles import check_planar, check_wheels  # noqa: E402
 from benchmarks.trial import Program, TrialFailed, interleave  # noqa: E402
 
-from benchmarks import report, work  # noqa: E402 (the benchmarks are no installed package)
+from benchmarks import report, work  # noqa: E402 (the benchmarks are not an installed package)
 
 QUICK = Plan(quick=True, repeats=1)
 
@@ -150,7 +150,7 @@ def test_the_plot_has_a_line_for_each_simulator() -> None:
         details = {"morse": 300.0 / n, "count": n, "sensors": sensors}
         return Result("W1", "", 1.0, "x", peers={"bare <loop>": 500.0 / n}, details=details)
 
-    # less work is no point of the same line
+    # less work is not a point of the same line
     lines = speed_lines([*(result(n, "scan") for n in (10, 1, 100)), result(1000, "pose")])
     assert lines["morse"] == [(1, 300.0), (10, 30.0), (100, 3.0)]
     picture = ElementTree.fromstring(draw(lines))

@@ -1,6 +1,6 @@
 """The data files of MORSE 1.4 itself serve as worlds and as things.
 
-They are in Debian's package morse-simulator-data (``usr/share/morse/data``) and are no part of this repository: the
+They are in Debian's package morse-simulator-data (``usr/share/morse/data``) and are not part of this repository: the
 environment variable ``MORSE_ORIGINAL_DATA`` says where they are.
 """
 

@@ -151,7 +151,7 @@ def test_the_sandbox_stands_on_a_meadow() -> None:
 @pytest.mark.parametrize("world", WORLDS)
 def test_the_view_of_a_world_begins_where_its_file_says(world: str) -> None:
     scene = scene_of(world)
-    assert scene.find("CameraFP") is None, "the viewpoint is no object of the world"
+    assert scene.find("CameraFP") is None, "the viewpoint is not an object of the world"
     camera = next(node for node in load(find(world, "environments")).nodes() if node.name == "CameraFP")
     view = scene.settings.view
     pose = camera.world_matrix()

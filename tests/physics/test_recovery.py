@@ -248,7 +248,7 @@ def test_a_runaway_is_stopped_before_it_is_no_number():
 
 def test_what_cannot_be_mended_ends_with_the_name_of_a_body():
     w = crowd()
-    # weight itself is no number: nothing can be put back against that
+    # weight itself is not a number: nothing can be put back against that
     w.model.opt.gravity[2] = math.nan
     with pytest.raises(UnstableError, match="diverged"):
         w.step()

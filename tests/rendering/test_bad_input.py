@@ -1,4 +1,4 @@
-"""Meshes, pictures and numbers that are no good."""
+"""Meshes, pictures and numbers that are not good."""
 
 import math
 

@@ -100,7 +100,7 @@ def test_objects_are_put_back(simu: Morse) -> None:
     assert math.dist(position(simu, "anna"), before["anna"][1]) > 0.5
     assert isinstance(simu.reset(), str)
     assert call(simu, "get_scene_objects") == before
-    # a command is no object
+    # a command is not an object
     simu.step(60)
     assert math.dist(position(simu, "anna"), before["anna"][1]) > 0.5
 
@@ -187,7 +187,7 @@ def test_visibility_is_set(simu: Morse) -> None:
 
 def test_the_log_level(simu: Morse) -> None:
     assert call(simu, "set_log_level", "core.request_manager", "warning") is None
-    with pytest.raises(MorseServiceFailed, match="'warnin' is no log level; did you mean 'warning'"):
+    with pytest.raises(MorseServiceFailed, match="'warnin' is not a log level; did you mean 'warning'"):
         call(simu, "set_log_level", "core.request_manager", "warnin")
     for name in ("core.request_manage", "a" + ".b" * 30_000):
         with pytest.raises(MorseServiceFailed, match="nothing that is called"):

@@ -233,7 +233,7 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_
     toasts = page.locator(".toast")
     until(lambda: toasts.count() == 2)
     assert toasts.all_inner_texts() == [
-        "robot0.lidar.note cannot be plotted: it is no number.",
+        "robot0.lidar.note cannot be plotted: it is not a number.",
         "robot0.lidar.points cannot be plotted: 20 values.",
     ]
     page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays nothing

@@ -34,5 +34,5 @@ class LibrariesFirst:
             return None  # nothing hides it
         hiding = {Path(directory).resolve() for directory in self._directories}
         spec = PathFinder.find_spec(name, [entry for entry in sys.path if Path(entry).resolve() not in hiding])
-        # a folder of that name is no library
+        # a folder of that name is not a library
         return None if spec is None or spec.loader is None else spec

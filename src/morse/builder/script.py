@@ -106,7 +106,7 @@ def describing(resource_paths: list[str]) -> Iterator[None]:
 def _lacks_mathutils() -> bool:
     """Scripts and components of 1.4 import ``mathutils``, which came with the Blender that ran them."""
     spec = importlib.util.find_spec("mathutils")
-    # a folder of that name on the path is no module
+    # a folder of that name on the path is not a module
     return spec is None or spec.origin is None
 
 

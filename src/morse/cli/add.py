@@ -65,7 +65,7 @@ def _ask_for_description(kind: str, name: str) -> str:
     typer.echo(f"* A short description of the {kind} '{name}', in one line: ", nl=False)
     if sys.stdin is None:
         return ""
-    # bytes, because a description in an unknown encoding is no reason to fail
+    # bytes, because a description in an unknown encoding is not a reason to fail
     line = sys.stdin.buffer.readline()
     if not (sys.stdin.isatty() and line.endswith(b"\n")):
         typer.echo()

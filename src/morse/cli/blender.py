@@ -17,7 +17,7 @@ def find() -> tuple[str | None, str]:
     """
     if given := os.environ.get("MORSE_BLENDER"):
         path = shutil.which(given)
-        return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is no program")
+        return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is not a program")
     path = shutil.which("blender")
     return (path, "PATH") if path else (None, "neither MORSE_BLENDER nor the PATH has it")
 

@@ -22,7 +22,7 @@ def load_class(classpath: str) -> type[Any]:
     """
     module_name, _, class_name = classpath.rpartition(".")
     if not module_name:
-        raise ClassPathError(f"'{classpath}' is no class path: expected package.module.Class")
+        raise ClassPathError(f"'{classpath}' is not a class path: expected package.module.Class")
     try:
         module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:

@@ -148,7 +148,7 @@ class DatastreamManager(Observer):
         """
         cls = load_class(declaration.stream)
         if not callable(getattr(cls, "default", None)):
-            raise MorseMiddlewareError(f"{declaration.stream} is no stream: it has no method 'default'")
+            raise MorseMiddlewareError(f"{declaration.stream} is not a stream: it has no method 'default'")
         declared = getattr(cls, "options", None)
         options = dict(declaration.options)
         if declared is not None:
@@ -156,7 +156,7 @@ class DatastreamManager(Observer):
         return cls(component, options)
 
     def disconnect(self, name: str) -> None:
-        """A component is deleted: close its streams for good."""
+        """A component is deleted: close its streams; the streams do not open again."""
         self._close_streams(name)
         self.left(name)
 

@@ -91,7 +91,7 @@ class Group:
             values = [float(value) for value in values]
             total = sum(values)
         if not -sys.float_info.max <= total <= sys.float_info.max:
-            raise ValueError(f"the field '{field}' holds what is no finite number")
+            raise ValueError(f"the field '{field}' holds what is not a finite number")
         return values
 
     def attributes(self, name: str) -> list[Any]:
@@ -136,7 +136,7 @@ class Group:
             ValueError: a speed is too large.
         """
         for speeds in (forward, aside, rate):
-            # nothing compares with what is no number
+            # nothing compares with what is not a number
             if speeds is not None and not (min(speeds) >= -_FASTEST and max(speeds) <= _FASTEST):
                 raise ValueError(f"a speed is a number from {-_FASTEST:g} to {_FASTEST:g}")
         if self._fleet is None:

@@ -10,7 +10,7 @@ from morse.core.quoting import quoted, short
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: longer words are no misspelt names, and to compare them takes time quadratic in their length
+#: longer words are not misspelt names, and to compare them takes time quadratic in their length
 _LONGEST_WORD = 120
 #: names that a word is compared with at most
 _MOST_COMPARED = 200

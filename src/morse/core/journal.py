@@ -1,8 +1,8 @@
 """Everything that comes into a simulation from outside, with the tick at which it came.
 
 A run is determined by its scene, its seed and its inputs. Inputs are of three kinds: commands that actuators receive,
-calls of services (and their cancellation), and controls: what a person does at the live view. A run during which a
-model or the file of a component was edited is determined by these no longer: the entry ``edit`` says so.
+calls of services (and their cancellation), and controls: what a person does at the live view. The entry ``edit``
+marks a run during which a model or the file of a component was edited: the inputs alone do not determine such a run.
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (the name is logging's)
         error = sys.exc_info()[1]
-        # the reader of a pipe (`morse run | head`) may leave: that is no reason to disturb the simulation
+        # the reader of a pipe (`morse run | head`) may leave: that is not a reason to disturb the simulation
         if isinstance(error, (BrokenPipeError, ValueError)):
             return
         if not isinstance(error, OSError):
@@ -206,13 +206,13 @@ def set_level(component: str, level: str) -> None:
         level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``, in any case.
 
     Raises:
-        ValueError: no level of that name, or ``component`` is no dotted name.
+        ValueError: no level of that name, or ``component`` is not a dotted name.
     """
     if level.upper() not in LEVELS:
         raise ValueError(f"there is no log level {level!r:.80}: it is one of {', '.join(LEVELS).lower()}")
     name = component.removeprefix("morse.")
     if len(name) > _MAX_NAME or name.count(".") >= _MAX_DEPTH or not _NAME.fullmatch(name):
-        raise ValueError(f"{component!r:.80} is no name of a logger, such as core.request_manager")
+        raise ValueError(f"{component!r:.80} is not a name of a logger, such as core.request_manager")
     logging.getLogger("morse" if name == "morse" else f"morse.{name}").setLevel(level.upper())
 
 

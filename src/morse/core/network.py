@@ -17,8 +17,8 @@ _T = TypeVar("_T")
 
 #: wall-clock seconds for which a loop that is borrowed may stay unserved
 _UNSERVED = 0.002
-#: who waited less than that, wall-clock seconds, looks for so long next time before it sleeps: to be woken takes longer
-#: than the tick
+#: wall-clock seconds: a thread whose last wait was shorter polls for that time before it sleeps; a wake-up takes longer
+#: than a tick
 _WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
 
 

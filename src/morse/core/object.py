@@ -73,7 +73,7 @@ class Object(Requesting, AbstractObject):
             return str(asked)
         return next((name for name, level in declared.items() if level.default), None)
 
-    #: attributes that are no part of the state: they are made from the scene, and stay while the simulation runs
+    #: attributes that are not part of the state: they are made from the scene, and stay while the simulation runs
     not_state: ClassVar[tuple[str, ...]] = (
         "bge_object",
         "robot_parent",

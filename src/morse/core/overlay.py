@@ -23,7 +23,7 @@ class MorseOverlay(AbstractObject):
         self.overlaid_object = overlaid_object
         self.options = options
 
-    #: attributes that are no part of the state: they are made from the scene
+    #: attributes that are not part of the state: they are made from the scene
     not_state: ClassVar[tuple[str, ...]] = ("overlaid_object", "options", "on_completion")
 
     def get_state(self) -> dict[str, Any]:

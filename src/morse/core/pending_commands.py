@@ -29,7 +29,7 @@ class PendingCommands:
         """Let the actuator take some of its fields when it acts next; of several values of a field the last one wins.
 
         Raises:
-            CommandError: the message is no dictionary, a value does not fit, or the actuator has no such field; then
+            CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field; then
                 nothing is taken.
         """
         self._waiting.update(self._commands.fitting(message))

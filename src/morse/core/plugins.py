@@ -1,6 +1,6 @@
 """What installed packages bring to MORSE: components, modifiers, middlewares, models.
 
-A package says so by entry points in its ``pyproject.toml``::
+A package declares them by entry points in its ``pyproject.toml``::
 
     [project.entry-points."morse.components"]
     my_lab = "my_lab"

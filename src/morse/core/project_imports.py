@@ -127,7 +127,7 @@ class ProjectImports:
         _switching.release()
 
     def stay(self) -> None:
-        """Enter for good: for a process that runs this one simulation."""
+        """Enter without leaving: for a process that runs this one simulation."""
         with _switching:
             self._entered += 1
             if self._entered == 1:

@@ -161,7 +161,7 @@ def angle_against_north(properties: Mapping[str, Any]) -> float:
     """How far the axes of a world are turned about Z from east and north, rad, counter-clockwise; 0 if it is not said.
 
     Raises:
-        GeodesyError: it is no number.
+        GeodesyError: it is not a number.
     """
     return _number(properties, "angle_against_north") if "angle_against_north" in properties else 0.0
 

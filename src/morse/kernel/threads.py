@@ -46,7 +46,7 @@ def share_out(work: Callable[[int, int], None], size: int, least: int) -> None:
 
 
 def together(work: Callable[[], object], pieces: int) -> None:
-    """Call ``work`` in so many threads at once, at most as many as there are pieces; it takes them one by one."""
+    """Call ``work`` in several threads at once, at most one per piece; ``work`` takes the pieces one by one."""
     workers = min(count(), pieces)
     waiting = [_pool(count() - 1).submit(work) for _ in range(workers - 1)]
     work()

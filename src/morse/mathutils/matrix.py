@@ -386,7 +386,7 @@ class Matrix:
         return self._resized(4)
 
     def resize_4x4(self) -> None:
-        """Become 4x4; rows and columns taken before are no view of it any more."""
+        """Become 4x4; rows and columns taken before do not show the matrix any more."""
         self._rows = self.to_4x4()._rows
 
     def _resized(self, size: int) -> Matrix:

@@ -44,7 +44,7 @@ class Vector(VectorAlgebra):
 
 
 class Quaternion(QuaternionAlgebra):
-    """A quaternion w, x, y, z; ``Quaternion()`` is no rotation.
+    """A quaternion w, x, y, z; ``Quaternion()`` is the identity.
 
     ``Quaternion((w, x, y, z))``, ``Quaternion((x, y, z), angle)`` from an axis and radians, or
     ``Quaternion((x, y, z))`` from an exponential map: the axis times the angle.

@@ -155,7 +155,7 @@ class VectorAlgebra(FloatSequence):
     def __imul__(self, other: Any) -> Self:  # type: ignore[misc]
         changed = self * other
         if not isinstance(changed, VectorAlgebra):
-            raise TypeError(f"v *= {type(other).__name__} is no vector: use v.dot(other)")
+            raise TypeError(f"v *= {type(other).__name__} is not a vector: use v.dot(other)")
         self._assign(changed._items)
         return self
 
@@ -323,7 +323,7 @@ class VectorAlgebra(FloatSequence):
         return made
 
     def resize(self, size: int) -> None:
-        """Change the number of components; a row or column of a matrix is no view of it any more."""
+        """Change the number of components; a row or column of a matrix does not show the matrix any more."""
         self._check_writable()
         self._items = self.resized(size)._items
 

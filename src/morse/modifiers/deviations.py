@@ -11,7 +11,7 @@ from morse.core.quoting import shown
 
 
 def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:
-    """The standard deviation of each axis; an axis that a dictionary lacks has none.
+    """The standard deviation of each axis; an axis that is not in a dictionary has none.
 
     Args:
         option: its name, for messages.

@@ -23,7 +23,7 @@ class EarthModifier(AbstractModifier):
     metres above the WGS84 ellipsoid, and perhaps ``angle_against_north``, radians.
 
     Raises:
-        GeodesyError: the environment does not say so.
+        GeodesyError: the environment does not have these properties.
     """
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})

@@ -40,7 +40,7 @@ class UTMModifier(AbstractModifier):
         """Take the offsets.
 
         Raises:
-            MorseBuilderError: one is no number.
+            MorseBuilderError: one is not a number.
         """
         self._offsets = {axis: self._offset(axis) for axis in "xyz"}
 

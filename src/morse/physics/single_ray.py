@@ -47,7 +47,7 @@ def cast_ray(
 
 
 def _without(world: ObjectWorld, rays: Rays, prop: str) -> NDArray[np.bool_]:
-    """(S,) the solids that lack a property, as do the bodies that they are part of."""
+    """(S,) the solids that do not have a property; neither have the bodies that the solids are part of."""
     lacking = rays.without(prop)
     for solid in np.flatnonzero(lacking):
         lacking[solid] = prop not in body_of(world, rays.object_of(int(solid)))

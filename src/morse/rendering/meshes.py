@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from morse.scene import Mesh
 
-#: m: what is farther from the origin of a mesh is no place
+#: m: what is farther from the origin of a mesh is not a place
 _FARTHEST = 1e7
 #: texture coordinates repeat; beyond it they have no fraction to speak of
 _FARTHEST_UV = 1e4
@@ -38,7 +38,7 @@ class Clusters(NamedTuple):
 def clusters_of(mesh: Mesh, slots: int) -> Clusters:
     """Cut a mesh into clusters, with corners that agree joined.
 
-    Triangles with corners that are no places, or that the mesh does not have, are left out.
+    Triangles with corners that are not places, or that the mesh does not have, are left out.
 
     Args:
         slots: number of material slots; triangles of other slots get the last one.

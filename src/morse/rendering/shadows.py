@@ -32,7 +32,7 @@ _AROUND = 5.0
 _NEAR = 10.0
 #: texels at the border
 _BORDER = 4
-#: of more things that moved, all are drawn again
+#: if more things than that have moved, all shadows are drawn again
 _MANY = 256
 
 

@@ -43,7 +43,7 @@ CAMERA_INFO: dict[str, Any] = {
     "d": [0.0] * 5,
     "model": "plumb_bob",
 }
-#: of the pictures of `StereoUnit.capture` and the like
+#: of the pictures of `StereoUnit.capture` and of similar services
 Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
 
 
@@ -152,7 +152,7 @@ class Camera(Sensor):
         self.start(int(n))
 
     def start(self, count: int) -> None:
-        """Take so many pictures, and then no more; a negative number for pictures without end."""
+        """Take that number of pictures; a negative number stands for pictures without end."""
         self._left, self.capturing = count, True
 
     def interrupt(self) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _points(camera: DepthCamera) -> NDArray[np.float32]:
-    """(N, 3), or (H, W, 3) of which those that show nothing are no numbers."""
+    """(N, 3), or (H, W, 3) of which those that show nothing are not numbers."""
     points = np.asarray(camera.local_data["points"], dtype=np.float32)
     if not camera.keep_resolution or not len(points):
         return points

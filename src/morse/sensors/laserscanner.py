@@ -190,7 +190,7 @@ class LaserScanner(Sensor):
     add_kind("cloud", level=["raw", "rssi"], when=_is_deep, points=_points, intensity=_intensity, ring=_layer)
     add_kind("cloud", level=["raw", "rssi"], when=_is_flat, topic="points", on_request=True, points=_points)
 
-    not_state = ("_arc",)  # of the rays as they are; they are no part of the state either
+    not_state = ("_arc",)  # of the rays as they are; they are not part of the state either
     #: whether the fan turns about the vertical axis, so that its rays lie in no plane
     turns = False
     laser_range: float
@@ -273,7 +273,7 @@ class LaserScanner(Sensor):
         return ("range_list",)
 
     def add_noise(self, field: str, noise: Noise, before: Any) -> None:
-        """Measure distances, or remissions, with errors; a lost echo is no hit."""
+        """Measure distances, or remissions, with errors; a lost echo is not a hit."""
         rays, data = self.rays, self.local_data
         met = rays.hit >= 0
         values = data[field]

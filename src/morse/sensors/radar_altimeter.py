@@ -21,7 +21,7 @@ class RadarAltimeter(Sensor):
     add_kind("range", distance="z", min=0.0, max=prop("_max_range"), fov=0.0, radiation="radar")
 
     _max_range: float
-    not_state = ("_reach",)  # of the rays as they are; they are no part of the state either
+    not_state = ("_reach",)  # of the rays as they are; they are not part of the state either
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)

@@ -73,7 +73,7 @@ class RangeFinder(Sensor):
     _min_range: float
     _cone: float
     _resolution: float
-    not_state = ("_looks",)  # of the rays as they are; they are no part of the state either
+    not_state = ("_looks",)  # of the rays as they are; they are not part of the state either
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)

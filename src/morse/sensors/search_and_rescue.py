@@ -168,7 +168,7 @@ class SearchAndRescue(Sensor):
 
 
 def _numbers(text: Any) -> list[int]:
-    """Whole numbers that are joined by commas; what is no number is left out."""
+    """Whole numbers that are joined by commas; what is not a number is left out."""
     words = str("" if text is None else text).replace("[", "").replace("]", "").split(",")
     return [int(word) for word in map(str.strip, words) if word.lstrip("+-").isdecimal()]
 

@@ -58,5 +58,5 @@ class VideoCamera(Camera):
         self.local_data["image"] = self.ordered(image)
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """None: a buffer of bytes is no measured vector."""
+        """None: a buffer of bytes is not a measured vector."""
         return ()

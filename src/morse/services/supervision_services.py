@@ -110,7 +110,7 @@ class Supervision(AbstractObject):
         """
         if not isinstance(level, str) or level.upper() not in log.LEVELS:
             names = [name.lower() for name in log.LEVELS]
-            raise MorseRPCTypeError(f"{quoted(level)} is no log level{nearest(str(level), names)}")
+            raise MorseRPCTypeError(f"{quoted(level)} is not a log level{nearest(str(level), names)}")
         known = log.known_components()
         if component.removeprefix("morse.") not in known:
             hint = nearest(component, sorted(name for name in known if name.startswith(_PARTS)))
@@ -168,7 +168,7 @@ class Supervision(AbstractObject):
             quaternion: w, x, y, z; of any length but zero.
         """
         if not any(quaternion):
-            raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is no orientation; 1, 0, 0, 0 turns nothing")
+            raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is not an orientation; 1, 0, 0, 0 turns nothing")
         obj = self._object(object_name)
         obj.worldOrientation = Quaternion([float(number) for number in quaternion])
         obj.worldPosition = [float(coordinate) for coordinate in position]

@@ -129,7 +129,7 @@ class ComponentHandle:
         """Give an actuator some of its fields; it takes them in the next tick.
 
         Raises:
-            AttributeError: it is no actuator.
+            AttributeError: it is not an actuator.
             CommandError: a field that it does not have, or a value that does not fit; then nothing is taken.
         """
         component = self._wired

@@ -74,7 +74,7 @@ class InputRecording:
             raise StateError(f"{file} is larger than any recording of inputs")
         content = file.read_bytes()
         if not content.startswith(_HEAD):
-            raise StateError(f"{file} is no recording of inputs, or one of another version")
+            raise StateError(f"{file} is not a recording of inputs, or one of another version")
         try:
             (seed, start, last, waiting), entries = msgspec.msgpack.decode(content[len(_HEAD) :], type=tuple[Any, Any])
             state = None if start is None else State.from_bytes(start)

@@ -77,7 +77,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
             robot = make_component(context, declaration, None)
             if not isinstance(robot, Robot):
                 raise LoadError(
-                    f"{_where(declaration)}: {declaration.classpath} is no subclass of morse.core.robot.Robot"
+                    f"{_where(declaration)}: {declaration.classpath} is not a subclass of morse.core.robot.Robot"
                 )
             by_node[declaration.node] = robot
             own = declaration.kind == "robot"

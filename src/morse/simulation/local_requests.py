@@ -21,7 +21,7 @@ class LocalRequests(RequestManager):
     """Offers every service of every component to the process; services are looked up when they are called.
 
     Args:
-        tick: lets a tick pass, for who waits for the end of a service.
+        tick: lets a tick pass, for a caller that waits for the end of a service.
         failed: told of errors in functions that wait for the end of a service.
     """
 

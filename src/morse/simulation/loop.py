@@ -93,12 +93,12 @@ class Loop:
     # -- too slow --------------------------------------------------------------------------
 
     def restarted(self) -> None:
-        """Time starts anew: what was said of the pace holds no longer."""
+        """Time starts anew: a warning about the pace is taken back."""
         self.pacer.restart()
         self._recovered()
 
     def _diagnose(self) -> None:
-        """The simulation is too slow: find out why, and say so from time to time."""
+        """The simulation is too slow: find the cause, and warn of it from time to time."""
         if self._diagnosis is None:
             self._diagnosis = Diagnosis()
             self._ticker.profiles.append(self._diagnosis.profile)
@@ -129,7 +129,7 @@ class Loop:
             self._diagnosis = None
 
     def _recovered(self) -> None:
-        """The simulation keeps up again, or begins anew: what was said of its pace holds no longer."""
+        """The simulation keeps up again, or begins anew: a warning about its pace is taken back."""
         self._stop_measuring()
         if self._slow:
             for observer in self._ticker.observers:

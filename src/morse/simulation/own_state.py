@@ -1,4 +1,4 @@
-"""The state of what belongs to the simulation itself: clock, controls, commands that wait; and who is there."""
+"""The state of the simulation itself: clock, controls, commands that wait, newcomers and deleted things."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class ClockState:
         return {"tick": self._simulation.clock.tick, "seed": self._simulation.context.seed}
 
     def check(self, state: Any) -> None:
-        """Refuse what is no state of a clock."""
+        """Refuse a state that is not one of a clock."""
         found: _Clock = _converted("clock", state, _Clock)
         if not 0 <= found.tick <= _LAST_TICK or type(found.seed) is not int:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
@@ -86,7 +86,7 @@ class ControlsState:
         return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
 
     def check(self, state: Any) -> None:
-        """Refuse what are no controls."""
+        """Refuse a state that is not one of controls."""
         _converted("controls", state, _Controls)
 
     def set_state(self, state: dict[str, Any]) -> None:
@@ -113,7 +113,7 @@ class InputsState:
         return found
 
     def check(self, state: Any) -> None:
-        """Refuse what are no commands."""
+        """Refuse a state that does not hold commands."""
         found = _converted("inputs", state, dict[str, dict[str, Any]])
         actuators = {actuator.name(): actuator for actuator in self._simulation.loaded.actuators}
         for name, fields in found.items():

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 #: behind by more than this, the lost time is given up: catching up would play it too fast
 _GIVE_UP = 0.25
-#: how often a simulation that falls behind says so, wall-clock seconds
+#: interval of the warnings of a simulation that falls behind, wall-clock seconds
 _REPORT_EVERY = 10.0
 #: less than that share of the time lost is a hiccup of the machine, not worth a word
 _WORTH_A_WORD = 0.05
@@ -104,7 +104,7 @@ class Pacer:
             self._window = (now, self._ticks)
 
     def report_due(self) -> float:
-        """Seconds lost, if it is time to say so; else 0."""
+        """Seconds lost, if a warning is due; else 0."""
         now = time.perf_counter()
         since = min(now - self._last_report, _REPORT_EVERY)
         if now - self._last_report < _REPORT_EVERY:

@@ -46,7 +46,7 @@ class Recipe(NamedTuple):
 
 
 class Population:
-    """Who is in a simulation, and who was at its launch."""
+    """The robots and things in a simulation, and those at its launch."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
@@ -212,11 +212,11 @@ class Population:
         return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
 
     def makers(self) -> dict[str, Callable[[], Any]]:
-        """The functions that made newcomers, by name; who was made by name of its kind is not among them."""
+        """The functions that made newcomers, by name; newcomers by the name of a kind are left out."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 
     def get_state(self) -> dict[str, Any]:
-        """Who came since the launch, and how; who has gone.
+        """Newcomers since the launch with their kinds and poses, and the names of those that have gone.
 
         What a function of the process made is known by its name alone: it cannot be made again elsewhere.
         """
@@ -270,7 +270,7 @@ class Population:
         place |= {root: place[name] for name, recipe in self._recipes.items() for root in recipe.roots}
 
         def order(name: str) -> int:
-            return place.get(name, -1)  # who was there at the launch comes first, as before
+            return place.get(name, -1)  # things of the launch come first, as before
 
         roots = sorted(scene.roots, key=lambda root: order(root.name))
         components = sorted(scene.components, key=lambda declared: order(declared.robot.name))

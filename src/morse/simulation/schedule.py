@@ -16,7 +16,7 @@ class _Periodic(Protocol):
 
 _C = TypeVar("_C", bound=_Periodic)
 
-#: patterns of more ticks are worked out anew each time
+#: longer patterns (ticks) are not kept, but computed each time
 _LONGEST_PATTERN = 3600
 
 

@@ -76,7 +76,7 @@ class State:
             StateError: it is none, or damaged.
         """
         if not content.startswith(_HEAD):
-            raise StateError("this is no saved state of MORSE, or one of another version")
+            raise StateError("this is not a saved state of MORSE, or one of another version")
         try:
             parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, Any])
             state = cls(parts)
@@ -107,7 +107,7 @@ class State:
 
         Raises:
             OSError: it cannot be read.
-            StateError: it is no saved state, or damaged.
+            StateError: it is not a saved state, or damaged.
         """
         file = Path(path)
         if file.stat().st_size > _LARGEST:

@@ -66,7 +66,7 @@ class Stepping:
             ended((status.SUCCESS, None))
 
     def end(self, outcome: str, reason: str | None = None) -> None:
-        """Do no more of the ticks that were asked for, and tell those who wait."""
+        """Give up the ticks that are still wanted, and answer the requests that wait for the ticks."""
         self._left = 0
         series = list(self._series.values())
         self._series.clear()

@@ -44,7 +44,7 @@ class Wishes:
 
     Attributes:
         values: components whose data is looked at.
-        overlays: components whose rays, cones and the like are shown, and ``contacts``.
+        overlays: components whose rays, cones or other overlays are shown, and ``contacts``.
         images: cameras whose pictures are shown.
     """
 

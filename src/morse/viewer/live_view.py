@@ -37,7 +37,7 @@ logger = logging.getLogger("morse.viewer")
 
 #: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
-#: the same where nothing waits for the wall clock: what the view takes there, the simulation lacks
+#: the same for a simulation that runs as fast as possible: the view must not take the time of its ticks
 _UNPACED_INTERVAL = 1.0 / 30.0
 #: ticks that take longer than that, s, are all shown: to show one takes little beside it
 _LONG_TICK = 0.01

@@ -49,7 +49,7 @@ class Watch(PageMessage, frozen=True):
 
     Attributes:
         values: components whose data it wants.
-        overlays: components whose rays and the like it wants, and ``contacts`` for contact points.
+        overlays: components whose rays, cones or other overlays the page shows, and ``contacts`` for contact points.
         images: cameras whose pictures it wants.
     """
 

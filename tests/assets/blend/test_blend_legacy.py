@@ -161,7 +161,7 @@ def test_custom_properties_win_over_game_properties_and_settings(tmp_path: Path)
         prop=writer.game_properties(address, Label="game", mass=7.0),
         id={"properties": writer.property_group(address, Label="custom", physics_type="SENSOR", mass=3.0)},
     )  # fmt: skip
-    # a game property of that name is no setting
+    # a game property of that name is not a setting
     assert node.properties == {"Label": "custom", "mass": 7.0}
     assert (node.body.type, node.body.mass) == (PhysicsType.SENSOR, 3.0)
 

@@ -128,7 +128,7 @@ def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
                 if one.type == socket.SOCK_DGRAM and one.family in (socket.AF_INET, socket.AF_INET6):
                     devices.append(one.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16))
         except OSError:
-            continue  # it is no socket
+            continue  # it is not a socket
     assert set(devices) == {b"lo\0"}
     assert "this machine alone" in simulation.context.stream_managers[MANAGER].backend.opens
     assert not {"ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"} & os.environ.keys(), (

@@ -92,7 +92,7 @@ export class PlotsPanel {
 
   private refuse(component: string, field: string): void {
     const value = this.components.valuesOf(component)?.data[field];
-    this.tell(`${component}.${field} cannot be plotted: ${value !== null && typeof value === "object" ? format(value) : "it is no number"}.`);
+    this.tell(`${component}.${field} cannot be plotted: ${value !== null && typeof value === "object" ? format(value) : "it is not a number"}.`);
   }
 
   private create(): Plot {

@@ -99,7 +99,7 @@ class Record:
         field = self._field(name)
         index = self.file.dna.index(field.type)
         if field.is_pointer or index is None:
-            raise Damage(f"the field {name} of {self.struct.name} is no struct")
+            raise Damage(f"the field {name} of {self.struct.name} is not a struct")
         layout = self.file.dna.struct(index)
         if layout.size > field.size:
             raise Damage(f"the field {name} of {self.struct.name} is too small")

@@ -16,7 +16,7 @@ logger = logging.getLogger(__name__)
 
 
 def hint_at_radians(what: str, angles: Iterable[Any]) -> None:
-    """Warn of more than a full turn: a script that gives so much most likely means degrees.
+    """Warn of more than a full turn: such a value most likely means degrees.
 
     Args:
         what: names the call in the message, e.g. ``Morsy.rotate``.

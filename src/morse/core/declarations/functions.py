@@ -166,8 +166,8 @@ def add_kind(
 
     A slot is given as the name of a field; as a tuple of names, of which None means "none: 0, and a command for it
     is dropped"; as ``euler("roll", "pitch", "yaw")``; as ``prop("_range")``; as ``mapped("status", full="Charged")``;
-    as a constant (a word that is no field, a number, a list of numbers); or, for sensors, as a function that takes the
-    component and returns the value in the unit of the slot. Units are converted. All but constants, properties and
+    as a constant (a word that is not a field, a number, a list of numbers); or, for sensors, as a function that takes
+    the component and returns the value in the unit of the slot. Units are converted. All but constants, properties and
     functions work both ways, so that the same declaration serves commands.
 
     A class that declares kinds does not inherit those of its bases; ``add_kind(None)`` declares that there are none.

@@ -49,7 +49,7 @@ def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     kinds = (given,) if isinstance(given, Kind) else tuple(given) if isinstance(given, (list, tuple)) else (given,)
     good = tuple(kind for kind in kinds if _is_kind(kind))
     if len(good) < len(kinds):
-        logger.warning("%s brings something that is no message kind (morse.core.kinds.Kind)", point.value)
+        logger.warning("%s brings something that is not a message kind (morse.core.kinds.Kind)", point.value)
     return good
 
 

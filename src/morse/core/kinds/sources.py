@@ -204,7 +204,7 @@ def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Ma
         _field(given.field, fields)
         unknown = [word for word in given.words.values() if slot.choices and word not in slot.choices]
         if unknown:
-            raise MorseDeclarationError(f"{shown(unknown[0])} is no word of it{nearest(unknown[0], slot.choices)}")
+            raise MorseDeclarationError(f"{shown(unknown[0])} is not a word of it{nearest(unknown[0], slot.choices)}")
         return FromWord(given)
     if callable(given):
         return FromFunction(given, fields[slot.name].frame if slot.name in fields else "")

@@ -76,7 +76,7 @@ def generator(name: str) -> np.random.Generator:
         StateError: there is no such kind.
     """
     if name not in _GENERATORS:
-        raise StateError(f"{name!r:.40} is no generator of random numbers")
+        raise StateError(f"{name!r:.40} is not a generator of random numbers")
     return np.random.Generator(getattr(np.random, name)(0))
 
 

@@ -13,7 +13,7 @@ def replace(attributes: dict[str, Any], present: Iterable[str], state: Mapping[s
 
     Args:
         attributes: what ``vars`` of the object gives.
-        present: the names that belong to the state at present; those that the state lacks are deleted.
+        present: the names that belong to the state at present; names that are not in the state are deleted.
         state: name to value.
     """
     for name in [name for name in present if name not in state]:

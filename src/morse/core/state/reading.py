@@ -198,7 +198,7 @@ class Reader:
     def _named_tuple(self, data: list[Any], now: Any) -> Any:
         cls = self._class(data[1], now)
         if not issubclass(cls, tuple):
-            raise StateError(f"{data[1]} is no tuple")
+            raise StateError(f"{data[1]} is not a tuple")
         return cls._make(self._items(data[2], now))  # type: ignore[attr-defined]
 
     # -- numpy -----------------------------------------------------------------------------
@@ -208,7 +208,7 @@ class Reader:
         self._keep(None)
         root = self.value(data[1])
         if type(root) is not np.ndarray or root.dtype.hasobject:
-            raise StateError("an array shares the memory of something that is no array")
+            raise StateError("an array shares the memory of something that is not an array")
         self._met[place] = view = arrays.view_of(root, arrays.dtype(data[2]), *data[3:])
         return view
 
@@ -257,7 +257,7 @@ class Reader:
     def _enum(self, data: list[Any], now: Any) -> Any:
         cls = self._class(data[1], now)
         if not issubclass(cls, Enum):
-            raise StateError(f"{data[1]} is no enumeration")
+            raise StateError(f"{data[1]} is not an enumeration")
         return cls(self.value(data[3])) if data[2] is None else cls[data[2]]
 
     def _own(self, data: list[Any], now: Any) -> Any:

@@ -45,7 +45,7 @@ class Commands:
         """The fields of a message as they would be stored; fields that the component does not declare are refused.
 
         Raises:
-            CommandError: the message is no dictionary, a value does not fit, or the component has no such field.
+            CommandError: the message is not a dictionary, a value does not fit, or the component has no such field.
         """
         accepted, unknown = self.checked(message)
         if unknown:
@@ -59,7 +59,7 @@ class Commands:
             What to tell the user of fields that the component does not declare, once for each.
 
         Raises:
-            CommandError: the message is no dictionary, or a value does not fit, or, where the simulation is strict,
+            CommandError: the message is not a dictionary, or a value does not fit, or, where the simulation is strict,
                 the component does not declare a field; then nothing has changed.
         """
         accepted, unknown = self.checked(message)
@@ -71,7 +71,7 @@ class Commands:
         """The fields of a message as they would be stored, and those that the component does not declare.
 
         Raises:
-            CommandError: the message is no dictionary, or a value does not fit.
+            CommandError: the message is not a dictionary, or a value does not fit.
         """
         if not isinstance(message, dict):
             fields = ", ".join(self._checks) or "its fields"
@@ -115,7 +115,9 @@ class Commands:
 
     def _size(self, name: Any, value: Any) -> int:
         if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-            raise CommandError(shown(name), f"{shown(name)} is no name of a field: a string of up to {_LONGEST_NAME}")
+            raise CommandError(
+                shown(name), f"{shown(name)} is not a name of a field: a string of up to {_LONGEST_NAME}"
+            )
         try:
             check_plain(name)
             check_plain(value)

@@ -112,7 +112,7 @@ def _integer(spec: Spec) -> Callable[[Any], Any]:
 
 
 def real(value: Any) -> float | None:
-    """A number as a float, infinite if it is too large for one; None if it is no number."""
+    """A number as a float, infinite if it is too large for one; None if it is not a number."""
     if isinstance(value, float):
         return float(value)
     if isinstance(value, bool):

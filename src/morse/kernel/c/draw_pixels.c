@@ -22,7 +22,7 @@ static const uint8_t BAYER[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}
 
 static int texel_of(float coordinate, int32_t size) {
     const float at = floorf(coordinate * (float)size);
-    // not so of what is no number
+    // not so of what is not a number
     return at > -FARTHEST_TEXEL && at < FARTHEST_TEXEL ? (int)at & (size - 1) : 0;
 }
 

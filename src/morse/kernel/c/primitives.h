@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdint.h>
 
-// The order of `morse.scene.ShapeKind`; meshes are no primitives.
+// The order of `morse.scene.ShapeKind`; meshes are not primitives.
 enum { BOX, SPHERE, CYLINDER, CAPSULE, ELLIPSOID, MESH };
 
 typedef struct {

@@ -73,7 +73,7 @@ static void cast_one(const Solids *solids, const Rays *rays, const double *posit
         for (int k = 0; k < 3; k++) ray.origin[k] = ray.origin[k] + position[k];
     }
     Query q = {solids, 0, rays->groups, &ray, rays->owners[sensor], -1, rays->limit, -1};
-    // rays from or to places that are no numbers meet nothing
+    // rays from or to places that are not numbers meet nothing
     if (is_finite(ray.origin) && is_finite(ray.direction)) {
         const Slopes slopes = slopes_of(&ray);
         if (solids->still) {

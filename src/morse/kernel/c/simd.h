@@ -15,7 +15,7 @@ static inline I8 bits_of(F8 a) { return (I8)a; }
 static inline F8 from_bits(I8 a) { return (F8)a; }
 static inline I8 pick_int(I8 mask, I8 a, I8 b) { return (mask & a) | (~mask & b); }
 static inline F8 pick(I8 mask, F8 a, F8 b) { return from_bits(pick_int(mask, bits_of(a), bits_of(b))); }
-// Where `a` is no number, `b`: put what is known to be one second.
+// Where `a` is not a number, `b`: put what is known to be one second.
 static inline F8 lesser(F8 a, F8 b) { return pick(a < b, a, b); }
 static inline F8 greater(F8 a, F8 b) { return pick(a > b, a, b); }
 static inline F8 within(F8 a, float low, float high) { return greater(lesser(a, splat(high)), splat(low)); }

@@ -24,7 +24,7 @@ f = np.float32
 
 
 def within(a: Floats, low: float, high: float) -> Floats:
-    """Between two numbers; what is no number becomes the high one."""
+    """Between two numbers; what is not a number becomes the high one."""
     below = np.where(a < f(high), a, f(high))
     return np.where(below > f(low), below, f(low)).astype(np.float32)
 

@@ -1,6 +1,6 @@
 """Messages as bytes and back: CDR as ROS 2 uses it (OMG DDSI-RTPS 2.5, chapter 10; XCDR version 1).
 
-A message is a dictionary of its fields; fields that it lacks have the defaults of their definition. Numbers in
+A message is a dictionary of its fields; missing fields have the defaults of their definition. Numbers in
 sequences may be numpy arrays, ``uint8[]`` may be bytes.
 """
 
@@ -29,7 +29,7 @@ _LARGEST = 8
 
 
 class CdrError(ValueError):
-    """Bytes are no message of that type."""
+    """The bytes are not a message of that type."""
 
 
 def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
@@ -47,7 +47,7 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
     """The message in bytes that may come from anybody; sequences of numbers become numpy arrays.
 
     Raises:
-        CdrError: they are no message of that type.
+        CdrError: the bytes are not a message of that type.
     """
     kind = bytes(data[:2])
     if len(data) < len(_HEADER) or kind not in (_BIG, _LITTLE):

@@ -67,7 +67,7 @@ def parse_request(line: bytes) -> Request | None:
 def format_reply(request: str, outcome: str, value: Any) -> bytes:
     """The line of a reply, with its end.
 
-    A value that cannot be written makes it a failure that says so.
+    A value that cannot be encoded turns the answer into a failure with the reason.
     """
     if value is None:
         return f"{request} {outcome}\n".encode()

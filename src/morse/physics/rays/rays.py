@@ -164,7 +164,7 @@ class Rays:
         return self._world.find_object(node)
 
     def without(self, prop: str) -> NDArray[np.bool_]:
-        """(S,) the solids whose objects lack a property."""
+        """(S,) the solids whose objects do not have a property."""
         return np.array([prop not in self._world.object_of(node) for node in self._solids.nodes], dtype=bool)
 
 

@@ -98,7 +98,7 @@ class Inheritance:
         if not isinstance(own, dict):
             return state
         if not isinstance(state, dict):
-            raise StateError(f"{name}: the state of the old class is no dictionary, that of the new one is")
+            raise StateError(f"{name}: the state of the old class is not a dictionary, that of the new one is")
         # threads and open files cannot be handed on
         kept = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
         return {**own, **kept}

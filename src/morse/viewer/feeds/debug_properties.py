@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
     from morse.viewer.server import ViewServer
 
-#: lines that are shown; of more, how many there are
+#: lines that are shown; the number of the others is shown instead of them
 _MOST = 100
 #: maximum number of characters of a string that are shown
 _LENGTH = 200

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.viewer.server import ViewServer
 
-#: of more rays, every second, third, ... is shown: 28 bytes each, ten times a second
+#: if there are more rays, every second, third, ... is shown: a ray is 28 bytes, ten times a second
 _MOST_SHOWN = 4000
 
 

@@ -17,7 +17,7 @@ class Qos(NamedTuple):
     Attributes:
         depth: number of messages that are kept.
         reliable: lost messages are sent again.
-        latched: who comes later gets the last messages, too (durability transient local).
+        latched: a subscriber that joins later gets the last messages, too (durability transient local).
     """
 
     depth: int = 10

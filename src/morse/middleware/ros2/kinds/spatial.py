@@ -56,7 +56,7 @@ class SpatialKinds:
 
     @maps("accel")
     def accel(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Without gravity: it is no message of an IMU."""
+        """Without gravity: it is not a message of an IMU."""
         return [
             Outlet(
                 "geometry_msgs/msg/AccelWithCovarianceStamped",
