@@ -21,7 +21,7 @@ from morse.builder.libraries import LibrariesFirst
 from morse.core.project_imports import ProjectImports
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from morse.scene import Scene
     from morse.simulation.options import RunOptions
@@ -64,17 +64,23 @@ def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
             _run(script, project)
 
     with project:
-        scene = build(describe, str(script), options.resource_paths)
+        scene = build(describe, str(script), options.resource_paths, options.interfaces)
     scene.project = project
     return scene
 
 
-def build(describe: Callable[[], object], script: str = "", resource_paths: list[str] | None = None) -> Scene:
+def build(
+    describe: Callable[[], object],
+    script: str = "",
+    resource_paths: list[str] | None = None,
+    interfaces: Sequence[str] = (),
+) -> Scene:
     """The scene that a function describes in terms of `morse.builder`.
 
     Args:
         script: named in errors.
         resource_paths: searched for models before ``MORSE_RESOURCE_PATH``.
+        interfaces: middlewares to which everything is connected, besides what the scene says.
 
     Raises:
         ScriptError: the script has an error.
@@ -84,6 +90,9 @@ def build(describe: Callable[[], object], script: str = "", resource_paths: list
         before, _loading = _loading, True
         try:
             describe()
+            if described.environment is not None:
+                for interface in interfaces:
+                    described.environment.add_default_interface(interface)
             scene = build_scene(described)
         except ScriptError as error:
             error.script = error.script or script

@@ -74,6 +74,9 @@ def command(
     strict: Annotated[
         bool, typer.Option("--strict", help="An unknown or ill-typed field in a message of a client is an error.")
     ] = False,
+    ros2: Annotated[
+        bool, typer.Option("--ros2", help="Connect everything to ROS 2, too: topics, frames, time.")
+    ] = False,
     profile: Annotated[bool, typer.Option("--profile", help="Say at the end what took the time.")] = False,
     watch: Annotated[
         bool | None,
@@ -109,6 +112,7 @@ def command(
         seed=_seed(seed),
         profile=profile,
         strict=strict,
+        interfaces=["ros2"] if ros2 else [],
     )
     options.watch = options.view == "web" if watch is None else watch
     if view_port is not None:

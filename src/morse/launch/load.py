@@ -23,6 +23,7 @@ def load(
     *,
     seed: int | None = None,
     sockets: bool = False,
+    interfaces: Sequence[str] = (),
     view: str | None = None,
     strict: bool = False,
     arguments: Sequence[str] = (),
@@ -41,6 +42,8 @@ def load(
         scene: path of a scene script or of a model of an environment, a function that builds a scene, or a `Scene`.
         seed: of all random numbers; None for what the scene says.
         sockets: open the middlewares that the scene names, and the services on the socket.
+        interfaces: names of middlewares to which everything on all robots is connected, as if the scene said
+            ``env.add_default_interface``; ``sockets`` follows from it. Not for a `Scene`, which says it itself.
         view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for neither.
         strict: an unknown or ill-typed field in a message of a client is an error.
         arguments: ``sys.argv[1:]`` of a scene script.
@@ -59,7 +62,8 @@ def load(
     """
     options = RunOptions(
         arguments=list(arguments),
-        sockets=sockets,
+        sockets=sockets or bool(interfaces),
+        interfaces=list(interfaces),
         view=view or "none",
         host=host,
         view_port=view_port,
@@ -89,7 +93,7 @@ def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options
     from morse.builder.script import build, load_scene
 
     if callable(scene):
-        return build(scene, f"the function {getattr(scene, '__qualname__', scene)}")
+        return build(scene, f"the function {getattr(scene, '__qualname__', scene)}", interfaces=options.interfaces)
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"a scene is a path, a function that builds a scene, or a morse.scene.Scene, not {scene!r:.80}")
     script = Path(scene).absolute()

@@ -38,6 +38,7 @@ class Scene:
         properties: of the environment: longitude, latitude, altitude, UTMXOffset, ...
         manager_options: class path of a stream manager to its options.
         simulation_managers: request managers that offer the services of the simulation.
+        interfaces: names of the middlewares to which everything is connected, also what comes later.
         log_levels: component to level, from ``env.set_log_level``.
         resource_paths: directories of the project that are searched for models.
         project: to be entered (``with scene.project:``) where classes of the project are imported.
@@ -52,6 +53,7 @@ class Scene:
     properties: dict[str, object] = field(default_factory=dict)
     manager_options: dict[str, dict[str, object]] = field(default_factory=dict)
     simulation_managers: list[str] = field(default_factory=list)
+    interfaces: list[str] = field(default_factory=list)
     log_levels: dict[str, str] = field(default_factory=dict)
     multinode: dict[str, object] | None = None
     resource_paths: list[str] = field(default_factory=list)

@@ -16,6 +16,7 @@ class RunOptions:
         resource_paths: searched for models before ``MORSE_RESOURCE_PATH`` (``<env>/data``).
         node_name: name of this simulation node.
         sockets: open the middlewares that the scene names; the socket is always among them.
+        interfaces: middlewares to which everything is connected, besides what the scene says.
         view: ``none``, ``web`` or ``studio``.
         host: address that every server binds to.
         view_port: TCP port of the live view; the next free one is taken if it is in use.
@@ -35,6 +36,7 @@ class RunOptions:
     resource_paths: list[str] = field(default_factory=list)
     node_name: str | None = None
     sockets: bool = True
+    interfaces: list[str] = field(default_factory=list)
     view: str = "web"
     host: str = "127.0.0.1"
     view_port: int = 8765

@@ -103,7 +103,7 @@ class Population:
     ) -> Newcomer:
         simulation = self._simulation
         scene = simulation.scene
-        interfaces = ["socket"] if simulation.context.network is not None else []
+        interfaces = ["socket", *scene.interfaces] if simulation.context.network is not None else []
         with scene.project, describing(scene.resource_paths):
             make = maker_of(kind) if isinstance(kind, str) else kind
             try:

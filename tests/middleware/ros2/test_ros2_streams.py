@@ -9,14 +9,15 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from desk import Desk
 
 import morse
 from morse.core.exceptions import MorseError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from pathlib import Path
+
+    from desk import Desk
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
 STORE: Any = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
@@ -30,23 +31,6 @@ robot.add_default_interface("ros2")
 env = Environment("empty")
 {options}
 """
-
-
-@pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., tuple[Any, Desk]]]:
-    desk = Desk(STORE)
-    monkeypatch.setattr("morse.middleware.ros2.datastream.make_backend", lambda options: desk)
-    running = []
-
-    def load(components: str, options: str = "", name: str = "robot") -> tuple[Any, Desk]:
-        scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(components=components, options=options, name=name))
-        running.append(morse.load(scene, sockets=True))
-        return running[-1], desk
-
-    yield load
-    for sim in running:
-        sim.close()
 
 
 MOTION = "motion = MotionVW(); robot.append(motion)\n"

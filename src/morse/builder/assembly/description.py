@@ -26,6 +26,11 @@ class EnvironmentDescription:
     _auto_tune: bool
     _display_camera: Part | None
     _simulation_managers: list[str]
+    _default_interfaces: list[str]
     _manager_options: dict[str, dict[str, object]]
     _multinode: dict[str, object] | None
     _log_levels: dict[str, str]
+
+    def add_default_interface(self, interface: str) -> None:
+        """Connect everything that all robots carry to a middleware."""
+        raise NotImplementedError

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from morse.builder.abstractcomponent import AbstractComponent
 from morse.builder.components.passive import Zone as ZoneComponent
+from morse.builder.components.robot import Robot, connect
 from morse.builder.errors import ScriptError, Step
 from morse.core.exceptions import MorseBuilderError
 from morse.scene import ComponentDeclaration, Scene, TimeStrategies, Zone
@@ -27,6 +28,10 @@ def build_scene(workspace: Workspace) -> Scene:
             "the script makes no Environment",
             mend="Write at its end: env = Environment('sandbox') (or 'empty', 'indoors-1/boxes', ...)",
         )
+    for interface in environment._default_interfaces:
+        for part in workspace.components:
+            if isinstance(part, Robot):
+                connect(part, interface)
     settings = environment.settings
     components = [
         declare(part) for part in workspace.components if isinstance(part, AbstractComponent) and part.is_morseable()
@@ -47,6 +52,7 @@ def build_scene(workspace: Workspace) -> Scene:
         properties=dict(environment.environment_properties),
         manager_options=environment._manager_options,
         simulation_managers=environment._simulation_managers,
+        interfaces=list(environment._default_interfaces),
         log_levels=environment._log_levels,
         multinode=environment._multinode,
     )

@@ -210,3 +210,10 @@ def _set_opacity(node: Node, alpha: float, copies: dict[Material, Material]) -> 
         if material is not None and material not in copies:
             copies[material] = replace(material, color=(*material.color[:3], alpha))
     node.materials[:] = [None if material is None else copies[material] for material in slots]
+
+
+def connect(robot: Robot, interface: str) -> None:
+    """Connect what a robot carries to a middleware, except what is connected already."""
+    for component in robot._walk():
+        if component.is_morseable() and not component.is_robot:
+            component._add_missing_interface(interface)

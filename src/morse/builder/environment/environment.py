@@ -11,7 +11,7 @@ from morse.assets import find, load
 from morse.builder import workspace
 from morse.builder.assembly.selection import take, viewpoint_of
 from morse.builder.blender.game import checked_property
-from morse.builder.components.robot import Robot, WheeledRobot
+from morse.builder.components.robot import Robot, WheeledRobot, connect
 from morse.builder.environment.time import TimeMethods
 from morse.builder.environment.view import ViewMethods
 from morse.builder.errors import checks
@@ -163,9 +163,7 @@ class Environment(ViewMethods, TimeMethods):
 def connect_by_default(robot: Robot) -> None:
     """Connect what a robot carries to its default interfaces, except what is connected already."""
     for interface in robot.default_interfaces:
-        for component in robot._walk():
-            if component.is_morseable() and not component.is_robot:
-                component._add_missing_interface(interface)
+        connect(robot, interface)
 
 
 def _without_effect(method: str) -> None:

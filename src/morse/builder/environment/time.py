@@ -105,6 +105,23 @@ class TimeMethods(EnvironmentDescription):
 
     # --- middlewares ------------------------------------------------------------------------
 
+    def add_default_interface(self, interface: str) -> None:
+        """Connect everything that all robots carry, and the services of the simulation, to a middleware.
+
+        Data that the script streams over it already stay as they are. Robots that come later are connected as well.
+
+        Args:
+            interface: name of a middleware.
+
+        Raises:
+            MorseMiddlewareError: unknown middleware.
+        """
+        found = registry.middleware(checks.text(interface, "env.add_default_interface(interface)"))
+        if found.request_manager is not None and found.request_manager not in self._simulation_managers:
+            self._simulation_managers.append(found.request_manager)
+        if found.name not in self._default_interfaces:
+            self._default_interfaces.append(found.name)
+
     def add_service(self, datastream: str) -> None:
         """Offer the services of the simulation on another middleware, too (the socket is always there).
 
@@ -178,6 +195,7 @@ class TimeMethods(EnvironmentDescription):
     def _init_time(self) -> None:
         self._gravity_given = False
         self._simulation_managers = [registry.request_manager("socket")]
+        self._default_interfaces = []
         self._manager_options = {}
         self._multinode = None
         self._log_levels = {}

@@ -68,7 +68,8 @@ class Ros2Stream(KindStream):
                 self._sending.append((bound, [_Sending(*self.manager.offer(self, bound, outlet)) for outlet in ports]))
         if self.direction == "OUT":
             self._offer_fields()
-            self.manager.transforms.add(self)
+            # a scene that was not made for ROS may well have two kinds of odometry
+            self.manager.transforms.add(self, lenient="ros2" in self.manager.context.scene.interfaces)
 
     def _offer_fields(self) -> None:
         if self.kwargs["fields"] and self.kinds:

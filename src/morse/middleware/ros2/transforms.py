@@ -58,8 +58,11 @@ class Transforms:
         self._robots: dict[str, _RobotFrames] = {}
         self._changed = False
 
-    def add(self, stream: Ros2Stream) -> None:
+    def add(self, stream: Ros2Stream, *, lenient: bool = False) -> None:
         """A stream of a sensor begins.
+
+        Args:
+            lenient: of several sensors with odometry the first one counts.
 
         Raises:
             MorseMiddlewareError: the transform of its robot comes from another sensor already.
@@ -69,7 +72,7 @@ class Transforms:
         frames = self._robots.get(robot.name())
         if frames is None or frames.robot is not robot:
             frames = self._robots[robot.name()] = _RobotFrames(robot, names.odom(robot), names.base(robot))
-        if stream.gives_transform:
+        if stream.gives_transform and not (lenient and frames.source is not None):
             if frames.source is not None:
                 raise MorseMiddlewareError(
                     f"{stream.component_name}: tf {frames.odom} → {frames.base} already comes from {frames.source}; "
@@ -93,7 +96,9 @@ class Transforms:
 
     def moved(self, stream: Ros2Stream, pose: Transformation3d) -> None:
         """The odometry of a robot says where it is."""
-        self._robots[stream.robot.name()].moved = pose
+        frames = self._robots[stream.robot.name()]
+        if frames.source == stream.component_name:
+            frames.moved = pose
 
     def publish(self, stamp: int, *, wanted: bool) -> None:
         """Send what moves; and what does not if that has changed.
