@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import os
 import signal
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,3 +106,17 @@ def browser() -> Iterator[Browser]:
         made = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield made
         made.close()
+        # Playwright waits without a limit for the end of its driver, which now and then does not end by itself
+        late = threading.Timer(20.0, _end_drivers)
+        late.daemon = True
+        late.start()
+    late.cancel()
+
+
+def _end_drivers() -> None:
+    """Kill the programs that Playwright has started in this process."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError, ValueError):
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == os.getpid() and "playwright" in (folder / "cmdline").read_text():
+                os.kill(int(folder.name), signal.SIGKILL)

@@ -33,6 +33,7 @@ export class Names extends Layer {
   override build({ world }: Surroundings): void {
     for (const node of world.nodes.filter(({ description }) => description.kind.includes("robot")).slice(0, MOST)) {
       const label = h("span", {}, node.name);
+      label.hidden = true; // until it has a place
       this.labels.set(node.name, label);
       this.element.append(label);
     }
