@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import numbers
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 logger = logging.getLogger("morse.main")
+
+_VIEWS = ("web", "studio", "none", None)
 
 
 def load(
@@ -58,8 +61,10 @@ def load(
         FileNotFoundError: there is no such file.
         ScriptError: whatever is wrong with the scene script; the message names the line.
         LoadError: a component cannot be made.
-        ValueError: the physics of the scene cannot be compiled.
+        ValueError: the physics of the scene cannot be compiled, or an option has another value than is said above.
+        TypeError: an option has a value of another type.
     """
+    _check(seed, view, arguments, speed, view_port)
     options = RunOptions(
         arguments=list(arguments),
         sockets=sockets or bool(interfaces),
@@ -70,7 +75,7 @@ def load(
         view_token=view_token,
         open_browser=False,
         speed=speed,
-        seed=seed,
+        seed=None if seed is None else int(seed),
         strict=strict,
         watch=watch,
     )
@@ -78,6 +83,23 @@ def load(
     if simulation.view is not None:
         simulation.view.announce()
     return simulation
+
+
+def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> None:
+    if seed is not None and (isinstance(seed, bool) or not isinstance(seed, numbers.Integral)):
+        raise TypeError(f"seed is an integer or None, not {seed!r:.80}")
+    if view not in _VIEWS:
+        raise ValueError(f"view is 'web', 'studio' or None, not {view!r:.80}")
+    if isinstance(arguments, str) or not all(isinstance(argument, str) for argument in arguments):
+        raise TypeError(f"arguments is a list of strings, not {arguments!r:.80}")
+    if speed is not None and (isinstance(speed, bool) or not isinstance(speed, numbers.Real)):
+        raise TypeError(f"speed is a number or None, not {speed!r:.80}")
+    if speed is not None and not float(speed) > 0.0:
+        raise ValueError(f"speed is a positive number of simulated seconds a second, not {speed!r:.80}")
+    if isinstance(view_port, bool) or not isinstance(view_port, numbers.Integral):
+        raise TypeError(f"view_port is an integer, not {view_port!r:.80}")
+    if not 0 <= int(view_port) <= 65535:
+        raise ValueError(f"view_port is a TCP port from 0 to 65535, not {view_port}")
 
 
 def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options: RunOptions) -> Scene:
