@@ -65,6 +65,16 @@ class AbstractObject:
         """One tick."""
         self.default_action()
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether its action does nothing."""
+        cls = type(self)
+        return (
+            cls.action is AbstractObject.action
+            and cls.default_action is AbstractObject.default_action
+            and not vars(self).keys() & {"action", "default_action"}
+        )
+
     def restart(self) -> None:
         """The simulation starts anew: forget what happened."""
 

@@ -110,6 +110,8 @@ class RequestManager(ABC):
 
     def answer(self) -> None:
         """Send the outcomes of the calls that have ended."""
+        if not self._arrivals:
+            return
         arrivals, self._arrivals = self._arrivals, []
         for request_id, outcome in arrivals:
             self.on_service_completion(request_id, outcome)

@@ -195,6 +195,7 @@ class Simulation(Handles):
     def tick(self) -> bool:
         """One tick; False if the simulation is paused, or input has stopped time, so that no time passed."""
         self._check_open()
+        self._time.holds_back = False
         with self._time:
             return self._ticker.tick()
 

@@ -17,6 +17,7 @@ from morse.simulation.together import Together, arranged, phase_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.core.abstractobject import AbstractObject
     from morse.core.context import Context
     from morse.core.object import Object
     from morse.core.observer import Observer
@@ -47,14 +48,8 @@ class Ticker:
         self.before_physics: list[Callable[[], object]] = []
         self._acting = acting(context)
         self._groups: list[Together] = []
-        self._looks = (("input", self._take_input), ("services", self._serve))
-        self._works = (
-            ("actuators", self._actuate),
-            ("physics", self._move),
-            ("rays", self._answer_sensors),
-            ("sensors", self._sense),
-            ("output", self._show),
-        )
+        self._served: list[AbstractObject] = []
+        self._offered = 0
 
     def schedule(self, loaded: Loaded) -> None:
         """Take the components of the simulation, which are new ones."""
@@ -85,20 +80,41 @@ class Ticker:
             False if the input has stopped time, so that no time passed.
         """
         with self._acting:
-            profiles = self.profiles
-            for profile in profiles:
-                profile.begin()
-            for name, phase in self._looks:
-                phase()
-                for profile in profiles:
-                    profile.mark(name)
+            if self.profiles:
+                return self._measured_tick()
+            self._take_input()
+            self._serve()
+            # paused, or started anew while paused: what somebody reads or does next is to find that very state
             if self._stepping.halted:
-                # paused, or started anew while paused: what somebody reads or does next is to find that very state
                 return False
-            for name, phase in self._works:
-                phase()
-                for profile in profiles:
-                    profile.mark(name)
+            self._actuate()
+            self._move()
+            self._answer_sensors()
+            self._sense()
+            self._show()
+        return True
+
+    def _measured_tick(self) -> bool:
+        """The same, with the time that each phase takes."""
+        profiles = self.profiles
+        for profile in profiles:
+            profile.begin()
+        for name, phase in (("input", self._take_input), ("services", self._serve)):
+            phase()
+            for profile in profiles:
+                profile.mark(name)
+        if self._stepping.halted:
+            return False
+        for name, phase in (
+            ("actuators", self._actuate),
+            ("physics", self._move),
+            ("rays", self._answer_sensors),
+            ("sensors", self._sense),
+            ("output", self._show),
+        ):
+            phase()
+            for profile in profiles:
+                profile.mark(name)
         return True
 
     def look(self) -> None:
@@ -118,7 +134,11 @@ class Ticker:
         self._clock.observe()
 
     def _serve(self) -> None:
-        for obj in self._context.service_objects:
+        objects = self._context.service_objects
+        if len(objects) != self._offered:
+            self._offered = len(objects)
+            self._served = [obj for obj in objects if not obj.is_idle]
+        for obj in self._served:
             obj.action()
         self._context.services.process()
 
@@ -160,11 +180,20 @@ class Ticker:
         return self._busy
 
     def _act(self, components: Sequence[Any]) -> None:
+        if self.component_profiles:
+            for component in components:
+                if type(component) is Together:
+                    self._measured(component)
+                else:
+                    self._act_alone(component)
+            return
         for component in components:
-            if type(component) is Together:
-                (self._measured if self.component_profiles else _plainly)(component)
-            else:
-                self._act_alone(component)
+            try:
+                component.action()
+            except Exception as error:
+                if type(component) is Together:
+                    raise
+                self._switch_off(component, error)
 
     def _act_alone(self, component: Object) -> None:
         try:
@@ -173,9 +202,12 @@ class Ticker:
             else:
                 component.action()
         except Exception as error:
-            component.active = False
-            self._context.failed.add(component.name())
-            logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
+            self._switch_off(component, error)
+
+    def _switch_off(self, component: Object, error: Exception) -> None:
+        component.active = False
+        self._context.failed.add(component.name())
+        logger.error("[ERROR][MORSE] %s failed and is deactivated: %s", component.name(), describe(error))
 
     def _measured(self, component: Any) -> None:
         begin = perf_counter()
@@ -183,10 +215,6 @@ class Ticker:
         end = perf_counter()
         for profile in self.component_profiles:
             profile.component(component.name(), begin, end)
-
-
-def _plainly(component: Any) -> None:
-    component.action()
 
 
 def _phase(component: Any) -> float:

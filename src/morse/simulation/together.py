@@ -46,7 +46,6 @@ class Together:
         self._group: Group | None = None
         self._alone: Sequence[Object] = ()
         self._failed = False
-        self._is_small = len(members) < _LEAST
         self._error: Exception | None = None
         self._ticks = 0
         self._form()
@@ -64,7 +63,7 @@ class Together:
 
     def _form(self) -> None:
         self.dissolve()
-        joining = self._allowed and not self._failed and not self._is_small
+        joining = self._allowed and not self._failed
         together = [member for member in self.members if joining and may_join(member)]
         chosen = {id(member) for member in together}
         self._alone = [member for member in self.members if id(member) not in chosen]
@@ -114,10 +113,6 @@ class Together:
 
     def action(self) -> None:
         """The members act."""
-        if self._is_small:
-            for member in self.members:
-                self._act(member)
-            return
         group = self._group
         self._ticks += 1
         if self._has_changed(group):
@@ -218,4 +213,12 @@ def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> lis
             gathered[key] = []
             order.append(gathered[key])
         gathered[key].append(component)
-    return [Together(entry, act) if isinstance(entry, list) else entry for entry in order]
+    units: list[Any] = []
+    for entry in order:
+        if not isinstance(entry, list):
+            units.append(entry)
+        elif len(entry) < _LEAST:
+            units += entry
+        else:
+            units.append(Together(entry, act))
+    return units
