@@ -182,7 +182,7 @@ def test_frames_that_are_not_those_of_a_component_cannot_be_turned():
         add_data("b", [0.0] * 3, "vec3", "", unit="N·m", frame="ned", shape=3)
         add_kind("wrench", force="a", torque="b")
 
-    with pytest.raises(KindError, match="in the frame 'ned', and cannot be brought into 'world'"):
+    with pytest.raises(KindError, match="in the frame 'ned', and cannot be converted into 'world'"):
         spoken(Wrong)
 
 

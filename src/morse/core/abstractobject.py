@@ -20,7 +20,7 @@ class AbstractObject:
     Attributes:
         local_data: the data fields, by name; kept between ticks.
         on_completion: called when the running asynchronous service ends, or None.
-        running_service: its name.
+        running_service: name of the running asynchronous service, or None.
     """
 
     def __init__(self) -> None:
@@ -53,7 +53,7 @@ class AbstractObject:
     def interrupt(self) -> None:
         """End the running asynchronous service as preempted.
 
-        Override it to stop what is going on, and call this method at the end.
+        Override it to stop the work of the service, and call this method at the end.
         """
         if self.on_completion is not None:
             self.completed(_status.PREEMPTED)
@@ -76,14 +76,14 @@ class AbstractObject:
         )
 
     def restart(self) -> None:
-        """The simulation starts anew: forget what happened."""
+        """Reset the object, since the simulation starts again at tick 0."""
 
     def get_state(self) -> Any:
-        """All that determines what the object does next, as plain data; None for an object without a state."""
+        """Return all that determines what the object does next, as plain data; None for an object without state."""
         return None
 
     def set_state(self, state: Any) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
 
     def finalize(self) -> None:
-        """The simulation ends: release what was taken."""
+        """Release resources at the end of the simulation."""

@@ -1,4 +1,4 @@
-"""Robots that are steered as cars are."""
+"""Robots that are steered like cars."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 class PhysicsAckermannRobot(Robot):
     """A robot with steered front wheels and driven rear wheels, controlled in speed and yaw rate.
 
-    A PID controller (see `morse.helpers.controller`) turns the error of the speed into an acceleration, a second one
-    that of the yaw rate into an angular acceleration. The front wheels are turned so that all wheels go around
-    one point; where they cannot be turned so far, or the robot stands, it turns less than it is told.
+    A PID controller (see `morse.helpers.controller`) turns the error of the speed into an acceleration. A second PID
+    controller turns the error of the yaw rate into an angular acceleration. The front wheels are turned so that all
+    wheels roll around one point. If the steering angle reaches its limit, or the robot stands still, the robot turns
+    more slowly than commanded.
     """
 
     add_property(
@@ -52,7 +53,7 @@ class PhysicsAckermannRobot(Robot):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        #: its axles (`morse.core.ackermann_steering.AckermannSteering`)
+        #: axles of the robot (`morse.core.ackermann_steering.AckermannSteering`)
         self.steering = AckermannSteering(self)
         self._speed_control = PIDController(self._vel_p_gain, self._vel_d_gain, self._vel_i_gain, self._vel_limits)
         self._rate_control = PIDController(self._ang_p_gain, self._ang_d_gain, self._ang_i_gain, self._ang_limits)
@@ -74,5 +75,5 @@ class PhysicsAckermannRobot(Robot):
         steering.drive(speed, min(max(steering.angle_for(speed, rate), -most), most))
 
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
-        """Drive by the wheels: forward speed and yaw rate count, the rest is not possible."""
+        """Drive with the wheels; only the forward speed and the yaw rate are used."""
         self.apply_vw_wheels(linear_speed[0], angular_speed[2])

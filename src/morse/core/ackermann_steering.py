@@ -1,4 +1,4 @@
-"""How a car moves: its rear wheels roll without slipping sideways, its front wheels are turned."""
+"""Kinematics of a car: the rear wheels roll without slipping sideways, the front wheels are steered."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: a wheel that is turned farther would stand across
+#: largest steering angle; beyond it a wheel is almost perpendicular to the direction of travel
 _MOST = math.radians(80.0)
 _FINE = 1e-4
 
@@ -16,7 +16,8 @@ _FINE = 1e-4
 class AckermannSteering:
     """The axles of a robot: parts of its model whose names contain ``wheel``.
 
-    A car is longer than wide: it drives along X of the robot, or along Y if its wheels lie farther apart along Y.
+    A car is longer than it is wide: the robot drives along its X axis, or along its Y axis if the wheels lie farther
+    apart along Y.
 
     Args:
         robot: the robot.
@@ -26,7 +27,7 @@ class AckermannSteering:
         track: distance of the left and the right wheels, m.
 
     Raises:
-        ValueError: it has no front and rear wheels.
+        ValueError: the robot has no front and rear wheels.
     """
 
     def __init__(self, robot: Any) -> None:
@@ -41,7 +42,7 @@ class AckermannSteering:
                 x, y = (frame[i] * offset[0] + frame[i + 3] * offset[1] + frame[i + 6] * offset[2] for i in (0, 1))
                 wheels.append((x, y, part))
         spread_x, spread_y = _spread([x for x, _, _ in wheels]), _spread([y for _, y, _ in wheels])
-        #: whether it drives along Y
+        #: whether the robot drives along Y
         self._along_y = spread_y > spread_x
         if self._along_y:
             wheels = [(y, -x, part) for x, y, part in wheels]
@@ -53,7 +54,7 @@ class AckermannSteering:
         self._rear = sum(x for x, _, _ in rear) / len(rear)
         self.wheelbase: float = sum(x for x, _, _ in front) / len(front) - self._rear
         self.track: float = _spread([y for _, y, _ in wheels])
-        #: distance to the left, wheel, and how it stands when it is not turned
+        #: lateral offset (to the left), wheel, and orientation of the wheel at steering angle 0
         self._front = [(y, part, part.local_pose()[1]) for _, y, part in front]
 
     def speed(self) -> float:
@@ -63,12 +64,12 @@ class AckermannSteering:
         return float(r[first] * v[0] + r[first + 3] * v[1] + r[first + 6] * v[2])
 
     def yaw_rate(self) -> float:
-        """How fast it turns to the left, rad/s."""
+        """Yaw rate, rad/s, positive to the left."""
         w, r = self._body.velocity()[1], self._body.world_pose()[1]
         return float(r[2] * w[0] + r[5] * w[1] + r[8] * w[2])
 
     def angle_for(self, speed: float, rate: float) -> float:
-        """How far the wheels have to be turned to drive at ``speed`` m/s and turn at ``rate`` rad/s."""
+        """Steering angle, rad, for a speed of ``speed`` m/s and a yaw rate of ``rate`` rad/s."""
         return math.atan2(rate * self.wheelbase, speed) if speed > 0.0 else -math.atan2(rate * self.wheelbase, -speed)
 
     def drive(self, speed: float, angle: float) -> None:

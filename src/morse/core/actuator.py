@@ -21,7 +21,7 @@ class Actuator(Object):
     obeys_controls: ClassVar[bool] = False
 
     def action(self) -> None:
-        """One tick: pose, streams, modifiers if anything arrived, `default_action`."""
+        """One tick: update the pose, read the streams, apply the modifiers to new commands, call `default_action`."""
         if not self._active:
             return
         self.position_3d.update(self.bge_object)
@@ -30,7 +30,7 @@ class Actuator(Object):
         self.default_action()
 
     def take_input(self) -> None:
-        """Take what has arrived; modifiers change it."""
+        """Read the commands that have arrived, and apply the modifiers to them."""
         received = False
         for read in self.input_functions:
             received = bool(read(self)) or received

@@ -1,4 +1,4 @@
-"""Names that components of MORSE 1.4 reach the running simulation by."""
+"""Names by which components of MORSE 1.4 access the running simulation."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from morse.core.context import current
 if TYPE_CHECKING:
     from morse.core.object import Object
 
-#: the Blender whose names objects and properties go by: components of 1.4 chose between ways of calling
+#: version of Blender whose names are used here; components of 1.4 compare with it
 _VERSION = (2, 79, 0)
 
 
 class _ZoneManager:
-    """Asks which zones a component is in."""
+    """Finds the zones that a component is in."""
 
     def contains(self, component: Object, name: str | None = None, type: str | None = None) -> set[str]:
         """Names of the zones around the component, of that name or type if given."""
@@ -26,7 +26,7 @@ class _Scene:
 
     @property
     def objects(self) -> Any:
-        """Every object; asked for a name, the object of that name."""
+        """All objects; indexed with a name, it returns the object of that name."""
         return current().world.object_list()
 
     @property
@@ -104,12 +104,12 @@ def scene() -> _Scene:
 
 
 def version() -> tuple[int, ...]:
-    """The version of Blender that the names of objects follow; there is no Blender behind them."""
+    """Return the version of Blender whose names are used here; Blender itself is not involved."""
     return _VERSION
 
 
 def isfastmode() -> bool:
-    """Whether the scene asked for a view without pictures and textures."""
+    """Whether the scene asked for a view without textures."""
     return current().scene.settings.fastmode
 
 

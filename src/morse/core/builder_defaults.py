@@ -1,4 +1,4 @@
-"""What a component class declares for the classes of scene scripts that are derived from it."""
+"""Declarations of a component class for the builder classes that scene scripts use."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True, slots=True)
 class Visual:
-    """The small body that marks a component in the view.
+    """The small shape that marks a component in the view.
 
     Attributes:
         shape: ``cube``, ``sphere`` or ``cylinder``, 2 m in size (or 1 m in radius) before the scale.
@@ -23,19 +23,19 @@ class Visual:
 
 @dataclass(frozen=True, slots=True)
 class BuilderDefaults:
-    """What the builder class of a sensor or actuator starts with.
+    """Initial values of the builder class of a sensor or actuator.
 
-    A class declares them as ``_builder``. Products that the same class simulates are declared in the tuple
-    ``_products``: each becomes a builder class of its own.
+    A component class declares them as ``_builder``. Commercial products that the same class simulates are declared in
+    the tuple ``_products``: each becomes a separate builder class.
 
     Attributes:
-        name: name in scene scripts, if it is not that of the class.
+        name: name in scene scripts, if it differs from the name of the class.
         frequency: Hz.
         properties: values that differ from the declared defaults.
         visual: a marker, or None.
         model: a model file, or None.
         part: the object of the model file that is taken; None for the whole file.
-        doc: what it is, if the short description of the class does not say it.
+        doc: description of the product, if it differs from the short description of the class.
     """
 
     name: str | None = None
@@ -49,16 +49,16 @@ class BuilderDefaults:
 
 @dataclass(frozen=True, slots=True)
 class RobotDefaults:
-    """What the builder class of a robot starts with; a robot class declares it as ``_builder``.
+    """Initial values of the builder class of a robot; a robot class declares them as ``_builder``.
 
     Attributes:
         model: a model file in ``robots``; None for a frame without a body.
         drive: ``ground`` for a robot that moves as one body on the ground, ``wheels`` for one whose wheels turn,
             ``free`` for one that may move along and about every axis.
-        name: name in scene scripts, if it is not that of the class.
+        name: name in scene scripts, if it differs from the name of the class.
         properties: values that differ from the declared defaults, and tags.
-        rigid_body: forces move the body, whatever the model file says.
-        collides: things touch it; False whatever the model file says.
+        rigid_body: True if forces move the body, even if the model file says otherwise.
+        collides: False if nothing collides with the robot, even if the model file says otherwise.
     """
 
     model: str | None = None
@@ -70,7 +70,7 @@ class RobotDefaults:
 
 
 def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:
-    """What a component class declares for its builder class, or for that of one of its products.
+    """Return the declaration of a component class for its builder class, or for the builder class of a product.
 
     Raises:
         LookupError: there is no such product.

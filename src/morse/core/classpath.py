@@ -11,11 +11,11 @@ from morse.core.hints import closest
 
 
 class ClassPathError(MorseError):
-    """A class path leads nowhere."""
+    """A class path does not name a class that can be imported."""
 
 
 def load_class(classpath: str) -> type[Any]:
-    """The class that ``package.module.Class`` names.
+    """Return the class that ``package.module.Class`` names.
 
     Raises:
         ClassPathError: no such module or class, or the module itself cannot be imported.
@@ -29,7 +29,7 @@ def load_class(classpath: str) -> type[Any]:
         if error.name and (module_name == error.name or module_name.startswith(error.name + ".")):
             raise ClassPathError(
                 f"the module '{module_name}' of '{classpath}' does not exist ('{error.name}' was not found); "
-                "is its directory in src/ of the simulation, or on PYTHONPATH?"
+                "is its directory in src/ of the simulation or on PYTHONPATH?"
             ) from None
         raise
     found = getattr(module, class_name, None)

@@ -11,19 +11,19 @@ if TYPE_CHECKING:
     from morse.scene import TimeStrategies
 
 
-#: of a tick; times of the epoch are doubles that are exact to 2e-7 s
+#: share of a tick; times since the epoch are doubles with a resolution of 2e-7 s
 _SAME_TICK = 1e-2
 
 SLOWEST = 1e-3
-"""The least speed of a simulation, simulated seconds a wall-clock second: slower, nobody would see time pass."""
+"""The lowest speed of a simulation, simulated seconds per wall-clock second."""
 
 
 class Clock:
-    """Counts ticks of fixed length; the wall clock never moves it.
+    """Counts ticks of fixed length, independently of the wall clock.
 
     Attributes:
         tick: number of ticks done; 0 before the first.
-        time: simulated seconds, plus the epoch where absolute time was asked for.
+        time: simulated seconds; plus the start time since the epoch if absolute time was requested.
         frequency: ticks per simulated second.
         period: simulated seconds per tick.
     """
@@ -63,28 +63,28 @@ class Clock:
         self.time = self._origin + self.tick / self.frequency
 
     def stamp(self, seconds: float | None = None) -> int:
-        """Simulated time in whole ns, from the number of ticks: the same for all that happens in a tick.
+        """Return simulated time in whole nanoseconds, computed from the tick: the same value throughout a tick.
 
         Args:
-            seconds: simulated time as `time` was then; None for now.
+            seconds: an earlier value of `time`; None for the present time.
         """
         tick = self.tick
         if isinstance(seconds, (int, float)) and math.isfinite(seconds):
             ticks = (seconds - self._origin) * self.frequency
             tick = round(ticks)
-            if abs(ticks - tick) > _SAME_TICK:  # somebody else's time
+            if abs(ticks - tick) > _SAME_TICK:  # not a time of this clock
                 return round(seconds * 1e9)
         nanoseconds = tick * 10**9 * self._rate.denominator
         return round(self._origin * 1e9) + (nanoseconds + self._rate.numerator // 2) // self._rate.numerator
 
     def go_to(self, tick: int) -> None:
-        """Go to another tick, since another state was restored."""
+        """Set the tick, after another state was restored."""
         self.tick = tick
         self.time = self._origin + tick / self.frequency
         self._wall = self._start = None
 
     def restart(self) -> None:
-        """Back to tick 0."""
+        """Return to tick 0."""
         self.go_to(0)
         self._wall = self._start = None
         self._samples = 0

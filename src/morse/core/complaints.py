@@ -1,4 +1,4 @@
-"""Warnings about what clients do, which may happen thousands of times a second."""
+"""Rate-limited warnings about clients, whose mistakes may occur thousands of times per second."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _PERIOD = 10.0
-#: kinds of which each may have a line in a period; clients may choose the kind, by the names that they send
+#: number of kinds that are logged per period; clients can create kinds by the names that they send
 _MAX_KINDS = 20
 
 
 class Complaints:
     """Logs the first warning of a kind at once, and then at most one every ten seconds.
 
-    All kinds together have at most 20 lines in ten seconds. What is not logged is counted.
+    All kinds together have at most 20 lines in ten seconds. Suppressed warnings are counted.
 
     Args:
-        logger: where they go.
+        logger: receives the warnings.
         now: a wall clock, s.
     """
 
     def __init__(self, logger: logging.Logger, now: Callable[[], float] = time.monotonic) -> None:
         self._logger = logger
         self._now = now
-        #: when a kind was logged, and how often it was not since then
+        #: kind to the time of its last line, and the number of warnings suppressed since then
         self._last: dict[str, tuple[float, int]] = {}
         self._others = 0
 
     def warn(self, kind: str, message: str) -> None:
-        """Log ``message``, unless there was one of the same ``kind`` a moment ago."""
+        """Log ``message``, unless a message of the same ``kind`` was logged in the last ten seconds."""
         self.log(logging.WARNING, kind, message)
 
     def log(self, level: int, kind: str, message: str) -> None:
-        """The same with a level of the log."""
+        """Log ``message`` at ``level``, with the same limits as `warn`."""
         now = self._now()
         last = self._last.get(kind)
         if last is not None and now - last[0] < _PERIOD:
@@ -54,7 +54,7 @@ class Complaints:
         self._logger.log(level, "%s%s", message, remark)
 
     def _forget(self, now: float) -> bool:
-        """Make room for new kinds; False if all are of the present period."""
+        """Make room for new kinds; return False if all kinds belong to the present period."""
         old = [kind for kind, (when, _) in self._last.items() if now - when >= _PERIOD]
         for kind in old:
             self._others += self._last.pop(kind)[1]

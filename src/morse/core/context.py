@@ -27,11 +27,11 @@ _S = TypeVar("_S")
 
 
 class Controls(NamedTuple):
-    """What a person does at the live view.
+    """Keyboard and gamepad input at the live view.
 
     Attributes:
         keys: names of the keys that are held down (``ArrowUp``).
-        axes: of the gamepad, -1 to 1, right and down positive; empty without a gamepad.
+        axes: axes of the gamepad, -1 to 1, right and down positive; empty without a gamepad.
         robot: name of the robot that the keys drive, or None for all robots.
     """
 
@@ -55,14 +55,15 @@ class Context:
         robots: by name; ``external_robots`` are run by other simulation nodes.
         components: sensors and actuators by fully qualified name.
         stream_managers: by class path.
-        service_objects: offer the services of ``simulation``, ``time`` and ``communication``; several have one name.
-        network: serves sockets and pages; None for a simulation that has neither.
+        service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
+            objects may share a name.
+        network: the network thread for sockets and the live view; None for a simulation without either.
         failed: names of the components that were deactivated because they raised exceptions.
-        controls: what a person does at the live view; it changes between ticks only.
-        journal: what comes in from outside.
+        controls: input at the live view; it changes between ticks only.
+        journal: record of all input from outside the simulation.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
-        stopping: whether the simulation has been told to end; code that waits within a tick has to ask.
-        seed: of all random numbers.
+        stopping: whether the simulation has been told to end; code that waits within a tick has to check it.
+        seed: seed of all random numbers.
     """
 
     scene: Scene
@@ -90,7 +91,7 @@ class Context:
         _alive.add(self)
 
     def wait(self, seconds: float) -> None:
-        """Let the simulation thread wait until something arrives from the network, or for about that long."""
+        """Block the simulation thread until something arrives from the network, or for about ``seconds``."""
         if self.network is not None:
             self.network.wait(seconds)
 
@@ -104,10 +105,10 @@ class Context:
         return self.components.get(name) or self.robots.get(name)
 
     def server(self, kind: Callable[[Any], _S]) -> _S:
-        """What answers the requests of components (see `morse.core.requests`): one of each kind, made when first asked.
+        """Return the server for requests of components (see `morse.core.requests`).
 
         Args:
-            kind: a class; it is given the world.
+            kind: class of the server; it is called with the world. One instance per class is made, at the first call.
         """
         if kind not in self._servers:
             self._servers[kind] = kind(self.world)
@@ -115,9 +116,9 @@ class Context:
         return found
 
     def random(self, name: str) -> np.random.Generator:
-        """A generator of random numbers that depends on nothing but the seed and ``name``.
+        """Return a generator of random numbers that depends only on the seed and ``name``.
 
-        Adding a component to a scene changes the numbers of no other component.
+        Adding a component to a scene does not change the random numbers of other components.
         """
         import numpy as np
 
@@ -129,7 +130,7 @@ _alive: WeakSet[Context] = WeakSet()
 
 
 def forget(context: Context) -> None:
-    """The simulation has ended: `current` does not find it any more."""
+    """Remove a simulation that has ended, so that `current` does not return it any more."""
     _alive.discard(context)
 
 
@@ -141,7 +142,7 @@ _acting = _Acting()
 
 
 class acting:  # noqa: N801 (used as a statement: ``with acting(context):``)
-    """While the block runs, `current` is this simulation in this thread."""
+    """While the block runs, `current` returns this simulation in this thread."""
 
     __slots__ = ("_before", "_context")
 
@@ -159,10 +160,10 @@ class acting:  # noqa: N801 (used as a statement: ``with acting(context):``)
 
 
 def current() -> Context:
-    """The simulation whose components are acting, or being made, in this thread.
+    """Return the simulation whose components are acting, or being created, in this thread.
 
-    Components have their own ``self.context``; this function is for code of MORSE 1.4, which knew one simulation only.
-    In a thread of its own such code gets the only simulation of the process.
+    Components use ``self.context``. This function is for code of MORSE 1.4, where a process had one simulation only. If
+    such code runs in a thread of its own, the function returns the only simulation of the process.
 
     Raises:
         RuntimeError: no simulation acts in this thread, and there is not exactly one in the process.

@@ -45,14 +45,15 @@ class AbstractDatastream(ABC):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The data of the component."""
+        """``local_data`` of the component."""
         return self.component_instance.local_data
 
     @property
     def waiting(self) -> Collection[Any] | None:
-        """Always the same collection, which is empty while `default` has nothing to do; None if that is not known.
+        """Return a collection that is empty while `default` has nothing to do; None if that is not known.
 
-        Components that act together do not call the streams that have nothing to do.
+        The collection is the same object at each call. Components that act together do not call `default` while the
+        collection is empty.
         """
         return None
 
@@ -60,27 +61,28 @@ class AbstractDatastream(ABC):
         """Called once before the first tick."""
 
     def finalize(self) -> None:
-        """Called once after the last tick, and when the component is made again or deleted."""
+        """Called once after the last tick, and when the component is recreated or deleted."""
 
     @abstractmethod
     def default(self, ci: Object | None = None) -> Any:
-        """Publish the data; or read and return True if something arrived."""
+        """Publish the data (``OUT``); or read and return True if data arrived (``IN``)."""
 
 
 class DatastreamManager(Observer):
-    """A middleware as far as data go: everything that it streams.
+    """The data streams of one middleware.
 
-    It keeps the list of streams itself: `connect` adds one, a component that is made again replaces its own,
-    `disconnect` removes those of a component that is deleted, `finalize` all. A subclass is told by `opened`,
-    `closed` and `left`. It carries message kinds by methods marked with `morse.core.mapping.maps`.
+    This class keeps the list of streams: `connect` adds a stream, `disconnect` removes the streams of a component that
+    is deleted, and `finalize` removes all streams. The streams of a component that is recreated replace the former
+    ones. Subclasses are notified by `opened`, `closed` and `left`. They carry message kinds with methods that are
+    marked with `morse.core.mapping.maps`.
 
-    The simulation calls `action` at the beginning of a tick, the streams while the components
-    act, and `flush` at the end of the tick.
+    The simulation calls `action` at the beginning of a tick, the streams when their components act, and `flush` at the
+    end of the tick.
 
     Attributes:
         classpath: the name under which summaries and clients know it.
-        options: what ``env.configure_stream_manager`` said, and the defaults of the rest.
-        streams: those that are open, by name of the component, in the order of the script.
+        options: options from ``env.configure_stream_manager``, and defaults for the others.
+        streams: the open streams by name of the component, in the order of the script.
     """
 
     classpath: str = ""
@@ -108,10 +110,10 @@ class DatastreamManager(Observer):
     # -- streams -----------------------------------------------------------------------------
 
     def connect(self, component: Object, declaration: StreamDeclaration) -> None:
-        """Give a component a stream; the streams of a former component of the same name are closed first.
+        """Open a stream for a component; the streams of a former component of the same name are closed first.
 
         Raises:
-            MorseMiddlewareError: the middleware cannot carry it.
+            MorseMiddlewareError: the middleware cannot carry the stream.
             OptionError: the stream has no such option.
         """
         name = component.name()
@@ -141,10 +143,10 @@ class DatastreamManager(Observer):
         functions.append(stream.default)
 
     def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
-        """The stream that a declaration asks for.
+        """Create the stream for a declaration.
 
         Raises:
-            MorseMiddlewareError: its class is none of a stream.
+            MorseMiddlewareError: the declared class is not a stream.
         """
         cls = load_class(declaration.stream)
         if not callable(getattr(cls, "default", None)):
@@ -156,7 +158,7 @@ class DatastreamManager(Observer):
         return cls(component, options)
 
     def disconnect(self, name: str) -> None:
-        """A component is deleted: close its streams; the streams do not open again."""
+        """Close the streams of a component that is deleted."""
         self._close_streams(name)
         self.left(name)
 
@@ -166,26 +168,26 @@ class DatastreamManager(Observer):
             self.closed(stream)
 
     def opened(self, stream: Any) -> None:
-        """A stream begins; called before its `AbstractDatastream.initialize`."""
+        """Called when a stream opens, before its `AbstractDatastream.initialize`."""
 
     def closed(self, stream: Any) -> None:
-        """A stream has ended; that of a new component of the same name may follow."""
+        """Called when a stream was closed; a stream of a new component of the same name may follow."""
 
     def left(self, name: str) -> None:
-        """A component of that name no longer exists."""
+        """Called when the component of that name no longer exists."""
 
     # -- kinds -------------------------------------------------------------------------------
 
     def mapping(self, kind: str, direction: str = "OUT") -> Callable[..., Any] | None:
-        """The method that carries a kind, that of ``general`` if there is none of its own; None if nothing does."""
+        """Return the method that carries a kind, else the method for ``general``; None if there is neither."""
         name = self._mapped.get((kind, direction)) or self._mapped.get((GENERAL, direction))
         return None if name is None else getattr(self, name)
 
     def wanted(self, stream: Any, topic: str) -> bool:
-        """Whether somebody listens; nothing is made of the data of a component if nobody does.
+        """Whether the stream has a reader; without readers no messages are created.
 
         Args:
-            topic: sub-topic of the stream; empty for its main one.
+            topic: sub-topic of the stream; empty for its main topic.
         """
         return True
 
@@ -204,20 +206,20 @@ class DatastreamManager(Observer):
         self.finalize()
 
     def action(self) -> None:
-        """A tick begins; this may wait for a client that paces the simulation."""
+        """Called at the beginning of a tick; it may wait for a client that paces the simulation."""
 
     def drain(self) -> None:
-        """Take in what has arrived by now: a client asks for a tick, which is to see what was sent before."""
+        """Read everything that has arrived, so that a tick that a client requests sees commands sent before it."""
 
     def sent(self) -> dict[str, int]:
-        """Number of messages sent by connection, for clients that step the simulation and wait for all of them."""
+        """Return the number of messages sent per connection; clients that step the simulation wait for all of them."""
         return {}
 
     def flush(self) -> None:
-        """A tick ends: hand over what was published."""
+        """Called at the end of a tick: send what was published."""
 
     def finalize(self) -> None:
-        """The simulation ends: send what is left, close."""
+        """Called at the end of the simulation: send the remaining messages and close the connections."""
         for name in list(self.streams):
             self._close_streams(name)
 

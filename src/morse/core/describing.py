@@ -1,4 +1,4 @@
-"""What the call of a component class means in a scene script."""
+"""The hook that turns the call of a component class in a scene script into a component of the scene."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: makes what stands in the scene for a component class that a script calls, or None if no script calls; the builder
-#: sets it
+#: function that creates the builder object for a component class that a scene script calls, or None if no scene script
+#: runs; the builder sets it
 describe: Callable[..., Any] | None = None

@@ -1,4 +1,4 @@
-"""What can go wrong, by kind. The names are part of the interface of user code."""
+"""Exceptions of MORSE. Their names are part of the interface for user code."""
 
 
 class MorseError(Exception):
@@ -13,7 +13,7 @@ class MorseError(Exception):
 
 
 class MorseEnvironmentError(MorseError):
-    """A simulation environment (project directory) is missing, broken or in the way."""
+    """A simulation environment (project directory) is missing or broken, or exists already."""
 
 
 class MorseMiddlewareError(MorseError):
@@ -53,15 +53,15 @@ class MorseRPCTypeError(MorseWrongArgsError):
 
 
 class MorseDeclarationError(MorseError):
-    """A component class declares something that cannot be."""
+    """A declaration of a component class is invalid."""
 
 
 class MorseBuilderError(MorseError):
-    """A scene script asks for something that cannot be."""
+    """A scene script is invalid."""
 
 
 class MorseBuilderNoComponentError(MorseBuilderError):
-    """The component that is asked for does not exist."""
+    """The requested component does not exist."""
 
 
 class MorseBuilderBadSyntaxError(MorseBuilderError):

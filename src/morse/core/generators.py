@@ -11,10 +11,10 @@ _WIDE = 16
 
 
 def generator_state(generator: np.random.Generator) -> dict[str, Any]:
-    """What determines all numbers that a generator of `Context.random` will give."""
+    """Return the state that determines all future numbers of a generator from `Context.random`."""
     state = generator.bit_generator.state
     return {
-        # integers of 128 bits are more than most formats carry
+        # most formats cannot carry integers of 128 bits
         "state": state["state"]["state"].to_bytes(_WIDE, "little"),
         "increment": state["state"]["inc"].to_bytes(_WIDE, "little"),
         "half_used": int(state["has_uint32"]),
@@ -23,7 +23,7 @@ def generator_state(generator: np.random.Generator) -> dict[str, Any]:
 
 
 def set_generator_state(generator: np.random.Generator, state: dict[str, Any]) -> None:
-    """Have a generator go on from a state that `generator_state` gave."""
+    """Restore a state that `generator_state` returned."""
     generator.bit_generator.state = {
         "bit_generator": "PCG64",
         "state": {

@@ -1,4 +1,4 @@
-"""Components that act together."""
+"""Groups of components that act together."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-#: m/s and rad/s: as far as the engine takes them
+#: largest speed that the engine accepts, m/s and rad/s
 _FASTEST = 1e5
-#: references of a dictionary that nobody holds but a list
+#: reference count of a dictionary that only one list refers to
 _UNHELD = max(map(sys.getrefcount, [{}, {}])) if hasattr(sys, "getrefcount") else -1
 
 
@@ -33,24 +33,24 @@ class Member(Protocol):
     position_3d: Any
 
     def settle(self) -> None:
-        """Bring those attributes up to date that ``act_together`` leaves as they were."""
+        """Update the attributes that ``act_together`` does not update."""
 
 
 class Group:
-    """Components of one class that act in the same ticks: what ``act_together`` of the class gets.
+    """Components of one class that act in the same ticks: the argument of ``act_together`` of the class.
 
-    A class that defines ``act_together(cls, group)`` does in it for all members what ``default_action`` does for one.
-    Row i of everything is ``members[i]``.
+    ``act_together(cls, group)`` of a class does for all members what ``default_action`` does for one component. Row i
+    of each array belongs to ``members[i]``.
 
     Attributes:
         members: the components.
         context: the simulation.
-        memory: for the class: what it wants to find again in the next tick. It is empty at first, and after members
+        memory: dictionary in which the class may keep values between ticks. It is empty at first, and after members
             have acted alone.
         stamp: changes whenever the group acts.
-        poses: where the members are in this tick: ``pose(i)``, ``numbers(i)``, ``transformation(i)``, or arrays of
-            all: ``positions()``, ``rotations()``. Nothing is worked out before it is asked for.
-        is_changed: whether members have got attributes since the group was formed.
+        poses: poses of the members in this tick: ``pose(i)``, ``numbers(i)``, ``transformation(i)``, or arrays of all:
+            ``positions()``, ``rotations()``. They are computed on demand.
+        is_changed: whether attributes were added to members since the group was formed.
     """
 
     def __init__(self, members: Sequence[Member]) -> None:
@@ -73,14 +73,14 @@ class Group:
     def __len__(self) -> int:
         return len(self.members)
 
-    # -- what act_together reads -----------------------------------------------------------
+    # -- for act_together: reading ---------------------------------------------------------
 
     def read(self, field: str) -> list[float]:
-        """A field of the data of all members: N finite numbers.
+        """Return a field of the data of all members: N finite numbers.
 
         Raises:
-            ValueError, TypeError: one of them is none. All members act alone then, in this tick, and the log says which
-                one is wrong.
+            ValueError, TypeError: a value is not a finite number. All members then act alone in this tick, and the log
+            names the wrong one.
         """
         values = [data[field] for data in self._datas]
         try:
@@ -91,23 +91,23 @@ class Group:
             values = [float(value) for value in values]
             total = sum(values)
         if not -sys.float_info.max <= total <= sys.float_info.max:
-            raise ValueError(f"the field '{field}' holds what is not a finite number")
+            raise ValueError(f"the field '{field}' contains a value that is not a finite number")
         return values
 
     def attributes(self, name: str) -> list[Any]:
-        """An attribute of all members."""
+        """Return an attribute of all members."""
         return list(map(attrgetter(name), self.members))
 
-    # -- what act_together does ------------------------------------------------------------
+    # -- for act_together: writing ---------------------------------------------------------
 
     def write(self, fields: Sequence[str], values: Callable[[int], Any] | NDArray[Any]) -> None:
-        """Fill fields of the data of all members, for those who will read them.
+        """Set fields of the data of all members.
 
         Args:
             fields: F names.
-            values: (N, F) an array, which must not change any more; or a function that gives F values for a row. It is
-                called when somebody reads the data of that member, at the latest before the group acts again; if
-                nobody does, never.
+            values: (N, F) an array, which must not be modified later; or a function that returns F values for a row.
+                The function is called when the data of that member are read, at the latest before the group acts again;
+                if they are not read, it is not called.
 
         Raises:
             ValueError: an array of another shape.
@@ -125,18 +125,18 @@ class Group:
     def drive(
         self, kinds: Sequence[str], forward: Sequence[float], aside: Sequence[float] | None, rate: Sequence[float]
     ) -> None:
-        """Drive the robots of all members during this tick, as `Robot.apply_speed` does with one.
+        """Drive the robots of all members during this tick, as `Robot.apply_speed` does for one robot.
 
         Args:
             kinds: (N,) ``Position`` or ``Velocity``.
-            forward, aside: (N,) m/s along the axes of the robots; None for no speed.
+            forward, aside: (N,) m/s along the X and Y axes of the robots; None for 0.
             rate: (N,) rad/s about their Z axes.
 
         Raises:
             ValueError: a speed is too large.
         """
         for speeds in (forward, aside, rate):
-            # nothing compares with what is not a number
+            # comparisons with NaN are false
             if speeds is not None and not (min(speeds) >= -_FASTEST and max(speeds) <= _FASTEST):
                 raise ValueError(f"a speed is a number from {-_FASTEST:g} to {_FASTEST:g}")
         if self._fleet is None:
@@ -156,22 +156,23 @@ class Group:
     # -- a tick ----------------------------------------------------------------------------
 
     def take_stock(self) -> None:
-        """The members have the attributes now that they are to have."""
+        """Record which attributes the members have now; later ones set `is_changed`."""
         self._size = sum(map(len, self._attributes))
 
     def begin_command(self) -> None:
-        """The members, which are actuators, act now."""
+        """Begin a tick of a group of actuators."""
         self.is_changed |= sum(map(len, self._attributes)) != self._size
         self.poses = GroupPoses(self._snapshots.now())
         self.stamp += 1
 
     def begin_measurement(self) -> list[int]:
-        """The members, which are sensors, measure now.
+        """Begin a tick of a group of sensors.
 
-        Their data are taken away from them, so that whoever wants to read them has to ask for them: see `fill`.
+        ``local_data`` of the members is removed, so that reading it calls `fill`.
 
         Returns:
-            The rows whose data somebody holds all the same: they are to be filled when the measurement is done.
+            The rows whose ``local_data`` is still referenced elsewhere: they have to be filled when the measurement is
+            done.
         """
         attributes, datas = self._attributes, self._datas
         size, taken = sum(map(len, attributes)), 0
@@ -187,7 +188,7 @@ class Group:
             if counts:
                 counts = list(map(sys.getrefcount, datas))
                 held = [row for row in held if counts[row] > _UNHELD]
-        # without the data of all of them
+        # compares the numbers of attributes without the data of all members
         self.is_changed |= size - taken != self._size - len(datas)
         self._before = (self._written, self._time, self.poses, self.stamp)
         self._written, self._time, self.poses = [], self.context.clock.time, GroupPoses(self._snapshots.now())
@@ -195,12 +196,12 @@ class Group:
         return held
 
     def undo(self) -> None:
-        """There was no measurement: all members have the data of the one before."""
+        """Cancel a measurement: all members keep the data of the previous measurement."""
         self._written, self._time, self.poses, self.stamp = self._before
         self.release()
 
     def release(self) -> None:
-        """Give all members what is their own: they act alone now, or are saved."""
+        """Update all members, because they are about to act alone or to be saved."""
         for row, attributes in enumerate(self._attributes):
             if "local_data" not in attributes:
                 self.fill(row)
@@ -210,11 +211,11 @@ class Group:
     # -- for the members -------------------------------------------------------------------
 
     def pose_of(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
-        """The pose of a member when it acted last."""
+        """Return the pose of a member at its last action."""
         return self.poses.pose(row)
 
     def fill(self, row: int) -> dict[str, Any]:
-        """Fill in the data of a member, and give them back to it."""
+        """Fill in the data of a member and make them its ``local_data`` again."""
         data = self._datas[row]
         if self._written is not None:
             data["timestamp"] = self._time
@@ -224,14 +225,14 @@ class Group:
         return data
 
     def data_of(self, member: Member) -> dict[str, Any]:
-        """The data of a member that somebody wants to read now."""
+        """Return the data of a member, filled in on demand."""
         return self.fill(self._rows[id(member)])
 
 
 class OnDemand:
-    """``local_data`` of components whose group has taken them away: they are filled in, and given back.
+    """``local_data`` of components whose group has removed it: the first access fills it in.
 
-    An attribute of the same name, which all other components have, comes first.
+    An instance attribute of the same name, which all other components have, takes precedence.
     """
 
     def __get__(self, component: Member | None, owner: type) -> Any:

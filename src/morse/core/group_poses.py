@@ -1,4 +1,4 @@
-"""Where the members of a group are at one moment."""
+"""The poses of the members of a group at one moment."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class GroupPoses:
-    """Poses in the world that are worked out for those rows that somebody asks for.
+    """Poses in the world, computed only for the requested rows.
 
     Args:
         snapshot: see `morse.physics.snapshot.Snapshot`.
@@ -34,7 +34,7 @@ class GroupPoses:
         return self.transformation(row).numbers()
 
     def transformation(self, row: int) -> Transformation3d:
-        """The pose of a member."""
+        """Return the pose of a member."""
         made = Transformation3d()
         made.set_pose(*self._snapshot.pose(row))
         return made

@@ -1,4 +1,4 @@
-"""Names that were most likely meant, for error messages."""
+"""Suggestions for misspelt names, for error messages."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from morse.core.quoting import quoted, short
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: longer words are not misspelt names, and to compare them takes time quadratic in their length
+#: words longer than this are not compared, because a comparison takes time quadratic in their length
 _LONGEST_WORD = 120
-#: names that a word is compared with at most
+#: largest number of names that a word is compared with
 _MOST_COMPARED = 200
-#: names that a message lists
+#: largest number of names that a message lists
 _MOST_LISTED = 50
-#: difflib's cutoff of 0.6 cannot be reached if the shorter word has fewer than 3/7 of the letters of the longer
+#: difflib's cutoff of 0.6 cannot be reached if the shorter word has fewer than 3/7 of the letters of the longer word
 _SHORTER, _LONGER = 3, 7
 
 
 def closest(word: object, known: Iterable[object]) -> str | None:
-    """The known name that ``word`` was most likely meant to be, or None; letter case does not count."""
+    """Return the known name most similar to ``word``, ignoring case, or None."""
     if not isinstance(word, str) or len(word) > _LONGEST_WORD:
         return None
     size = len(word)
@@ -39,7 +39,7 @@ def closest(word: object, known: Iterable[object]) -> str | None:
 
 
 def nearest(word: object, known: Iterable[str], *, say: str = "known", limit: int = _MOST_LISTED) -> str:
-    """``; did you mean 'x'?`` for a near miss, else ``; known: a, b, c`` with at most ``limit`` names."""
+    """Return ``; did you mean 'x'?`` for a near miss, else ``; known: a, b, c`` with at most ``limit`` names."""
     names = list(dict.fromkeys(known))
     near = closest(word, names)
     if near is not None:

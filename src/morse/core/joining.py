@@ -1,4 +1,4 @@
-"""Which components act together."""
+"""Decides which components act together."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from morse.core.object import Object
 
 VARIABLE = "MORSE_FLEETS"
-#: what a class may change about how one component acts; ``act_together`` knows nothing of it
+#: methods that change how a single component acts; a class that overrides one cannot use an inherited ``act_together``
 _ALONE = ("action", "default_action", "measure", "report", "sensor_setup", "update_pose", "local_data", "active")
 
 
@@ -22,7 +22,7 @@ def are_allowed() -> bool:
 
 
 def has_group_action(cls: Any) -> bool:
-    """Whether a class says how its components act together, and none of its subclasses how they act alone."""
+    """Whether a class defines ``act_together`` and does not override, below it, how a single component acts."""
     for base in cls.__mro__:
         if "act_together" in vars(base):
             return issubclass(cls, (Sensor, Actuator))

@@ -1,8 +1,9 @@
-"""Everything that comes into a simulation from outside, with the tick at which it came.
+"""The journal: all input of a simulation from outside, with the tick of each input.
 
 A run is determined by its scene, its seed and its inputs. Inputs are of three kinds: commands that actuators receive,
-calls of services (and their cancellation), and controls: what a person does at the live view. The entry ``edit``
-marks a run during which a model or the file of a component was edited: the inputs alone do not determine such a run.
+service calls (and their cancellation), and controls, the keyboard and gamepad input at the live view. The entry
+``edit`` marks a run during which a model or the file of a component was edited: the inputs alone do not determine such
+a run.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Entry(NamedTuple):
         kind: ``command``, ``service``, ``cancel``, ``controls``, ``reset``, ``restore``, ``spawn``, ``delete`` or
             ``edit``.
         name: the component, for commands and services; the file, for an edit.
-        content: fields of a command; name and arguments of a service; ...
+        content: fields of a command; name and arguments of a service call; ...
     """
 
     tick: int
@@ -45,10 +46,10 @@ class Entry(NamedTuple):
 
 
 class Journal:
-    """Hands every input to those who keep it.
+    """Passes each input to the sinks.
 
     Attributes:
-        sinks: called with each `Entry`, in the simulation thread. Without sinks nothing is worked out.
+        sinks: callbacks that receive each `Entry` in the simulation thread. Without sinks no entries are created.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -56,7 +57,7 @@ class Journal:
         self.sinks: list[Callable[[Entry], object]] = []
 
     def note(self, kind: str, name: str, content: Any) -> None:
-        """An input takes effect now. The content must not change afterwards."""
+        """Record an input that takes effect now. The content must not be modified afterwards."""
         if self.sinks:
             entry = Entry(self._clock.tick, kind, name, content)
             for sink in list(self.sinks):

@@ -1,4 +1,4 @@
-"""The stream of middlewares that carry message kinds, whatever the component."""
+"""The stream class of middlewares that carry message kinds, for all components."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: messages that wait for the next action of an actuator
+#: largest number of messages that wait for the next action of an actuator
 _MOST_WAITING = 64
 
 
 class KindStream(AbstractDatastream):
-    """Sends the messages of a component by the methods of its manager; or gives the component what has arrived.
+    """Sends the messages of a component with the methods of its manager, or passes received messages to it.
 
     Attributes:
-        kinds: the messages that the component speaks or understands.
+        kinds: the message kinds that the component sends or receives.
     """
 
     def initialize(self) -> None:
-        """Find out what the component speaks, and which method carries it."""
+        """Find the message kinds of the component, and the method of the manager for each."""
         self.kinds: tuple[BoundKind, ...] = bind(self.component_instance)
         self._outgoing = [(bound, self.manager.mapping(bound.kind.name)) for bound in self.kinds]
         self._arrived: deque[tuple[BoundKind, Mapping[str, Any], str]] = deque(maxlen=_MOST_WAITING)
@@ -41,7 +41,7 @@ class KindStream(AbstractDatastream):
         self._commands = Commands(self.component_instance) if self.direction == "IN" else None
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish; or take what has arrived, True if something did."""
+        """Publish the messages; or read the received messages and return True if there were any."""
         if self._commands is None:
             for bound, send in self._outgoing:
                 if send is not None and self.manager.wanted(self, bound.topic):
@@ -53,12 +53,12 @@ class KindStream(AbstractDatastream):
         return taken
 
     def receive(self, bound: BoundKind, slots: Mapping[str, Any], frame: str = "") -> None:
-        """Something has arrived for the component; may be called from any thread.
+        """Queue a message for the component; may be called from any thread.
 
         Args:
             bound: one of `kinds`.
-            slots: by name.
-            frame: of the first slot; empty for that of the fields.
+            slots: values by slot name.
+            frame: frame of the first slot; empty for the frame of the fields.
         """
         self._arrived.append((bound, slots, frame))
 
@@ -69,7 +69,7 @@ class KindStream(AbstractDatastream):
         except CommandError as error:
             self.complain(f"field {error.field}", f"a message is refused: {error}")
             return False
-        except Exception as error:  # a slot may hold anything: a client must not stop the component
+        except Exception as error:  # a slot may contain anything, and a client must not stop the component
             self.complain("message", f"a message cannot be read ({type(error).__name__}: {error}): {shown(slots)}")
             return False
         for text in filter(None, (remark, unknown)):
@@ -77,5 +77,5 @@ class KindStream(AbstractDatastream):
         return True
 
     def complain(self, kind: str, text: str) -> None:
-        """Say what is wrong with what has arrived."""
+        """Log a problem with a received message."""
         self.complaints.warn(kind, f"{self.component_name}: {text}")

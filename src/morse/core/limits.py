@@ -1,10 +1,10 @@
 """Units and ranges of the physical quantities that commands and services take.
 
-For fields, properties: ``add_data("v", 0.0, "float", "Forward speed", **SPEED)``; for arguments of services:
-``def set_speed(self, v: Speed)``.
+For fields and properties: ``add_data("v", 0.0, "float", "Forward speed", **SPEED)``; for arguments of services: ``def
+set_speed(self, v: Speed)``.
 
-The ranges are wide enough for ships and satellites, and narrow enough for the physics engine, which loses track of
-bodies at 1e10 m. A value outside is a mistake of the one who sends it.
+The ranges are wide enough for ships and satellites, and narrow enough for the physics engine, which fails for bodies at
+1e10 m. A value outside its range is a mistake of the sender.
 """
 
 from typing import Annotated, Any

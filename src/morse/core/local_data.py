@@ -1,4 +1,4 @@
-"""Data fields that are worked out when somebody reads them."""
+"""Data fields that are computed when they are read."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ if TYPE_CHECKING:
 
 
 class Later:
-    """An array that is worked out when it is wanted.
+    """An array that is computed on demand.
 
-    Encoders call `tolist`, as they do for arrays.
+    Encoders call `tolist`, as for numpy arrays.
 
     Args:
         make: returns the array.
@@ -30,8 +30,8 @@ class Later:
 class LocalData(dict[str, Any]):
     """Data fields, of which some may be a `Later`.
 
-    To all who read it, it is a plain dictionary: a field is worked out when it is read first, and kept then. So a
-    scan that nobody reads is never made into lists, which would take longer than casting its rays.
+    For readers it is a plain dictionary: a field is computed at the first access and then cached. A scan without
+    readers is therefore never converted into lists, which would take longer than casting its rays.
     """
 
     def __getitem__(self, key: str) -> Any:
@@ -41,7 +41,7 @@ class LocalData(dict[str, Any]):
         return value
 
     def all_present(self) -> LocalData:
-        """Work out whatever is left."""
+        """Compute all fields that have not been computed yet."""
         for key in self:
             self[key]
         return self
@@ -83,7 +83,8 @@ class LocalData(dict[str, Any]):
         """See `dict`."""
         return dict(self.items())
 
-    def __iter__(self) -> Iterator[str]:  # a dictionary that has its own is copied by its keys and items, not as it is
+    # `dict(...)` copies a subclass that defines this method by its keys and items, not its internal table
+    def __iter__(self) -> Iterator[str]:
         return super().__iter__()
 
     def __or__(self, other: Any) -> Any:

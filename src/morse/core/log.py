@@ -1,10 +1,9 @@
-"""What the simulator says on its standard output: levels, form and colours.
+"""The log of the simulator on the standard output: levels, format and colours.
 
 A line reads ``[    0.283] text``: seconds since the process started (since `logging` was imported),
-then the text. Loggers are
-named ``morse.<something>``; the last two parts of a name stand before the text, as in
-``[    0.283] [actuators.eyes] robot.eyes initialization``. Errors carry no time stamp, and a
-section is announced by its title alone: other programs read these lines, so their form is fixed.
+then the text. Loggers are named ``morse.<something>``; the last two parts of a name stand before the text, as in ``[
+0.283] [actuators.eyes] robot.eyes initialization``. Errors have no time stamp, and a section is announced by its title
+alone. The format is fixed, because other programs parse these lines.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ logging.addLevelName(ENDSECTION, "ENDSECTION")
 LEVELS = ("DEBUG", "INFO", "WARNING", "ERROR", "CRITICAL")
 """Levels that users can set."""
 
-#: every part of the name of a logger takes memory, for as long as the process runs
+#: limits of the length and depth of logger names, because loggers use memory until the process ends
 _MAX_NAME, _MAX_DEPTH = 128, 8
 _NAME = re.compile(r"[^\W.][\w-]*(\.[^\W.][\w-]*)*")
 
@@ -64,14 +63,14 @@ COLOR_SCHEMES = ("mono", "bright", "dark", "xmas")
 
 
 def _safe(text: str) -> str:
-    """The text without what controls a terminal, and with no line but the first at the margin.
+    """Escape characters that control a terminal, and indent all lines but the first.
 
-    Names, requests and messages of clients get into the log: none of them may look like a record of its own.
+    Names, requests and messages of clients appear in the log. None of them may look like a separate record.
     """
     if text.isprintable():
         return text
     first, *others = text.split("\n")
-    # tabs, with which lines of the summary begin, control nothing
+    # tabs, which are used at the beginning of lines of the summary, are harmless
     first = "\t".join(escaped(part) for part in first.split("\t"))
     return "\n".join([first, *(_continued(line) for line in others)])
 
@@ -82,7 +81,7 @@ def _continued(line: str) -> str:
 
 
 class MorseFormatter(logging.Formatter):
-    """Gives a record the form of the simulator's log.
+    """Formats records for the log of the simulator.
 
     Args:
         colors: one of `COLOR_SCHEMES`.
@@ -116,7 +115,7 @@ class MorseFormatter(logging.Formatter):
         return _safe(super().formatMessage(record))
 
     def formatException(self, ei: Any) -> str:  # noqa: N802
-        """A traceback; the message of the error may hold anything."""
+        """Return a traceback, escaped, because the message of the exception may contain anything."""
         return "\n".join(_safe(part.rstrip("\n")) for part in traceback.format_exception(*ei))
 
     def _colored(self, level: int, text: str) -> str:
@@ -129,7 +128,7 @@ class MorseFormatter(logging.Formatter):
 
 
 class _ConsoleHandler(logging.StreamHandler[TextIO]):
-    """Writes to whatever ``sys.stdout`` is at the time, one flush a record."""
+    """Writes to the present ``sys.stdout``, and flushes after each record."""
 
     def __init__(self) -> None:
         logging.Handler.__init__(self)
@@ -146,7 +145,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (the name is logging's)
         error = sys.exc_info()[1]
-        # the reader of a pipe (`morse run | head`) may leave: that is not a reason to disturb the simulation
+        # the reader of a pipe (`morse run | head`) may exit, which must not affect the simulation
         if isinstance(error, (BrokenPipeError, ValueError)):
             return
         if not isinstance(error, OSError):
@@ -157,7 +156,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
 
 
 def complain(text: str) -> None:
-    """One line on the standard error, if there is one that can be written."""
+    """Write a line to the standard error, if it is open."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"* {text}\n")
         sys.stderr.flush()
@@ -169,7 +168,7 @@ _handler: _ConsoleHandler | None = None
 def setup(colors: str | None = None, level: int | str | None = None) -> None:
     """Send the log of everything below ``morse`` to the standard output.
 
-    May be called again: what is not given stays as it is (at first: no colours, level INFO).
+    It may be called again: arguments that are None leave the setting unchanged (initially: no colours, level INFO).
 
     Args:
         colors: one of `COLOR_SCHEMES`; used only if the standard output is a terminal.
@@ -192,18 +191,18 @@ def setup(colors: str | None = None, level: int | str | None = None) -> None:
         root.addHandler(_handler)
     if level is not None:
         root.setLevel(level)
-    # what a script prints has to stay in order with the log, and no name may be lost to an ASCII terminal
+    # keeps the output of scripts in order with the log, and escapes names that an ASCII terminal cannot show
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(line_buffering=True, errors="backslashreplace")
 
 
 def set_level(component: str, level: str) -> None:
-    """Set how much a part of the simulator says.
+    """Set the log level of a part of the simulator.
 
     Args:
         component: name of a logger, with or without ``morse.`` before it: ``core.request_manager``; the name of a
             package (``core``) stands for all of its modules.
-        level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``, in any case.
+        level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``; case is ignored.
 
     Raises:
         ValueError: no level of that name, or ``component`` is not a dotted name.
@@ -217,7 +216,7 @@ def set_level(component: str, level: str) -> None:
 
 
 def known_components() -> set[str]:
-    """The names that `set_level` can have an effect for: loggers below ``morse``, modules that are loaded, packages."""
+    """Return the names that `set_level` knows: loggers below ``morse``, loaded modules and packages."""
     names = {name.removeprefix("morse.") for name in list(sys.modules)}
     names |= {name[6:] for name in list(logging.root.manager.loggerDict) if name.startswith("morse.")}
     return names
@@ -229,5 +228,5 @@ def section(title: str) -> None:
 
 
 def endsection(title: str) -> None:
-    """Say that a phase has ended: ``[TITLE]``."""
+    """Announce the end of a phase: ``[TITLE]``."""
     _TITLES.log(ENDSECTION, "%s", title)

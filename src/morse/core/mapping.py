@@ -1,4 +1,4 @@
-"""Which method of a middleware carries which message kind."""
+"""The decorator that maps message kinds to methods of a middleware."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ OUT, IN = "OUT", "IN"
 
 
 def maps(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:
-    """Declare a method of a `DatastreamManager` as the way by which messages of some kinds are carried.
+    """Declare that a method of a `DatastreamManager` carries messages of some kinds.
 
-    A method for what components publish is called with the stream and the `morse.core.kinds.Message`, and sends the
-    message. A method for what they take (``direction="IN"``) is called with the stream, the
-    `morse.core.kinds.BoundKind` and what has arrived, and returns slots by name, for `KindStream.receive`.
+    A method for published messages is called with the stream and the `morse.core.kinds.Message`, and sends the message.
+    A method for commands (``direction="IN"``) is called with the stream, the `morse.core.kinds.BoundKind` and the
+    received data, and returns slots by name, for `KindStream.receive`.
 
-    ``general`` has to be there: it carries the kinds that no other method names.
+    A method for ``general`` is required: it carries the kinds that no other method names.
 
     Raises:
         MorseDeclarationError: no such kind or direction.
@@ -43,7 +43,7 @@ def maps(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:
 
 
 def mapped_kinds(cls: type) -> dict[tuple[str, str], str]:
-    """The names of the methods of a class by kind and direction; a class goes before its bases.
+    """Return the names of the methods of a class by kind and direction; a class takes precedence over its bases.
 
     Raises:
         MorseDeclarationError: a direction has no method for ``general``.

@@ -1,4 +1,4 @@
-"""Vectors and rotations where components look for them; see `morse.mathutils`."""
+"""Vectors and rotations under the import path of MORSE 1.4; see `morse.mathutils`."""
 
 from morse.mathutils import Color, Euler, Matrix, Quaternion, Vector
 

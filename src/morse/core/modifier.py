@@ -25,12 +25,12 @@ class AbstractModifier(ABC):
     Attributes:
         component_instance: the component.
         kwargs: the options that the scene script gave to ``alter``.
-        options: the options that there are, by name; None if the class does not declare them, so that all are taken.
-        changes: field to what becomes of its declaration, e.g. ``{"x": {"unit": "ft"}}``: ``unit``, ``frame``, ``low``,
-            ``high``, and ``stddev``, the standard deviation of the noise it adds.
+        options: the declared options by name; None if the class declares none, so that all options are accepted.
+        changes: changes of the declarations of fields, e.g. ``{"x": {"unit": "ft"}}``: ``unit``, ``frame``, ``low``,
+            ``high``, and ``stddev``, the standard deviation of the noise that the modifier adds.
 
     Raises:
-        OptionError: an option that is not declared, or a value that does not fit.
+        OptionError: an option is not declared, or its value is not valid.
     """
 
     options: ClassVar[Mapping[str, Option] | None] = None
@@ -42,12 +42,12 @@ class AbstractModifier(ABC):
         self._complaints: set[str] = set()
 
     def get_state(self) -> dict[str, Any]:
-        """All that determines what the modifier does next: its attributes, but for what the scene script says."""
+        """Return the state of the modifier: its attributes, except those that come from the scene script."""
         without = ("component_instance", "kwargs", "_complaints")
         return {name: value for name, value in vars(self).items() if name not in without}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         replace(vars(self), self.get_state(), state)
 
     @property
@@ -56,7 +56,7 @@ class AbstractModifier(ABC):
         return self.component_instance.local_data
 
     def parameter(self, arg: str, prop: str | None = None, default: Any = None) -> Any:
-        """An option of the script, else a property of the environment, else the default."""
+        """Return an option of the script, else a property of the environment, else the default."""
         if arg in self.kwargs:
             return self.kwargs[arg]
         environment = self.component_instance.context.scene.properties
@@ -65,7 +65,7 @@ class AbstractModifier(ABC):
         return default
 
     def key_error(self, detail: object) -> None:
-        """Say, once, that the component has no field that this modifier changes."""
+        """Log, once, that the component does not have a field that this modifier changes."""
         complaint = str(detail)
         if complaint not in self._complaints:
             self._complaints.add(complaint)

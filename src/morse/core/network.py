@@ -1,4 +1,4 @@
-"""Where all network traffic lives: one event loop, served by one thread at a time."""
+"""The event loop of all network traffic, run by one thread at a time."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-#: wall-clock seconds for which a loop that is borrowed may stay unserved
+#: largest time for which a borrowed loop may not be run, wall-clock seconds
 _UNSERVED = 0.002
-#: wall-clock seconds: a thread whose last wait was shorter polls for that time before it sleeps; a wake-up takes longer
-#: than a tick
+#: polling time before sleeping, wall-clock seconds, for a thread whose last wait was shorter than this; waking a thread
+#: up takes longer than a tick
 _WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
 
 
 class _WatchfulSelector(selectors.DefaultSelector):
-    """Looks for events for a while before it sleeps.
+    """A selector that polls for events for a limited time before it sleeps.
 
     Attributes:
-        until: looks until then (`time.perf_counter`).
+        until: end of the polling (`time.perf_counter`).
     """
 
     until = 0.0
@@ -53,12 +53,12 @@ class _WatchfulSelector(selectors.DefaultSelector):
 class Network:
     """An asyncio loop in a daemon thread.
 
-    The simulation thread hands work over with `post`, which never blocks; only start-up and
-    shut-down wait for an answer (`call`).
+    The simulation thread schedules work with `post`, which never blocks; only start-up and shutdown wait for a result
+    (`call`).
 
-    A simulation that waits for its clients borrows the loop: `wait` serves it from the thread that
-    waits. What arrives, the tick that it asks for and the answer then stay in one thread; two changes
-    of threads would take longer than the tick. The loop stays borrowed until `give_back` or `tend`.
+    A simulation that waits for its clients borrows the loop: `wait` runs the loop in the waiting thread. The request of
+    a client, the tick and the answer are then processed in one thread, because two thread switches would take longer
+    than the tick. The loop stays borrowed until `give_back` or `tend`.
     """
 
     def __init__(self) -> None:
@@ -94,13 +94,13 @@ class Network:
 
     @property
     def loop(self) -> asyncio.AbstractEventLoop:
-        """The event loop; use it from within its callbacks only."""
+        """The event loop; use it in its callbacks only."""
         return self._loop
 
     def post(self, function: Callable[..., object], *args: Any) -> None:
-        """Have ``function(*args)`` run by who serves the loop, soon; silently too late after `stop`.
+        """Schedule ``function(*args)`` in the thread that runs the loop; after `stop` the call is ignored.
 
-        It may write to connections and schedule callbacks, but not count on a loop that runs.
+        ``function`` may write to connections and schedule callbacks, but must not assume that the loop is running.
         """
         if self._borrower == threading.get_ident():
             self._posted.append((function, args))
@@ -120,30 +120,30 @@ class Network:
         self.give_back()
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(timeout)
 
-    # -- what arrives, and in which order ----------------------------------------------------
+    # -- order of received data --------------------------------------------------------------
 
     def on_readable(self, sock: socket.socket, function: Callable[[], object], *, comes_first: bool = False) -> None:
-        """Call ``function`` whenever there is something to take from ``sock``; to be called in the loop.
+        """Call ``function`` whenever ``sock`` is readable; to be called in the loop.
 
         Args:
-            comes_first: `when_read` takes what is there, too. ``function`` must not block, and may be called when
-                there is nothing.
+            comes_first: `when_read` calls ``function`` as well. ``function`` must not block, and may be called when
+                there are no data.
         """
         self._loop.add_reader(sock, function)
         if comes_first:
             self._first[sock.fileno()] = function
 
     def ignore(self, sock: socket.socket) -> None:
-        """Take nothing from ``sock`` any more; to be called before it is closed."""
+        """Stop reading from ``sock``; to be called before it is closed."""
         self._loop.remove_reader(sock)
         self._first.pop(sock.fileno(), None)
 
     def when_read(self, function: Callable[[], object]) -> None:
-        """Run ``function()`` when all that has arrived by now is read; to be called in the loop.
+        """Call ``function()`` after all data that have arrived so far were read; to be called in the loop.
 
-        The loop reads connections in any order. A client that sends a command on one and then asks for a tick on
-        another means the tick to see the command. The system puts what is sent first into the buffers first, so that
-        one look at all sockets after the request has been read finds the command.
+        The loop reads connections in any order. A client that sends a command on one connection and then requests a
+        tick on another expects that the tick uses the command. The operating system fills the socket buffers in the
+        order of sending, so polling all sockets once after the request was read finds the command.
         """
         if self._borrower is None:
             self._loop.call_soon(self._after_reading, [function])
@@ -160,20 +160,20 @@ class Network:
         for function in functions:
             function()
 
-    # -- the loop in the thread that waits ---------------------------------------------------
+    # -- running the loop in the waiting thread ----------------------------------------------
 
     def wait(self, seconds: float) -> None:
-        """Serve the network from this thread until `wake` is called, at most for about ``seconds``.
+        """Run the event loop in this thread until `wake` is called, at most for about ``seconds``.
 
-        What was posted before is done first. Between two calls nothing is received or sent.
+        Functions that were posted before are called first. Between two calls of `wait` nothing is received or sent.
         """
         self._borrow()
         if self._posted:
             self._do_posted()
         if self._woken:
-            self._loop.stop()  # one round: send what was posted, take what is there
+            self._loop.stop()  # one iteration: send what was posted, read what has arrived
         elif self._alarm is None:
-            # one that was set before will do: it rings earlier
+            # an earlier timer, if there is one, is sufficient
             self._alarm = self._loop.call_later(seconds, self._ring)
         begin = perf_counter()
         if self._watchful:
@@ -187,7 +187,7 @@ class Network:
         self._watchful = self._served - begin < _WATCH
 
     def _run(self) -> None:
-        # a notebook's cell, or a coroutine, waits within the loop of its own thread: that one pauses meanwhile
+        # a notebook cell or a coroutine waits inside the running loop of its thread, which is suspended meanwhile
         outer = asyncio._get_running_loop()
         if outer is None:
             self._loop.run_forever()
@@ -199,12 +199,12 @@ class Network:
             asyncio._set_running_loop(outer)
 
     def _do_posted(self) -> None:
-        # here, not in the loop: that would take a round of its own
+        # called here, because the loop would need another iteration
         posted, self._posted = self._posted, []
         for function, args in posted:
             try:
                 function(*args)
-            except Exception as error:  # as the loop would do
+            except Exception as error:  # as asyncio does for callbacks
                 self._loop.call_exception_handler({"message": f"error in {function}", "exception": error})
 
     def wake(self) -> None:
@@ -217,12 +217,12 @@ class Network:
             self._loop.call_soon_threadsafe(self._loop.stop)
 
     def tend(self) -> None:
-        """Give a borrowed loop back if nobody has served it for a while; to be called between ticks."""
+        """Return a borrowed loop if it has not been run for some time; to be called between ticks."""
         if self._borrower is not None and perf_counter() - self._served > _UNSERVED:
             self.give_back()
 
     def give_back(self) -> None:
-        """Let the network thread serve again, if this one has borrowed its loop."""
+        """Return a borrowed loop to the network thread."""
         if self._borrower == threading.get_ident():
             self._borrower = None
             posted, self._posted = self._posted, []

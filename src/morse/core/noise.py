@@ -1,4 +1,4 @@
-"""Errors of measurement."""
+"""Measurement noise."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 class Noise:
-    """The errors of one field of one sensor, one measurement after the other.
+    """The sequence of measurement errors of one field of one sensor.
 
     Args:
-        random: draws all of them.
-        field: the declaration of the field, or None: noise does not lead out of what it declares.
+        random: generator of all random numbers.
+        field: the declaration of the field, or None; values are kept within its range.
     """
 
     def __init__(self, model: NoiseModel, random: np.random.Generator, field: DataField | None = None) -> None:
@@ -34,14 +34,14 @@ class Noise:
         self._step = 0.0
 
     def pass_time(self, seconds: float) -> None:
-        """The next measurement comes that long after the last one."""
+        """Advance the errors by the time between two measurements, s."""
         self._step = math.sqrt(seconds) * self.model.bias_walk
 
     def errors(self, truth: NDArray[np.float64], *, common: bool = False) -> NDArray[np.float64]:
-        """The truth, any shape, as it is measured.
+        """Return the true values with errors, same shape.
 
         Args:
-            common: all values have the same bias, as the beams of one scanner.
+            common: all values share one bias, like the beams of one scanner.
         """
         model, measured = self.model, truth
         if model.bias_walk > 0.0:
@@ -54,9 +54,10 @@ class Noise:
         return measured
 
     def possible(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The values nearest to these that the field can hold.
+        """Return the nearest values that the field can contain.
 
-        Angles are in (-pi, pi], or the same in degrees; quaternions have the length 1; numbers are in low..high.
+        Angles are wrapped to (-pi, pi], or (-180, 180] degrees; quaternions have the length 1; numbers are clipped to
+        low..high.
         """
         field = self._field
         if field is None:
@@ -74,23 +75,23 @@ class Noise:
         return values
 
     def get_state(self) -> dict[str, Any]:
-        """What determines the errors to come, as plain data."""
+        """Return the state that determines the future errors, as plain data."""
         return {"random": generator_state(self._random), "bias": copy.copy(self._bias)}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Go on from a state that `get_state` gave."""
+        """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias = copy.copy(state["bias"])
 
     def lost(self, count: int = 1) -> NDArray[np.bool_]:
-        """(N,) which values do not arrive."""
+        """Return (N,) booleans: which values are lost."""
         if self.model.dropout == 0.0:
             return np.zeros(count, dtype=bool)
         return self._random.random(count) < self.model.dropout
 
 
 def measured(value: Any, noise: Noise) -> Any:
-    """A number, vector or list of numbers with errors, of the type that it had."""
+    """Return a number, vector or list of numbers with errors, of the same type."""
     truth = np.array(value, dtype=np.float64)
     if truth.size == 0:
         return value

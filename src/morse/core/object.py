@@ -26,7 +26,7 @@ logger = logging.getLogger(__name__)
 
 
 class Object(Requesting, AbstractObject):
-    """A component: something with a place in the world that does some work every tick.
+    """A component: an object with a pose in the world that acts at its frequency.
 
     Attributes:
         bge_object: the object of the world that carries it (`morse.physics.GameObject`).
@@ -38,7 +38,7 @@ class Object(Requesting, AbstractObject):
     """
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
-        """In a scene script, ``Sonar()`` and ``Sonar("name")`` give the sonar of the scene."""
+        """In a scene script, ``Sonar()`` and ``Sonar("name")`` return the builder object of the component."""
         if describing.describe is not None and (isinstance(args[0], str) if args else "obj" not in kwargs):
             described = describing.describe(cls, *args, **kwargs)
             if described is not None:
@@ -73,7 +73,7 @@ class Object(Requesting, AbstractObject):
             return str(asked)
         return next((name for name, level in declared.items() if level.default), None)
 
-    #: attributes that are not part of the state: they are made from the scene, and stay while the simulation runs
+    #: attributes that are not part of the state: they are created from the scene and stay constant
     not_state: ClassVar[tuple[str, ...]] = (
         "bge_object",
         "robot_parent",
@@ -90,24 +90,25 @@ class Object(Requesting, AbstractObject):
         "group",
     )
 
-    #: the components that it acts together with
+    #: the group of components that act together with this one
     group: Group | None = None
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """Field to what differs from its declaration because of the properties of this component.
+        """Return changes of the declarations of fields that depend on the properties of this component.
 
-        For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that it adds itself.
+        For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that the component itself
+        adds.
         """
         return {}
 
     @property
     def kind_members(self) -> Mapping[str, Object]:
-        """Components that this one speaks for: sub-topic to the component whose messages go out there."""
+        """Return components whose messages are sent on sub-topics of this one: sub-topic to component."""
         return {}
 
     def get_state(self) -> dict[str, Any]:
-        """All that determines what the component does next: its attributes, but for those in `not_state`.
+        """Return the state of the component: its attributes, except those in `not_state`.
 
         Override it together with `set_state` for a component that keeps a part of its state elsewhere.
         """
@@ -116,7 +117,7 @@ class Object(Requesting, AbstractObject):
             _ = self.local_data  # fills them in
             self.settle()
         own = {name: value for name, value in vars(self).items() if name not in without}
-        # a group takes the data away and gives them back; the others stay in their order: views follow their arrays
+        # a group removes the data and restores them; the other attributes keep their order: views follow their arrays
         if "local_data" in own:
             own["local_data"] = own.pop("local_data")
         return own
@@ -125,23 +126,23 @@ class Object(Requesting, AbstractObject):
         """Take a state from `get_state`.
 
         Raises:
-            ValueError: it would put something else in the place of a method.
+            ValueError: the state would replace a method.
         """
         present = vars(self)
         for name, value in state.items():
             hidden = name not in present and callable(getattr(type(self), name, None))
             if hidden and getattr(value, "__self__", None) is not self:
                 raise ValueError(f"'{name}' is a method of {self.name()}")
-        # a class with a `set_state` of its own may have taken something out of the state
+        # a subclass with its own `set_state` may have removed entries from the state
         is_whole = type(self).set_state is Object.set_state
         replace(present, [name for name in self.get_state() if name in present] if is_whole else (), state)
         if self.group is not None:
             self.group.is_changed = True
-        # who called a service that was under way is not there any more; the service goes on all the same
+        # the client that called a running service may be gone; the service continues nevertheless
         self.on_completion = None if self.running_service is None else _nobody
 
     def services(self) -> list[ServiceDeclaration]:
-        """The services this component offers, those of its modifiers included."""
+        """Return the services of this component, including those of its modifiers."""
         return [*super().services(), *self._offered]
 
     def offer(self, other: object) -> None:
@@ -170,18 +171,18 @@ class Object(Requesting, AbstractObject):
         self.active = not self._active
 
     def may_act_together(self) -> bool:
-        """Whether it takes part in ``act_together`` of its class; asked whenever groups are formed."""
+        """Whether the component takes part in ``act_together`` of its class; called whenever groups are formed."""
         return True
 
     def settle(self) -> None:
-        """Bring those attributes up to date that ``act_together`` leaves as they were.
+        """Update the attributes that ``act_together`` does not update.
 
         It is called before a component that acted together with others acts alone, or is saved. ``position_3d`` and
-        ``local_data`` see to themselves.
+        ``local_data`` are updated automatically.
         """
 
     def periodic_call(self) -> bool:
-        """Whether it is the turn of this component: always, as its action is called at its frequency alone."""
+        """Return True: the action of a component is only called at its frequency. Kept for components of 1.4."""
         return True
 
     def gettime(self) -> float:
@@ -207,7 +208,7 @@ class Object(Requesting, AbstractObject):
 
     @service(changes=False)
     def get_properties(self) -> dict[str, dict[str, tuple[Any, str, str, str]]]:
-        """The properties: name to value, type, documentation, name in Python."""
+        """Return the properties: name to (value, type, documentation, name in Python)."""
         return {
             "properties": {
                 prop.name: (getattr(self, python_name), prop.type, prop.doc, python_name)
@@ -225,7 +226,7 @@ class Object(Requesting, AbstractObject):
 
     @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:
-        """The values of the properties, and where the component sits on its robot."""
+        """Return the values of the properties, and the pose of the component on its robot."""
         configuration: dict[str, Any] = {
             prop.name: getattr(self, python_name) for python_name, prop in properties(type(self)).items()
         }
@@ -235,7 +236,7 @@ class Object(Requesting, AbstractObject):
         return {"configurations": configuration}
 
     def update_pose(self) -> None:
-        """Take the present pose of the object into ``position_3d``."""
+        """Copy the present pose of the object into ``position_3d``."""
         self.position_3d.update(self.bge_object)
 
 
@@ -243,7 +244,7 @@ Object.local_data = OnDemand()  # type: ignore[assignment] # all but members of 
 
 
 def _nobody(_outcome: Any) -> None:
-    """Nobody waits for the end of a service."""
+    """Completion callback of a service whose client is gone."""
 
 
 def _as_tuple(level: str | tuple[str, ...]) -> tuple[str, ...]:

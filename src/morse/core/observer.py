@@ -1,39 +1,39 @@
-"""What looks on while a simulation runs: the live view, recorders, data streams."""
+"""The base class of observers of a simulation: the live view, recorders, data streams."""
 
 from __future__ import annotations
 
 
 class Observer:
-    """Looks on; every method is called in the simulation thread, and does nothing unless it is overridden.
+    """Observes a simulation; all methods are called in the simulation thread and do nothing by default.
 
-    An observer must not change the simulation: what comes in from outside are commands, services and controls.
+    An observer must not change the simulation: input from outside consists of commands, services and controls only.
     """
 
     def before_tick(self) -> None:
-        """A tick begins, or a simulation that is paused looks for input."""
+        """Called at the beginning of a tick, or when a paused simulation polls for input."""
 
     def after_tick(self) -> None:
-        """A tick has ended, or a simulation that is paused has looked for input."""
+        """Called at the end of a tick, or when a paused simulation has polled for input."""
 
     def restarted(self) -> None:
-        """The simulation started anew: the components are new ones."""
+        """Called after a restart: all components are new instances."""
 
     def rearranged(self) -> None:
-        """Objects or components have come or gone, or another state was restored."""
+        """Called when objects or components were added or removed, or another state was restored."""
 
     def edited(self) -> None:
-        """A model or the class of a component was exchanged: states that were saved before do not fit any more."""
+        """Called when a model or the class of a component was replaced: states saved before are no longer valid."""
 
     def viewpoint_changed(self) -> None:
-        """The camera of the scene was moved by a service."""
+        """Called when a service moved the camera of the scene."""
 
     def report_pace(self, late: float, cause: str = "") -> None:
-        """How well the simulation keeps up with the wall clock.
+        """Report how well the simulation keeps up with the wall clock.
 
         Args:
-            late: wall-clock seconds lost since the last report; 0 if it keeps up again.
-            cause: why, as a clause for people; empty if no single cause stands out.
+            late: wall-clock seconds lost since the last report; 0 if the simulation keeps up again.
+            cause: the cause as text for the user; empty if there is no single cause.
         """
 
     def close(self) -> None:
-        """The simulation ends, or nobody wants to look any more."""
+        """Called at the end of the simulation, or when the observer is removed."""

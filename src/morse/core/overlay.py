@@ -1,4 +1,4 @@
-"""An overlay shows a component through other services than its own."""
+"""The base class of overlays, which offer other services for a component."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ class MorseOverlay(AbstractObject):
         self.overlaid_object = overlaid_object
         self.options = options
 
-    #: attributes that are not part of the state: they are made from the scene
+    #: attributes that are not part of the state: they are created from the scene
     not_state: ClassVar[tuple[str, ...]] = ("overlaid_object", "options", "on_completion")
 
     def get_state(self) -> dict[str, Any]:
-        """All that determines what the overlay does next: its attributes, but for those in `not_state`."""
+        """Return the state of the overlay: its attributes, except those in `not_state`."""
         return {name: value for name, value in vars(self).items() if name not in self.not_state}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         replace(vars(self), self.get_state(), state)
-        # who called a service that was under way is not there any more
+        # the client that called a running service may be gone
         self.on_completion = None if self.running_service is None else _nobody
 
     def name(self) -> str:
@@ -44,7 +44,7 @@ class MorseOverlay(AbstractObject):
         """A callback that ends the running service of the overlay when that of the object ends.
 
         Args:
-            fn: changes the outcome ``(status, result)`` on its way.
+            fn: maps the outcome ``(status, result)`` of the object to that of the overlay.
         """
 
         def done(outcome: Any) -> None:
@@ -54,9 +54,9 @@ class MorseOverlay(AbstractObject):
         return done
 
     def interrupt(self) -> None:
-        """Interrupt the object behind the overlay."""
+        """Interrupt the overlaid object."""
         self.overlaid_object.interrupt()
 
 
 def _nobody(_outcome: Any) -> None:
-    """Nobody waits for the end of a service."""
+    """Completion callback of a service whose client is gone."""

@@ -1,4 +1,4 @@
-"""Commands that are checked when they are given, and taken when the actuator acts."""
+"""Commands that are validated when they are given, and applied when the actuator acts."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 class PendingCommands:
-    """Gives an actuator fields from within the process or from the live view, as a stream of a client does.
+    """Passes commands from the process or the live view to an actuator, like a stream of a client.
 
-    An actuator that is not active leaves them waiting.
+    Commands for an inactive actuator wait until it is active.
     """
 
     def __init__(self, actuator: Actuator) -> None:
@@ -22,11 +22,11 @@ class PendingCommands:
         actuator.input_functions.append(self._take)
 
     def move_to(self, actuator: Actuator) -> None:
-        """Another actuator has come in the place of the present one, and has its input functions."""
+        """Switch to an actuator that replaces the present one and has taken over its input functions."""
         self._commands = Commands(actuator)
 
     def give(self, message: Any) -> None:
-        """Let the actuator take some of its fields when it acts next; of several values of a field the last one wins.
+        """Set fields of the actuator at its next action; of several values for a field the last one is used.
 
         Raises:
             CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field; then
@@ -36,16 +36,16 @@ class PendingCommands:
 
     @property
     def waiting(self) -> dict[str, Any]:
-        """The fields that the actuator has not taken yet."""
+        """Return the fields that have not been applied yet."""
         return dict(self._waiting)
 
     def forget(self) -> None:
-        """The actuator is not to take what it has not taken yet."""
+        """Discard the commands that have not been applied yet."""
         self._waiting = {}
 
     @staticmethod
     def all_of(actuator: Any) -> list[PendingCommands]:
-        """Those that an actuator takes commands from, in its order."""
+        """Return the instances of this class among the input functions of an actuator, in order."""
         owners = [getattr(function, "__self__", None) for function in actuator.input_functions]
         return [owner for owner in owners if isinstance(owner, PendingCommands)]
 

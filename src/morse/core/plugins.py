@@ -1,4 +1,4 @@
-"""What installed packages bring to MORSE: components, modifiers, middlewares, models.
+"""Plugins from installed packages: components, modifiers, middlewares, models.
 
 A package declares them by entry points in its ``pyproject.toml``::
 
@@ -21,17 +21,17 @@ _SUFFIXES = (".dist-info", ".egg-info")
 
 
 def entry_points(group: str) -> tuple[EntryPoint, ...]:
-    """The entry points of a group, e.g. ``morse.components``, sorted by name.
+    """Return the entry points of a group, e.g. ``morse.components``, sorted by name.
 
     Args:
-        group: has to begin with ``morse.``.
+        group: name of the group; it has to begin with ``morse.``.
     """
     return _found(group, tuple(sys.path))
 
 
 @lru_cache(maxsize=32)
 def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
-    # importlib.metadata takes 30 ms to import: most installations have no such package
+    # avoids importing importlib.metadata (30 ms) if no package has such entry points
     if not any(_mentions_us(Path(entry)) for entry in dict.fromkeys(path)):
         return ()
     from importlib import metadata
@@ -41,9 +41,9 @@ def _found(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
 
 @lru_cache(maxsize=256)
 def _mentions_us(directory: Path) -> bool:
-    """Whether a package in a directory of the import path has entry points of ours."""
+    """Whether a package in a directory of the import path has entry points for MORSE."""
     if directory.is_file():
-        return True  # an archive: importlib.metadata can look into it
+        return True  # an archive, which importlib.metadata can read
     try:
         names = [name for name in os.listdir(directory) if name.endswith(_SUFFIXES)]
     except OSError:

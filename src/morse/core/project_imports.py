@@ -1,7 +1,7 @@
-"""Imports of a project's own modules, kept apart from those of the process.
+"""Imports of the modules of a project, isolated from those of the process.
 
-Each simulation has its own copies of the modules of its project, so that several simulations, also of one project, do
-not share them, and nothing of them stays behind in the process.
+Each simulation has its own copies of the modules of its project. Several simulations, even of one project, do not share
+modules, and no module remains in the process afterwards.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ _switching = threading.RLock()
 
 
 class ProjectImports:
-    """The modules of a project; inside ``with project:`` they are imported as any others.
+    """The modules of a project; inside ``with project:`` they can be imported normally.
 
-    Within the block, the directories of the project come first on ``sys.path``, its modules are in ``sys.modules``,
-    and ``sys.argv`` is that of its script. Only one thread at a time can be in such a block. Import statements in the
-    project's own code enter the block by themselves, whenever they run.
+    Within the block, the directories of the project come first on ``sys.path``, its modules are in ``sys.modules``, and
+    ``sys.argv`` belongs to its script. Only one thread at a time can be in such a block. Import statements in the code
+    of the project enter the block automatically.
 
     Args:
-        directories: of the project's packages, and of its scene script.
+        directories: directories of the packages of the project and of its scene script.
         argv: ``sys.argv`` for the script.
-        finders: asked before others while the block is entered.
-        from_source: compile every module, also where Python keeps a compiled file.
+        finders: meta path finders that take precedence inside the block.
+        from_source: compile every module, even if Python has a cached compiled file.
     """
 
     def __init__(
@@ -59,18 +59,18 @@ class ProjectImports:
         self._kept: tuple[list[str], list[str], dict[str, ModuleType]] = ([], [], {})
 
     def offer(self, name: str, module: ModuleType) -> None:
-        """Let the project import a module under a name of its own."""
+        """Let the project import a module under the given name."""
         self._names.add(name)
         self._modules[name] = module
 
     def module(self, name: str) -> ModuleType | None:
-        """The project's own module of that name, if it has been imported."""
+        """Return the module of the project with that name, or None if it has not been imported."""
         if name.partition(".")[0] not in self._names:
             return None
         return sys.modules.get(name) if self._entered else self._modules.get(name)
 
     def sources(self) -> dict[str, str]:
-        """The modules of the project that have been imported, and the files they came from."""
+        """Return the imported modules of the project and their files."""
         table = sys.modules if self._entered else self._modules
         found = {}
         for name, module in list(table.items()):
@@ -81,7 +81,7 @@ class ProjectImports:
 
     @contextmanager
     def renewed(self, names: Iterable[str]) -> Iterator[None]:
-        """Import modules anew from their files, all of them or none; after an error in the block the old ones are back.
+        """Reimport modules from their files, all or none; an error in the block restores the old modules.
 
         Raises:
             Exception: whatever goes wrong in a module.
@@ -107,7 +107,7 @@ class ProjectImports:
                 self._renewing = self._from_source
 
     def own_modules(self) -> dict[str, ModuleType]:
-        """The project's own modules that have been imported, by name."""
+        """Return the imported modules of the project by name."""
         modules = sys.modules if self._entered else self._modules
         return {name: module for name, module in list(modules.items()) if name.partition(".")[0] in self._names}
 
@@ -127,14 +127,14 @@ class ProjectImports:
         _switching.release()
 
     def stay(self) -> None:
-        """Enter without leaving: for a process that runs this one simulation."""
+        """Enter permanently, for a process that runs only this simulation."""
         with _switching:
             self._entered += 1
             if self._entered == 1:
                 self._switch_in()
 
     def leave(self) -> None:
-        """Take back `stay`: another project is to take the place of this one."""
+        """Undo `stay`, before another project replaces this one."""
         with _switching:
             self._entered -= 1
             if self._entered == 0:
@@ -158,7 +158,7 @@ class ProjectImports:
         for name in [name for name in sys.modules if name.partition(".")[0] in self._names]:
             self._modules[name] = sys.modules.pop(name)
         sys.modules.update(hidden)
-        # what the script itself put on the path is for its own modules
+        # entries that the script added to the path are for its own modules
         added = [entry for entry in sys.path if entry not in path and entry not in self._directories]
         self._directories += added
         sys.path[:], sys.argv[:] = path, argv
@@ -166,7 +166,7 @@ class ProjectImports:
         self._kept = ([], [], {})
 
     def _offered(self) -> set[str]:
-        """Modules that are imported in the process and whose names files of the project have, too."""
+        """Return the modules imported in the process whose names are also names of files of the project."""
         found: set[str] = set()
         for directory in self._directories:
             try:
@@ -183,7 +183,7 @@ class ProjectImports:
         if path is None:
             spec = PathFinder.find_spec(name, self._directories)
             if spec is None or (spec.origin is None and _is_module(PathFinder.find_spec(name))):
-                # a folder of that name does not hide a library
+                # a directory of that name does not hide a library
                 return None
             self._names.add(name)
         elif name.partition(".")[0] in self._names:
@@ -202,19 +202,19 @@ class ProjectImports:
         fromlist: Any = (),
         level: int = 0,
     ) -> Any:
-        """What an import statement in the project's code does."""
+        """Implementation of the import statement for the code of the project."""
         if level == 0 and name.partition(".")[0] not in self._names and name in sys.modules:
             return builtins.__import__(name, globals, locals, fromlist, level)
         if not self._entered:
             there = self._imported(name, globals, fromlist, level)
             if there is not None:
                 return there
-        # also while another thread has entered: it may leave in the middle of this import
+        # needed even while another thread has entered, because that thread may leave during this import
         with self:
             return builtins.__import__(name, globals, locals, fromlist, level)
 
     def _imported(self, name: str, globals: Any, fromlist: Any, level: int) -> ModuleType | None:
-        """What an import statement gives if it names what has been imported before: it may run in every tick."""
+        """Fast path for modules that are already imported, because an import statement may run in every tick."""
         if level:
             package = str((globals or {}).get("__package__") or "")
             if package.count(".") < level - 1:
@@ -229,26 +229,26 @@ class ProjectImports:
         return module if "*" not in fromlist and all(hasattr(module, part) for part in fromlist) else None
 
     def prepare(self, module: ModuleType) -> None:
-        """Let the import statements of a module that is about to be run find the project."""
+        """Install the project's import function in a module that is about to be executed."""
         module.__dict__["__builtins__"] = self._builtins
 
 
 def _bind(module: ModuleType) -> None:
-    """Make a module the one that its package knows by its name."""
+    """Set a module as the attribute of its package."""
     package, _, name = module.__name__.rpartition(".")
     if package in sys.modules:
         setattr(sys.modules[package], name, module)
 
 
 def _with_submodules(package: ModuleType) -> None:
-    """Let a package that was imported anew know those of its modules that were not."""
+    """Set the submodules that were not reimported as attributes of a reimported package."""
     for name, module in list(sys.modules.items()):
         if name.rpartition(".")[0] == package.__name__:
             _bind(module)
 
 
 def _is_library(name: str) -> bool:
-    """Whether an imported module belongs to Python, to MORSE or to an installed package: a project uses that one."""
+    """Whether an imported module belongs to Python, to MORSE or to an installed package, and is shared by projects."""
     if name in sys.stdlib_module_names or name in ("__main__", "morse", "pymorse"):
         return True
     spec = getattr(sys.modules[name], "__spec__", None)
@@ -267,7 +267,7 @@ def _is_module(spec: ModuleSpec | None) -> bool:
 
 
 class _Loader:
-    """Runs a module of a project as its own loader does, with the imports of the project."""
+    """Wraps the loader of a module of a project, so that it is executed with the imports of the project."""
 
     def __init__(self, loader: Any, names: dict[str, Any], from_source: bool) -> None:
         self._loader = loader
@@ -284,7 +284,7 @@ class _Loader:
         module.__dict__["__builtins__"] = self._names
         path = getattr(self._loader, "path", "")
         if self._from_source and str(path).endswith(".py"):
-            # compiled files are told from old ones by the second in which the source was saved
+            # a cached compiled file is only compared with its source by the second of modification
             source = self._loader.get_data(path)
             exec(compile(source, path, "exec", dont_inherit=True), module.__dict__)
         else:

@@ -1,18 +1,18 @@
-"""Text from outside (requests, messages, names in files) as it may stand in a message, a log or a terminal."""
+"""Escapes and shortens text from outside (requests, messages, names in files) for messages, logs and terminals."""
 
 from __future__ import annotations
 
 import reprlib
 from typing import Any
 
-#: characters of a text from outside that a message repeats
+#: largest number of characters of a text from outside that a message repeats
 _LIMIT = 80
 
 
 def escaped(text: str) -> str:
-    r"""The text without characters that control a terminal, end a line or cannot be encoded: ``\n``, ``\x1b``.
+    r"""Escape characters that control a terminal, end a line or cannot be encoded: ``\n``, ``\x1b``.
 
-    A backslash stays as it is: the text is to be read, not to be parsed.
+    A backslash is not escaped, because the text is for human readers.
     """
     if text.isprintable():
         return text
@@ -20,22 +20,22 @@ def escaped(text: str) -> str:
 
 
 def quoted(value: Any, limit: int = _LIMIT) -> str:
-    """A value from outside between quotes, escaped, and shortened to about ``limit`` characters.
+    """Return a value from outside in quotes, escaped, and shortened to about ``limit`` characters.
 
-    The work does not grow with the value: a text of any length and a list of any depth take the same time.
+    The time is bounded: a text of any length and a list of any depth take about the same time.
     """
     return f"'{short(value, limit)}'" if isinstance(value, str) else shown(value, limit)
 
 
 def short(text: Any, limit: int = _LIMIT) -> str:
-    """A name from outside without quotes, escaped and shortened; other things as `shown` does."""
+    """Return a name from outside without quotes, escaped and shortened; other values as `shown` does."""
     if not isinstance(text, str):
         return shown(text, limit)
     return escaped(text) if len(text) <= limit else f"{escaped(text[:limit])}… ({len(text)} characters)"
 
 
 def shown(value: Any, limit: int = _LIMIT) -> str:
-    """What `repr` says of a value, shortened to about ``limit`` characters; only the beginning is looked at."""
+    """Return the `repr` of a value, shortened to about ``limit`` characters; only the beginning is processed."""
     short = _Short()
     short.maxstring = short.maxother = short.maxlong = limit
     short.maxlist = short.maxtuple = short.maxset = short.maxdict = short.maxlevel = 6
@@ -45,15 +45,15 @@ def shown(value: Any, limit: int = _LIMIT) -> str:
 
 class _Short(reprlib.Repr):
     def repr_str(self, x: str, level: int) -> str:
-        """Only the beginning: the repr of all of a long text would take long."""
+        """Return the repr of the beginning, because the repr of a long text takes long."""
         return repr(x) if len(x) <= self.maxstring else repr(x[: self.maxstring]) + "…"
 
     def repr_int(self, x: int, level: int) -> str:
-        """Integers of many digits take long to write, and Python refuses some."""
+        """Describe large integers by their size, because Python refuses to convert very large ones."""
         return repr(x) if x.bit_length() < 256 else f"an integer of {x.bit_length()} bits"
 
     def repr_dict(self, x: dict[Any, Any], level: int) -> str:
-        """In the order of the keys as they are: sorting them would look at all."""
+        """Keep the order of the keys, because sorting would process all of them."""
         if level <= 0:
             return "{…}"
         inside = ", ".join(

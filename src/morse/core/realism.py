@@ -1,4 +1,4 @@
-"""What keeps the data of a real sensor from being true at once: delay and noise."""
+"""Delay and noise of real sensors."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 
 class Realism:
-    """Measures for a sensor that is not ideal: measure, noise, report, modifiers, delay.
+    """The measurement of a sensor that is not ideal: measure, noise, report, modifiers, delay.
 
-    The errors are added to what is published, never to what the sensor works with: a sensor that adds up what
-    it measures does not add up its noise.
+    The errors are added to the published data, never to the internal data of the sensor: a sensor that integrates its
+    measurements does not integrate the noise.
 
     Attributes:
-        phase: seconds after the start at which it measures first.
-        delay: seconds from a measurement until its data can be seen.
+        phase: time of the first measurement after the start, s.
+        delay: time from a measurement until its data are published, s.
     """
 
     def __init__(self, sensor: Sensor, model: RealismModel) -> None:
@@ -45,11 +45,11 @@ class Realism:
         self._waiting: deque[tuple[float, dict[str, Any]]] = deque()
 
     def deviations(self) -> dict[str, float]:
-        """Standard deviation of the white noise of each field, in its unit."""
+        """Return the standard deviation of the white noise of each field, in the unit of the field."""
         return {name: noise.model.gaussian for name, noise in self._noises.items()}
 
     def act(self) -> None:
-        """One measurement: as `Sensor.action`, with errors and delay."""
+        """Do one measurement like `Sensor.action`, with errors and delay."""
         sensor = self._sensor
         data = sensor.local_data
         shown = copied(data) if self.delay else dict(data)
@@ -78,7 +78,7 @@ class Realism:
             self._sensor.add_noise(name, noise, shown[name])
 
     def release(self) -> None:
-        """Publish the measurements whose time has come; called every tick."""
+        """Publish the measurements whose delay has passed; called every tick."""
         now = self._sensor.clock.time + 1e-9
         while self._waiting and self._waiting[0][0] <= now:
             data = self._sensor.local_data
@@ -87,7 +87,7 @@ class Realism:
             self._publish()
 
     def get_state(self) -> dict[str, Any]:
-        """What determines the data to come, as plain data."""
+        """Return the state that determines the future data, as plain data."""
         return {
             "truth": copied(self._truth),
             "last": self._last,
@@ -96,7 +96,7 @@ class Realism:
         }
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Go on from a state that `get_state` gave."""
+        """Restore a state that `get_state` returned."""
         self._truth = copied(state["truth"])
         self._last = state["last"]
         self._waiting = deque((time, copied(data)) for time, data in state["waiting"])
@@ -109,7 +109,7 @@ class Realism:
 
 
 def copied(value: Any) -> Any:
-    """A copy that shares nothing which could be changed."""
+    """Return a copy that shares no mutable objects with the original."""
     if isinstance(value, (float, int, str, bytes, bool)) or value is None:
         return value
     if type(value) is list:

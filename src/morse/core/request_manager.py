@@ -1,4 +1,4 @@
-"""Request managers offer services over a middleware; `MorseServices` is the list of them."""
+"""Request managers, which offer services over a middleware, and `MorseServices`, the list of the managers."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: a finished call: status and result
+#: outcome of a finished call: status and result
 Outcome = tuple[str, Any]
 
 
@@ -35,10 +35,10 @@ class OfferedService(NamedTuple):
     """A service that a manager offers.
 
     Attributes:
-        callback: runs the service.
-        is_async: whether the service ends later, by calling its first argument.
-        accepted: what arguments it takes.
-        changes: whether it may change the simulation; the journal keeps no other calls.
+        callback: the function that implements the service.
+        is_async: whether the service ends later; it then calls its first argument.
+        accepted: validation of its arguments.
+        changes: whether a call may change the simulation; other calls are not recorded in the journal.
     """
 
     callback: Callable[..., Any]
@@ -55,11 +55,11 @@ class OfferedService(NamedTuple):
 
 
 class Journaling(Protocol):
-    """What every request manager needs of a simulation (`morse.core.context.Context`)."""
+    """The part of a simulation (`morse.core.context.Context`) that every request manager needs."""
 
     @property
     def journal(self) -> Journal:
-        """What comes in from outside."""
+        """The journal of input from outside."""
 
 
 class RequestManager(ABC):
@@ -85,26 +85,26 @@ class RequestManager(ABC):
 
     @abstractmethod
     def initialization(self) -> bool:
-        """Take ports and connections; False if that failed."""
+        """Open ports and connections; return False if that failed."""
 
     @abstractmethod
     def finalization(self) -> bool:
         """Release what `initialization` took."""
 
     def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
-        """Tell the middleware of a new service; False if it cannot offer it."""
+        """Announce a new service to the middleware; return False if it cannot be offered."""
         return True
 
     @abstractmethod
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """An asynchronous call has ended."""
+        """Called when an asynchronous call has ended."""
 
     @abstractmethod
     def main(self) -> None:
         """Read the requests that arrived; called at the beginning of every tick."""
 
     def update(self) -> None:
-        """One tick: requests first, then the outcomes of calls that ended since the last one."""
+        """One tick: process requests, then send the outcomes of the calls that ended since the last tick."""
         self.main()
         self.answer()
 
@@ -154,10 +154,10 @@ class RequestManager(ABC):
         """Run a service.
 
         Returns:
-            ``(True, (status, result))`` when it is done, ``(False, request_id)`` when it goes on.
+            ``(True, (status, result))`` if the service is done, ``(False, request_id)`` if it continues.
 
         Raises:
-            MorseRPCInvokationError: no such service, wrong arguments, or it refused.
+            MorseRPCInvokationError: there is no such service, the arguments are wrong, or the service failed.
         """
         entry = self.find(component, service)
         if entry is None:
@@ -187,7 +187,7 @@ class RequestManager(ABC):
             return text + nearest(service, known[component])
         return f"{text}: there is no component {quoted(component)}{nearest(component, sorted(known))}"
 
-    #: how messages to clients call this manager
+    #: name of this manager in messages to clients
     title = "the service manager"
 
     def _ended(self, request_id: uuid.UUID, outcome: Any) -> None:
@@ -199,7 +199,7 @@ class RequestManager(ABC):
         self._arrivals.append((request_id, outcome))
 
     def hand_over(self, before: AbstractObject, after: AbstractObject) -> None:
-        """Let another object answer for the calls of one that it replaces."""
+        """Transfer the running calls of an object to the object that replaces it."""
         for request_id, (owner, component, service) in list(self._running.items()):
             if owner is before:
                 self._running[request_id] = (after, component, service)
@@ -221,7 +221,7 @@ class RequestManager(ABC):
             self._arrivals.append((request_id, (status.PREEMPTED, None)))
 
     def abandon(self, request_id: uuid.UUID) -> None:
-        """Whoever called has gone: what was done for the caller alone ends (see `concurrent_service`)."""
+        """Cancel a call whose client is gone, if the service works for that client only (see `concurrent_service`)."""
         if request_id in self._cancellations:
             self.abort_request(request_id)
 
@@ -233,7 +233,7 @@ class RequestManager(ABC):
             try:
                 self.abort_request(request_id)
             except Exception:
-                # it is the user's code that could not be interrupted; its caller is answered all the same
+                # code of the user failed to interrupt the service; the client gets an answer nevertheless
                 logger.exception("%s could not interrupt its service", owner.name() if owner is not None else "?")
                 self._ended(request_id, (status.PREEMPTED, None))
 
@@ -242,7 +242,7 @@ _GONE: Any = object()
 
 
 class MorseServices:
-    """All request managers, and which component is offered by which of them."""
+    """All request managers, and the mapping of components to managers."""
 
     def __init__(self, managers: Iterable[RequestManager] = ()) -> None:
         self._managers: dict[str, RequestManager] = {manager.classpath: manager for manager in managers}
@@ -250,7 +250,7 @@ class MorseServices:
         self._internal: list[RequestManager] = []
 
     def add_internal(self, manager: RequestManager) -> None:
-        """Add a manager for who calls services from within the process; summaries do not list it."""
+        """Add a manager for service calls within the process; summaries do not list it."""
         self._internal.append(manager)
 
     def add_request_manager(self, manager: RequestManager) -> None:
@@ -280,7 +280,7 @@ class MorseServices:
         return [self._managers[name] for name in self._mapping.get(component, [])]
 
     def register_object(self, name: str, obj: AbstractObject) -> None:
-        """Offer every service that an object declares, by the managers mapped to ``name``."""
+        """Offer all services that an object declares, with the managers mapped to ``name``."""
         for declaration in obj.services():
             component = declaration.component or name
             method = getattr(obj, declaration.attribute)
@@ -294,13 +294,13 @@ class MorseServices:
         return [*self._managers.values(), *self._internal]
 
     def unregister(self, component: str) -> None:
-        """Stop offering the services of a component: it was deleted, or is made again."""
+        """Stop offering the services of a component that was deleted or will be recreated."""
         for manager in self._everybody():
             manager.unregister(component)
         self._mapping.pop(component, None)
 
     def replace(self, name: str, before: AbstractObject, after: AbstractObject) -> None:
-        """Offer the services of an object instead of those of another; calls that go on belong to it, too."""
+        """Replace an object by another: its services and its running calls are transferred."""
         for manager in self._everybody():
             manager.unregister(name)
             manager.hand_over(before, after)

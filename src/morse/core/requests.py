@@ -1,7 +1,7 @@
-"""Requests of components to servers that answer many of them in one call: rays, images.
+"""Batched requests of components to servers: rays, images.
 
-A component makes its requests once. In every tick in which it is due, the simulation hands the requests of all such
-components to their servers, each in one call, and then the components act and find the answers in their requests.
+A component creates its requests once. In each tick the simulation passes the requests of all components that act in
+this tick to the servers, in one call per server. The components then act and find the answers in their requests.
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ if TYPE_CHECKING:
 
 
 class Server(Protocol):
-    """Answers requests."""
+    """Answers requests of one kind."""
 
     def serve(self, requests: Sequence[Any]) -> None:
-        """Answer these requests, all of them its own, as the world is now."""
+        """Answer requests, all of which belong to this server, for the present state of the world."""
 
 
 class Request(Protocol):
-    """Something that a component wants to know whenever it acts; the server writes the answer into it."""
+    """A query that a component needs answered before each action; the server writes the answer into it."""
 
     @property
     def server(self) -> Server:
-        """Who answers it."""
+        """The server that answers the request."""
 
 
 class Requesting:
-    """The part of a component that asks servers.
+    """The part of a component that manages its requests to servers.
 
     Attributes:
-        requests: all that it asks for, in the order of `add_request`.
+        requests: all requests, in the order of `add_request`.
         rays: the first bundle of rays (`morse.physics.RayBundle`), or None.
     """
 
@@ -41,7 +41,7 @@ class Requesting:
     context: Any
 
     def add_request(self, request: Any) -> Any:
-        """Have a request answered before each action; call it in ``__init__``.
+        """Register a request that is answered before each action; call it in ``__init__``.
 
         Returns:
             The request.
@@ -50,29 +50,31 @@ class Requesting:
         return request
 
     def remove_request(self, request: Any) -> None:
-        """Have a request answered no more."""
+        """Remove a request."""
         self.requests = [one for one in self.requests if one is not request]
         if request is self.rays:
             self.rays = None
 
     def add_rays(self, directions: Any, reach: float, origins: Any = None, *, upright: bool = False) -> Any:
-        """Look along rays; call it in ``__init__``, once for each bundle of rays.
+        """Cast a bundle of rays before each action; call it in ``__init__``, once for each bundle.
 
-        They are cast together with those of all other components, before ``default_action``, which finds what they
-        met in the bundle: ``distances``, ``points``, ``hit``, ``object_of(i)``, ``remissions``. They pass
-        through the own robot and through everything that does not collide. The first bundle is ``self.rays``.
+        The rays are cast together with those of all other components before ``default_action``, which reads the results
+        from the bundle: ``distances``, ``points``, ``hit``, ``object_of(i)``, ``remissions``. Rays ignore the robot of
+        the component and objects that do not collide. The first bundle is ``self.rays``.
 
         Args:
             directions: (N, 3) vectors in the frame of the component.
-            reach: metres.
+            reach: largest distance, m.
             origins: (N, 3) metres in the frame of the component; None if all rays start at its origin.
-            upright: directions and origins are along the axes of the world, however the component is turned.
+            upright: directions and origins are given along the axes of the world, independent of the orientation of the
+                component.
 
         Returns:
             The bundle.
 
         Raises:
-            ValueError: arrays of another shape, numbers that are not finite, directions of no length, no reach.
+            ValueError: an array has another shape, a number is not finite, a direction has length 0, or the reach is
+                not positive.
         """
         bundle = self.context.world.rays.bundle(self.bge_object, directions, reach, origins, upright=upright)
         if self.rays is None:
@@ -81,7 +83,7 @@ class Requesting:
 
 
 def serve(components: Iterable[Any]) -> None:
-    """Have the requests of the active ones among some components answered, with one call for each server."""
+    """Answer the requests of the active components, with one call per server."""
     waiting: dict[Server, list[Request]] = {}
     for component in components:
         if component.active:

@@ -47,7 +47,7 @@ class Robot(Object):
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing would happen in a tick but that its pose is taken, which follows the body anyway."""
+        """Whether a tick would only update the pose, which follows the body anyway."""
         cls, own = type(self), vars(self)
         return (
             cls.action is Robot.action
@@ -57,7 +57,7 @@ class Robot(Object):
         )
 
     def gettime(self) -> float:
-        """Simulated time as this robot's clock shows it, s."""
+        """Simulated time on the clock of this robot, s."""
         return self.clock.time + self.time_shift
 
     def action(self) -> None:
@@ -70,18 +70,17 @@ class Robot(Object):
         """Drive the body during this tick.
 
         Args:
-            kind: ``Position`` shifts the body without giving it momentum; ``Velocity`` sets its
-                velocity. Both push what is in the way and are stopped by what does not move.
+            kind: ``Position`` moves the body without momentum; ``Velocity`` sets its velocity. In both cases the body
+                pushes movable obstacles and is stopped by fixed ones.
             linear_speed: m/s along the axes of the robot.
             angular_speed: rad/s about the axes of the robot.
 
-        A ground robot keeps its vertical speed, roll and pitch rates: they belong to gravity and
-        the ground.
+        A ground robot keeps its vertical speed, roll rate and pitch rate, which result from gravity and ground contact.
         """
         self.bge_object.drive(linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot)
 
     def force_pose(self, position: Sequence[float] | None, orientation: Any | None) -> None:
-        """Put the robot somewhere, at rest.
+        """Place the robot at a pose, at rest.
 
         Args:
             position: metres in the world, or None to keep it.
@@ -95,5 +94,5 @@ class Robot(Object):
 
 
 def drives_body(robot: Robot) -> bool:
-    """Whether `Robot.apply_speed` of a robot is that of its class `Robot`: `Group.drive` does the same."""
+    """Whether a robot uses `Robot.apply_speed` without override, so that `Group.drive` is equivalent."""
     return type(robot).apply_speed is Robot.apply_speed and "apply_speed" not in vars(robot)

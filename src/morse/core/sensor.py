@@ -19,18 +19,19 @@ if TYPE_CHECKING:
 class Sensor(Object):
     """Measures something and publishes it.
 
-    Fill ``local_data`` in `measure`, or in ``default_action`` as in 1.4. Then come noise and delay, if the script
-    asks for them, and `report` works out the fields that follow from what is measured, so that they fit the noise.
+    Fill ``local_data`` in `measure`, or in ``default_action`` as in 1.4. Noise and delay are added afterwards, if the
+    script declares them. `report` then computes the fields that follow from the measured fields, so that they are
+    consistent with the noise.
 
     Attributes:
-        realism: its delay and noise, or None for an ideal sensor.
-        capturing: whether a camera takes pictures now; None for a sensor that takes none.
+        realism: delay and noise, or None for an ideal sensor.
+        capturing: whether a camera captures images at present; None for a sensor without images.
     """
 
     add_data("timestamp", 0.0, "float", "Simulated time of the measurement", unit="s")
 
     realism: Realism | None = None
-    #: whether the class has a `report` of its own
+    #: whether the class overrides `report`
     _reports: ClassVar[bool] = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -45,14 +46,14 @@ class Sensor(Object):
         return self.local_data
 
     def watched_space(self) -> WatchedSpace | None:
-        """The space that the sensor looks into, for the live view; None if there is none to show but its rays."""
+        """The space that the sensor observes, for the live view; None if only its rays are to be shown."""
         return None
 
     def measure(self) -> None:
-        """Fill the measured fields of ``local_data`` with the truth; noise is added afterwards."""
+        """Fill the measured fields of ``local_data`` with the true values; noise is added afterwards."""
 
     def report(self) -> None:
-        """Fill the fields that follow from the measured ones (``add_data(..., follows=...)``).
+        """Compute the fields that follow from the measured fields (``add_data(..., follows=...)``).
 
         It is called after noise was added to the measured fields.
         """
@@ -62,7 +63,7 @@ class Sensor(Object):
         self.measure()
 
     def sensor_setup(self) -> None:
-        """Take the pose and the time of a measurement."""
+        """Update the pose and the timestamp of a measurement."""
         self.position_3d.update(self.bge_object)
         self.local_data["timestamp"] = self.clock.time
 
@@ -86,15 +87,15 @@ class Sensor(Object):
     # -- noise -----------------------------------------------------------------------------
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """The fields that get the noise for which a script names no field: all measured numbers and vectors."""
+        """Return the fields that get noise if the script does not name fields: all measured numbers and vectors."""
         follow = {name for name, field in data_fields(type(self)).items() if field.follows} | {"timestamp"}
         return tuple(name for name, value in self.local_data.items() if name not in follow and is_numeric(value))
 
     def add_noise(self, field: str, noise: Noise, before: Any) -> None:
-        """Add errors to a field, within what it declares. A value that is lost stays as it was before.
+        """Add errors to a field, within its declared range. A lost value keeps the previous value.
 
         Args:
-            before: what the field held until this measurement.
+            before: value of the field before this measurement.
         """
         value = measured(self.local_data[field], noise)
         self.local_data[field] = before if noise.lost()[0] else value

@@ -1,8 +1,8 @@
 """Services: methods of components that clients call.
 
-A service is either done when the method returns (`service`) or goes on over several ticks and
-ends when the component calls ``self.completed(status, result)`` (`async_service`), one at a time
-for each component; or it may be called by many clients at the same time (`concurrent_service`).
+There are three kinds of service. A `service` is done when its method returns. An `async_service` continues over several
+ticks and ends when the component calls ``self.completed(status, result)``; a component runs one of them at a time. A
+`concurrent_service` also continues over several ticks, and may be called by many clients at the same time.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class ServiceDeclaration(NamedTuple):
     Attributes:
         name: as clients call it.
         attribute: name of the method.
-        asynchronous: ends by ``completed``.
-        component: name of the pseudo component that offers it, or None for its own component.
-        changes: whether a call may change the simulation; the journal keeps no others.
+        asynchronous: whether the service ends with ``completed``.
+        component: name of the pseudo component that offers the service, or None for its own component.
+        changes: whether a call may change the simulation; other calls are not recorded in the journal.
     """
 
     name: str
@@ -57,12 +57,12 @@ def service(
     asynchronous: bool = False,
     changes: bool = True,
 ) -> Any:
-    """Declare a method as a service. Use with or without arguments.
+    """Declare a method as a service. The decorator is used with or without arguments.
 
     Args:
-        component: offer it under this name instead of that of its component.
-        name: offer it under another name than that of the method.
-        changes: whether a call may change the simulation; the journal of inputs keeps no others.
+        component: name under which the service is offered instead of the name of its component.
+        name: name of the service, if it differs from the name of the method.
+        changes: whether a call may change the simulation; other calls are not recorded in the journal of inputs.
     """
     if fn is None:
         return functools.partial(service, component=component, name=name, asynchronous=asynchronous, changes=changes)
@@ -81,11 +81,11 @@ def concurrent_service(fn: _F) -> _F: ...
 @overload
 def concurrent_service(*, changes: bool = True) -> Callable[[_F], _F]: ...
 def concurrent_service(fn: Callable[..., Any] | None = None, *, changes: bool = True) -> Any:
-    """Declare a method as a service that goes on over several ticks, any number of calls at the same time.
+    """Declare a method as a service that continues over several ticks, with any number of simultaneous calls.
 
-    The method takes, before the arguments of the client, a function: ``ended((status, result))`` ends this call.
-    It may return a function that cancels the call; nothing else cancels it then. Such a call ends with its caller.
-    For ``changes`` see `service`.
+    The first argument of the method is a callback: ``ended((status, result))`` ends this call. The method may return a
+    function that cancels the call; the call is then cancelled only by this function. A call ends when its client
+    disconnects. For ``changes`` see `service`.
     """
     if fn is None:
         return functools.partial(concurrent_service, changes=changes)
@@ -95,13 +95,13 @@ def concurrent_service(fn: Callable[..., Any] | None = None, *, changes: bool = 
 
 
 def interruptible(fn: _F) -> _F:
-    """A new call preempts the running one: its caller gets ``PREEMPTED``."""
+    """Declare that a new call preempts the running call, whose client gets ``PREEMPTED``."""
     fn._morse_interruptible = True  # type: ignore[attr-defined]
     return fn
 
 
 def noninterruptible(fn: _F) -> _F:
-    """A new call is refused while one is running."""
+    """Declare that a new call is refused while another call is running."""
     fn._morse_interruptible = False  # type: ignore[attr-defined]
     return fn
 
@@ -143,7 +143,7 @@ def declared_services(cls: type) -> Iterator[ServiceDeclaration]:
 
 
 def signature_of(method: Callable[..., Any]) -> inspect.Signature:
-    """The signature that clients see: without ``self`` and without the completion callback."""
+    """Return the signature that clients see: without ``self`` and the completion callback."""
     plain = getattr(method, "_morse_callable", None) or getattr(
         getattr(method, "__func__", None), "_morse_callable", None
     )
@@ -158,13 +158,13 @@ def signature_of(method: Callable[..., Any]) -> inspect.Signature:
 
 
 def hints_of(method: Callable[..., Any]) -> dict[str, Any]:
-    """The annotations of a service that can be evaluated, with what `typing.Annotated` adds."""
+    """Return the annotations of a service that can be evaluated, including the metadata of `typing.Annotated`."""
     function = getattr(method, "_morse_callable", None) or getattr(method, "__func__", method)
     names = getattr(function, "__globals__", {})
     hints = {}
     for name, annotation in getattr(function, "__annotations__", {}).items():
         alone = SimpleNamespace(__annotations__={name: annotation})
-        # one by one: annotations may name what is imported for type checkers only, and those of users anything
+        # evaluated one by one, because an annotation may use names that are imported for type checkers only
         with contextlib.suppress(Exception):
             hints.update(typing.get_type_hints(alone, names, include_extras=True))
     return hints

@@ -1,4 +1,4 @@
-"""How a service call ended."""
+"""Status values of finished service calls."""
 
 SUCCESS = "SUCCESS"
 FAILED = "FAILED"

@@ -19,7 +19,7 @@ class Unit(NamedTuple):
 
     Attributes:
         factor: size in base units.
-        offset: of the zero point, in base units; 0 except for °C and °F.
+        offset: offset of the zero point, in base units; 0 except for °C and °F.
         dimension: base unit and power, sorted. ``rad`` and ``px`` count as base units.
     """
 
@@ -29,7 +29,7 @@ class Unit(NamedTuple):
 
 
 _BASE = ("m", "kg", "s", "A", "K", "rad", "px", "cd", "mol", "dB")
-#: name: factor, and the unit that it is that many of
+#: name to factor and the unit that the factor refers to
 _DERIVED: dict[str, tuple[float, str]] = {
     "km": (1e3, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "µm": (1e-6, "m"),
     "nm": (1e-9, "m"), "ft": (0.3048, "m"), "in": (0.0254, "m"), "mi": (1609.344, "m"), "nmi": (1852.0, "m"),
@@ -53,7 +53,7 @@ _DERIVED: dict[str, tuple[float, str]] = {
     "1": (1.0, ""), "%": (1e-2, ""), "ppm": (1e-6, ""), "ppb": (1e-9, ""), "pH": (1.0, ""), "bit": (1.0, ""),
     "byte": (8.0, ""),
 }  # fmt: skip
-#: temperatures with a zero point of their own: size of a degree and zero point, K
+#: temperature scales with an offset: size of a degree and zero point, K
 _ZERO_POINTS = {"°C": (1.0, 273.15), "degC": (1.0, 273.15), "°F": (5.0 / 9.0, 459.67 * 5.0 / 9.0)}
 _POWERS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 _TERM = re.compile(r"([^\d^*·/\s⁻⁰¹²³⁴⁵⁶⁷⁸⁹-]+|1)(?:(?:\^|\*\*)?(-?\d+)|([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?")
@@ -106,7 +106,7 @@ def _term(part: str, text: str) -> tuple[float, tuple[tuple[str, int], ...]]:
 
 
 def known_units() -> list[str]:
-    """The names that units are made of."""
+    """Return the names from which units are composed."""
     return [*_BASE, *_DERIVED, *_ZERO_POINTS]
 
 
@@ -115,7 +115,7 @@ def conversion(given: str, wanted: str) -> tuple[float, float]:
     """Factor and offset: ``value in wanted = factor * value in given + offset``.
 
     Raises:
-        UnitError: they measure different things, or one is unknown.
+        UnitError: the dimensions differ, or a unit is unknown.
     """
     if given == wanted:
         return 1.0, 0.0

@@ -1,4 +1,4 @@
-"""The space that a sensor without rays looks into, for those who show it."""
+"""The space that a sensor without rays observes, for display in the live view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Robots that wheels move."""
+"""Robots that are driven by wheels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STANDSTILL = 1e-3
 
 
 class PhysicsDifferentialRobot(Robot):
-    """A robot with two driven wheels, or two rows of them, turned by the difference of speeds.
+    """A robot with two driven wheels, or two rows of driven wheels, which turns by a difference of wheel speeds.
 
     Wheels are the parts of the model whose names contain ``wheel`` and that collide. The track
     and the radius are measured on the model; ``FixTurningSpeed`` replaces the track in the law
@@ -45,7 +45,7 @@ class PhysicsDifferentialRobot(Robot):
 
     @property
     def track(self) -> float:
-        """Distance of the wheels, m, that the speed law uses."""
+        """Distance between the left and right wheels in the speed law, m."""
         return self._fix_turning or self._track
 
     @property
@@ -66,7 +66,7 @@ class PhysicsDifferentialRobot(Robot):
             wheel.set_speed((vx - half if wheel.offset_y > 0.0 else vx + half) / self._radius)
 
     def apply_speed(self, kind: str, linear_speed: Sequence[float], angular_speed: Sequence[float]) -> None:
-        """Drive by the wheels: forward speed and yaw rate count, the rest is not possible."""
+        """Drive with the wheels; only the forward speed and the yaw rate are used."""
         self.apply_vw_wheels(linear_speed[0], angular_speed[2])
 
 

@@ -1,4 +1,4 @@
-"""What a component class says of itself, once: the rest is derived from it.
+"""Declarations of a component class: data fields, properties, levels and message kinds.
 
 The functions are called in the body of a component class and write into its namespace::
 
@@ -11,8 +11,8 @@ The functions are called in the body of a component class and write into its nam
         add_level("raw", None, doc="the reading of the probe", default=True)
         add_kind("temperature", temperature="temperature")
 
-Builder classes, documentation, default streams, the messages of every middleware, the checks of what clients send and
-the panels of the live view come from these. A declaration that cannot be is refused when the class is made.
+Builder classes, documentation, default streams, the messages of all middlewares, the validation of input and the panels
+of the live view are derived from them. An invalid declaration raises an error when the class is created.
 """
 
 from morse.core.builder_defaults import BuilderDefaults, RobotDefaults, Visual

@@ -1,4 +1,4 @@
-"""Declarations as data."""
+"""The records that hold declarations."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ class DataField(NamedTuple):
 
     Attributes:
         default: the value before the first measurement or command.
-        type: a word for people: ``float``, ``vec3``.
+        type: type shown in the documentation: ``float``, ``vec3``.
         level: the levels that have the field, or ``all``.
         unit: see `morse.core.units`; empty for none.
         frame: see `FRAMES`; empty if the field is not given in a frame.
-        shape: of a list or array; None if it is a single value, or of any shape.
-        dtype: of the numpy array that the field holds; empty if it holds none.
-        low: smallest number, of each item.
-        high: largest number.
+        shape: shape of a list or array; None for a single value, or for any shape.
+        dtype: dtype of the numpy array in the field; empty if the field is not an array.
+        low: smallest value of each item.
+        high: largest value of each item.
         angle: kept in (-pi, pi]; noise wraps around.
         quaternion: w, x, y, z, kept of unit length.
         allow: values outside low..high that can occur: ``inf``, ``-inf``, ``nan``, ``none``.
-        follows: the fields that `Sensor.report` works it out from; it has no noise of its own.
+        follows: the fields from which `Sensor.report` computes this field; no noise is added to it.
     """
 
     default: Any
@@ -60,7 +60,7 @@ class Property(NamedTuple):
     Attributes:
         default: the value where a script sets none.
         name: as scripts and clients write it.
-        type: a word for people; ``int`` takes no fractions.
+        type: type shown in the documentation; ``int`` accepts integers only.
         low, high: the range of numbers, or None.
         choices: the only values; empty for any.
         unit: see `morse.core.units`.
@@ -79,7 +79,7 @@ class Property(NamedTuple):
 
 
 class Option(NamedTuple):
-    """An option of a modifier, a stream or a middleware, as scripts give it by keyword.
+    """An option of a modifier, a stream or a middleware; scripts pass it as a keyword argument.
 
     Attributes:
         type: ``float``, ``int``, ``bool``, ``str``, ``list``, ``dict``, or several in a tuple; ``object`` for anything.
@@ -107,15 +107,15 @@ class Level(NamedTuple):
 
 
 class KindUse(NamedTuple):
-    """That a component speaks a message kind, and where its slots come from.
+    """The use of a message kind by a component: where the values of its slots come from.
 
     Attributes:
         kind: see `morse.core.kinds`.
-        slots: slot to field, fields, property, constant or function (see `add_kind`).
-        level: the levels that speak it, or ``all``.
-        when: tells of a component whether it does; None for always.
-        topic: sub-topic of the component's own topic; empty for that itself.
-        on_request: spoken only if the script asks for it.
+        slots: slot name to field, fields, property, constant or function (see `add_kind`).
+        level: the levels that use the kind, or ``all``.
+        when: function of the component that returns whether it uses the kind; None for always.
+        topic: sub-topic of the topic of the component; empty for the topic itself.
+        on_request: the kind is used only if the script asks for it.
         where: file and line of the declaration.
     """
 
@@ -128,5 +128,5 @@ class KindUse(NamedTuple):
     where: str = ""
 
     def on_level(self, level: str | None) -> bool:
-        """Whether a component at that level speaks it."""
+        """Whether a component at that level uses the kind."""
         return self.level == "all" or level is None or level in _words(self.level)

@@ -1,4 +1,4 @@
-"""The functions that component classes declare themselves with."""
+"""Functions for declarations in the body of a component class."""
 
 from __future__ import annotations
 
@@ -53,21 +53,21 @@ def add_data(
     """Declare a field of ``local_data``.
 
     Args:
-        name: of the field, as clients see it.
-        default_value: before the first measurement or command.
-        type: a word for people: ``float``, ``vec3<float>``.
-        doc: what it is.
+        name: name of the field, as clients see it.
+        default_value: value before the first measurement or command.
+        type: type shown in the documentation: ``float``, ``vec3<float>``.
+        doc: description of the field.
         level: the abstraction level or levels that have the field, or ``"all"``.
-        unit: e.g. ``m/s``, ``rad``, ``°C`` (see `morse.core.units`).
-        frame: what it is given in: ``own``, ``robot``, ``world`` ... (see `FRAMES`).
-        shape: of a list or array of numbers: ``3``, ``(3, 3)``, ``(None, 3)`` for any number of rows.
-        dtype: the field holds a numpy array of this dtype.
-        low: smallest number, of each item; noise does not lead below, and commands below are refused.
-        high: largest number, likewise.
+        unit: unit of the value, e.g. ``m/s``, ``rad``, ``°C`` (see `morse.core.units`).
+        frame: frame of the value: ``own``, ``robot``, ``world`` ... (see `FRAMES`).
+        shape: shape of a list or array of numbers: ``3``, ``(3, 3)``, ``(None, 3)`` for any number of rows.
+        dtype: dtype, if the field contains a numpy array.
+        low: smallest value of each item; noise is clipped to it, and commands below it are refused.
+        high: largest value of each item, likewise.
         angle: kept in (-pi, pi]: noise wraps around.
         quaternion: w, x, y, z; noise keeps it of unit length.
-        allow: what may occur although it is in no range: ``inf``, ``-inf``, ``nan``, ``none``.
-        follows: fields that `Sensor.report` works this one out from; it has no noise of its own.
+        allow: special values that are accepted in spite of the range: ``inf``, ``-inf``, ``nan``, ``none``.
+        follows: fields from which `Sensor.report` computes this field; no noise is added to it.
 
     Raises:
         MorseDeclarationError: the declaration contradicts itself, or names an unknown unit, frame or dtype.
@@ -126,14 +126,14 @@ def add_property(
 
     Args:
         python_name: name of the attribute.
-        default_value: where the script sets none; it says by its type what is accepted.
+        default_value: value if the script sets none; its type determines which values are accepted.
         name: as scripts and clients write it.
-        type: a word for people; ``int`` takes no fractions.
-        doc: what it does.
-        low: smallest number.
-        high: largest number.
+        type: type shown in the documentation; ``int`` accepts integers only.
+        doc: description of the property.
+        low: smallest value.
+        high: largest value.
         choices: the only values.
-        unit: e.g. ``m``, ``deg``.
+        unit: unit of the value, e.g. ``m``, ``deg``.
         allow: ``inf``, ``-inf``, ``nan``, ``none``.
 
     Raises:
@@ -162,22 +162,23 @@ def add_kind(
     on_request: bool = False,
     **slots: Any,
 ) -> None:
-    """Declare a message kind that the component speaks, and where its slots come from.
+    """Declare a message kind of the component, and where the values of its slots come from.
 
-    A slot is given as the name of a field; as a tuple of names, of which None means "none: 0, and a command for it
-    is dropped"; as ``euler("roll", "pitch", "yaw")``; as ``prop("_range")``; as ``mapped("status", full="Charged")``;
-    as a constant (a word that is not a field, a number, a list of numbers); or, for sensors, as a function that takes
-    the component and returns the value in the unit of the slot. Units are converted. All but constants, properties and
-    functions work both ways, so that the same declaration serves commands.
+    The source of a slot is the name of a field; a tuple of names, in which None stands for the constant 0 whose
+    commands are ignored; ``euler("roll", "pitch", "yaw")``; ``prop("_range")``; ``mapped("status", full="Charged")``; a
+    constant (a string that is not a field, a number, a list of numbers); or, for sensors, a function that takes the
+    component and returns the value in the unit of the slot. Units are converted. All sources except constants,
+    properties and functions work in both directions, so that the same declaration serves commands.
 
-    A class that declares kinds does not inherit those of its bases; ``add_kind(None)`` declares that there are none.
+    A class that declares kinds does not inherit the kinds of its bases; ``add_kind(None)`` declares that the class has
+    no kinds.
 
     Args:
         kind: see `morse.core.kinds`.
-        level: the abstraction level or levels that speak it.
-        when: tells of a component, by its properties, whether it does.
-        topic: sub-topic; needed if the component speaks several kinds at once.
-        on_request: it is spoken only if the script asks for it.
+        level: the abstraction level or levels that use the kind.
+        when: function of the component that returns whether it uses the kind, depending on its properties.
+        topic: sub-topic; required if the component uses several kinds at once.
+        on_request: the kind is used only if the script asks for it.
 
     Raises:
         MorseDeclarationError: unknown kind or slot, or a slot is missing.

@@ -16,22 +16,22 @@ def _merged(cls: type, attribute: str) -> dict[str, Any]:
 
 
 def data_fields(cls: type) -> dict[str, DataField]:
-    """The data fields of a class and its bases, in the order of declaration, bases first."""
+    """Return the data fields of a class and its bases, in the order of declaration, bases first."""
     return _merged(cls, "_data_fields")
 
 
 def properties(cls: type) -> dict[str, Property]:
-    """The properties of a class and its bases: python name to declaration."""
+    """Return the properties of a class and its bases: Python name to declaration."""
     return _merged(cls, "_properties")
 
 
 def levels(cls: type) -> dict[str, Level]:
-    """The abstraction levels of a class and its bases."""
+    """Return the abstraction levels of a class and its bases."""
     return _merged(cls, "_levels")
 
 
 def kinds(cls: type) -> tuple[KindUse, ...]:
-    """The message kinds that a class declares; those of its bases if it declares none."""
+    """Return the message kinds that a class declares, or those of its bases if it declares none."""
     for base in cls.__mro__:
         own = vars(base).get("_kinds")
         if own is not None:
@@ -40,6 +40,6 @@ def kinds(cls: type) -> tuple[KindUse, ...]:
 
 
 def says_nothing(cls: type) -> bool:
-    """Whether a class declares that it speaks no message kind (``add_kind(None)``): no middleware carries it."""
+    """Whether a class declares that it has no message kinds (``add_kind(None)``): no middleware carries its data."""
     declared = (vars(base).get("_kinds") for base in cls.__mro__)
     return next((not own for own in declared if own is not None), False)

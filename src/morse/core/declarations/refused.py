@@ -1,4 +1,4 @@
-"""Checks of the declarations themselves, when the class is made."""
+"""Validation of declarations when the class is created."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ _NEAR_ONE = 1e-6
 
 
 def check_field(field: DataField) -> None:
-    """Refuse a data field that cannot be.
+    """Raise an error for an invalid data field.
 
     Raises:
-        MorseDeclarationError: saying what is wrong, and what is known.
+        MorseDeclarationError: with the mistake and the known names.
     """
     _check_unit(field.unit)
     _check_name(field.frame, FRAMES, "frame")
@@ -64,18 +64,18 @@ def check_field(field: DataField) -> None:
     if field.quaternion and shape != (4,):
         raise MorseDeclarationError(f"a quaternion has the shape (4,), not {shape}")
     if field.default is None or (isinstance(field.default, str) and field.type not in _WORDS):
-        return  # some defaults say in words what the value will be
+        return  # some defaults are texts that describe the initial value
     _check_default(field)
 
 
 def _check_default(field: DataField) -> None:
     default, shape = field.default, field.shape
     if shape is not None and not _has_shape(default, shape):
-        raise MorseDeclarationError(f"the default {shown(default)} has not the shape {shape}")
+        raise MorseDeclarationError(f"the default {shown(default)} does not have the shape {shape}")
     if shape is not None or field.low is not None or field.high is not None:
         _check_numbers(numbers_in(default), default, field.low, field.high, field.allow)
     if field.quaternion and abs(math.hypot(*numbers_in(default)) - 1.0) > _NEAR_ONE:
-        raise MorseDeclarationError(f"the default {shown(default)} of a quaternion has not the length 1")
+        raise MorseDeclarationError(f"the default {shown(default)} of a quaternion does not have the length 1")
 
 
 def _has_shape(value: Any, shape: tuple[int | None, ...]) -> bool:
@@ -90,7 +90,7 @@ def _has_shape(value: Any, shape: tuple[int | None, ...]) -> bool:
 
 
 def check_property(prop: Property) -> None:
-    """Refuse a property that cannot be.
+    """Raise an error for an invalid property.
 
     Raises:
         MorseDeclarationError: saying what is wrong.
@@ -101,7 +101,7 @@ def check_property(prop: Property) -> None:
 
 
 def check_option(option: Option) -> None:
-    """Refuse an option that cannot be.
+    """Raise an error for an invalid option.
 
     Raises:
         MorseDeclarationError: saying what is wrong.
@@ -160,7 +160,7 @@ def _check_numbers(
 
 
 def shape_of(value: Any) -> tuple[int, ...] | None:
-    """The shape of a number, a list of numbers, a vector or an array; None if it has none."""
+    """Return the shape of a number, a list of numbers, a vector or an array; None if the value has no shape."""
     if hasattr(value, "shape"):
         return tuple(value.shape)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -175,7 +175,7 @@ def shape_of(value: Any) -> tuple[int, ...] | None:
 
 
 def numbers_in(value: Any) -> Iterator[float]:
-    """The numbers of a number, a list of numbers, a vector or an array."""
+    """Iterate over the numbers in a number, a list of numbers, a vector or an array."""
     if hasattr(value, "__iter__") and not isinstance(value, (str, bytes, dict)):
         for item in value:
             yield from numbers_in(item)

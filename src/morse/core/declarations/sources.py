@@ -1,4 +1,4 @@
-"""Where the slots of a message come from, beside plain fields: for `add_kind`."""
+"""Sources of slots other than plain fields, for `add_kind`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Euler(NamedTuple):
     """A quaternion from Euler angles (R = Rz·Ry·Rx), and back.
 
     Attributes:
-        fields: roll, pitch and yaw; or the one field that holds all three.
+        fields: the fields roll, pitch and yaw; or one field with all three angles.
     """
 
     fields: tuple[str | None, ...]
@@ -31,11 +31,11 @@ class Prop(NamedTuple):
 
 
 class Scaled(NamedTuple):
-    """A field times a factor, and back: colours of 0..1 in a message of 0..255.
+    """A field times a factor, in both directions: colours 0..1 in the field, 0..255 in the message.
 
     Attributes:
         field: the field.
-        factor: number of the message divided by that of the field.
+        factor: value in the message divided by the value in the field.
     """
 
     field: str
@@ -43,10 +43,10 @@ class Scaled(NamedTuple):
 
 
 class Mapped(NamedTuple):
-    """A word of the component in the words of the kind, and back.
+    """Translation between the words of a field and the words of a slot, in both directions.
 
     Attributes:
-        field: the field that holds the word.
+        field: the field that contains the word.
         words: word of the field to word of the slot.
     """
 
@@ -55,9 +55,9 @@ class Mapped(NamedTuple):
 
 
 def euler(*fields: str | None) -> Euler:
-    """A quaternion from the fields roll, pitch and yaw, or from one field that holds an Euler or three numbers.
+    """Return a source for a quaternion from the fields roll, pitch and yaw, or from one field with three angles.
 
-    None stands for an angle that the component has not: 0.
+    None stands for an angle that the component does not have; the angle is 0.
     """
     if len(fields) not in (1, 3):
         raise TypeError(f"euler() takes roll, pitch and yaw, or one field that holds all three, not {len(fields)}")
@@ -65,15 +65,15 @@ def euler(*fields: str | None) -> Euler:
 
 
 def prop(name: str, scale: float = 1.0) -> Prop:
-    """The value of a property, by the name of its attribute in Python, times ``scale``."""
+    """Return a source for the value of a property times ``scale``; ``name`` is its attribute in Python."""
     return Prop(name, scale)
 
 
 def scaled(field: str, factor: float) -> Scaled:
-    """A field times a factor: ``scaled("colours", 255.0)`` sends 0..1 as 0..255, and takes it back."""
+    """Return a source for a field times a factor: ``scaled("colours", 255.0)`` maps 0..1 to 0..255 and back."""
     return Scaled(field, factor)
 
 
 def mapped(field: str, **words: str) -> Mapped:
-    """The word in a field, in other words: ``mapped("status", full="Charged")`` shows ``Charged`` as ``full``."""
+    """Return a source that translates words: ``mapped("status", full="Charged")`` sends ``Charged`` as ``full``."""
     return Mapped(field, {own: of_kind for of_kind, own in words.items()})

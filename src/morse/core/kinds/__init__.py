@@ -1,7 +1,8 @@
-"""Message kinds: what middlewares carry, whatever the component.
+"""Message kinds: the messages that middlewares carry, independent of the component.
 
-A component names its kinds and says which field is which slot (`morse.core.declarations.add_kind`). A middleware maps
-kinds, never components: it asks for the messages of a component by `bind`, and gathers one when there is a reader.
+A component declares its kinds and the field for each slot (`morse.core.declarations.add_kind`). A middleware maps
+kinds, never components: it gets the message kinds of a component from `bind`, and gathers a message when there is a
+reader.
 """
 
 from morse.core.kinds.binding import BoundKind, KindError, bind, fields_of, findings_of

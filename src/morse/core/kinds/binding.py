@@ -1,4 +1,4 @@
-"""Which messages a component speaks, and how they are made of its fields."""
+"""Binds a component to its message kinds: messages are created from its fields and read into them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from morse.core.kinds.sources import Source
 
 
-#: what a modifier can change in the declaration of a field
+#: parts of the declaration of a field that a modifier can change
 _CHANGEABLE = ("unit", "frame", "low", "high", "shape", "dtype", "angle", "allow")
 
 
@@ -34,7 +34,7 @@ class KindError(MorseDeclarationError):
     """Message kinds of a component do not fit its fields.
 
     Attributes:
-        findings: all that is wrong, one sentence each.
+        findings: all mistakes, one sentence each.
     """
 
     def __init__(self, findings: list[str]) -> None:
@@ -48,10 +48,10 @@ class BoundKind:
     Attributes:
         component: the component.
         kind: the kind.
-        topic: sub-topic of the component's own topic; empty for that itself.
-        frame: of the first slot of its messages.
-        on_request: it is spoken only if the script asks for it.
-        rest: the fields that are in no slot.
+        topic: sub-topic of the topic of the component; empty for the topic itself.
+        frame: frame of the first slot of the messages.
+        on_request: the kind is used only if the script asks for it.
+        rest: the fields that do not belong to a slot.
     """
 
     def __init__(self, component: Any, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]) -> None:
@@ -83,7 +83,7 @@ class BoundKind:
         self._covariances = covariances(component, self.kind, self._sources, fields)
 
     def _find_turns(self) -> dict[str, tuple[str, str]]:
-        """Slots whose fields are in another frame than the first slot with the same frame in the kind."""
+        """Find slots whose fields are in a different frame from the first slot with the same frame in the kind."""
         leading: dict[str, str] = {}
         turns = {}
         for slot, source in self._sources:
@@ -95,18 +95,18 @@ class BoundKind:
                 raise KindError(
                     [
                         f"{self.component.name()}: slot '{slot.name}' of kind '{self.kind.name}' is in the frame "
-                        f"'{frame}', and cannot be brought into '{wanted}', that of its first slot"
+                        f"'{frame}', and cannot be converted into '{wanted}', the frame of its first slot"
                     ]
                 )
             turns[slot.name] = (frame, wanted)
         return turns
 
     def has(self, slot: str) -> bool:
-        """Whether the component has fields, or declared noise, for a slot."""
+        """Whether the component has fields for a slot, or declared noise for a covariance slot."""
         return slot in self._covariances or any(known.name == slot for known, _ in self._sources)
 
     def gather(self) -> Message:
-        """The message as the fields are now."""
+        """Return the message with the present values of the fields."""
         component = self.component
         if self.kind.name == GENERAL:
             return Message(self.kind, stamp_of(component), "own", dict(component.local_data))
@@ -122,17 +122,17 @@ class BoundKind:
         return Message(self.kind, stamp_of(component), self.frame, slots)
 
     def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
-        """The fields that a command sets, for `morse.core.validation.Commands`; those it has not stay as they are.
+        """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.
 
         Args:
-            slots: by name; None, a quaternion of zeros and slots that are not there set nothing.
-            frame: in which the first slot is given; empty for that of the fields.
+            slots: values by slot name; None, a quaternion of zeros and missing slots set nothing.
+            frame: frame of the first slot; empty for the frame of the fields.
 
         Returns:
-            Field to value, and what to tell the sender of what has no effect, or None.
+            Field to value, and a message for the sender if a part of the command has no effect, else None.
 
         Raises:
-            CommandError: no such slot, or a value does not fit.
+            CommandError: a slot does not exist, or a value is not valid for it.
         """
         if self.kind.name == GENERAL:
             return dict(slots), None
@@ -163,7 +163,7 @@ class BoundKind:
         if slot.shape and slot.dtype not in ("str", "object"):
             value = _checked_array(slot, value)
         if slot.name in self._turns:
-            # the sender gives all slots in the frame of the first
+            # the sender gives all slots in the frame of the first slot
             given, wanted = self._turns[slot.name][1], self._turns[slot.name][0]
         else:
             given = wanted = source.frame or slot.frame
@@ -173,7 +173,7 @@ class BoundKind:
         if not slot.moves or given == wanted:
             return value
         if given not in TURNABLE or wanted not in TURNABLE:
-            raise ValueError(f"the frame '{wanted}', which '{given}' cannot be turned into")
+            raise ValueError(f"the frame '{wanted}', into which '{given}' cannot be converted")
         if slot.moves == ORIENTATION and not any(value):
             return value
         return turned(value, slot.moves, given, wanted, self.component)
@@ -198,12 +198,12 @@ def _names(given: Any) -> set[str]:
 
 
 def stamp_of(component: Any) -> int:
-    """Simulated time of the data of a component, whole ns: of the measurement, even if it is delivered later."""
+    """Return the simulated time of a measurement in whole nanoseconds, even if the data are delivered later."""
     return int(component.clock.stamp(component.local_data.get("timestamp")))
 
 
 def fields_of(component: Any) -> dict[str, DataField]:
-    """The declarations of the fields that a component has, as its properties and modifiers leave them."""
+    """Return the declarations of the fields of a component, as changed by its properties and modifiers."""
     fields = {name: f for name, f in data_fields(type(component)).items() if name in component.local_data}
     modifiers = [*component.output_modifiers, *component.input_modifiers]
     for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
@@ -215,14 +215,14 @@ def fields_of(component: Any) -> dict[str, DataField]:
 
 
 def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
-    """The messages that a component speaks or understands; ``general`` if it declares none, none if it has no data.
+    """Return the message kinds of a component; ``general`` if it declares none, and none if it has no data.
 
     Args:
-        component: made, at its level, with its modifiers.
-        on_request: those, too, that are spoken only if the script asks for them.
+        component: an instance with its level and modifiers.
+        on_request: include the kinds that are used only if the script asks for them.
 
     Raises:
-        KindError: with all that does not fit.
+        KindError: with all mistakes.
     """
     fields = fields_of(component)
     units = {name: declared.unit for name, declared in properties(type(component)).items()}
@@ -247,7 +247,7 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
 
 
 def _of_members(component: Any, on_request: bool) -> Iterator[BoundKind]:
-    """The messages of the components that a component speaks for, each below the name of its own."""
+    """Iterate over the kinds of the components in `Object.kind_members`, each with its sub-topic."""
     for name, member in component.kind_members.items():
         for one in bind(member, on_request=on_request):
             one.topic = f"{name}/{one.topic}".rstrip("/")
@@ -262,9 +262,9 @@ def _uses(component: Any, on_request: bool) -> Iterable[KindUse]:
 
 
 def findings_of(components: Iterable[Any]) -> list[tuple[Any, str]]:
-    """All that is wrong with the kinds of some components: component and sentence.
+    """Return all mistakes in the kinds of some components: component and sentence.
 
-    Of components that are alike only the first is looked at.
+    Of components with the same declarations only the first is checked.
     """
     findings = []
     seen = set()

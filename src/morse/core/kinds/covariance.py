@@ -1,4 +1,4 @@
-"""Covariances that follow from the noise that a script declares."""
+"""Covariances that are computed from the noise that a script declares."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 def covariances(
     component: Any, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
 ) -> dict[str, Any]:
-    """The covariance slots that the component does not fill itself; none if no noise is declared.
+    """Return the covariance slots that the component does not fill itself; none if no noise is declared.
 
-    The variance of each axis is that of the white noise of its field, in the unit of the slot. Fields have no
-    correlation. Euler angles count as small rotations about X, Y and Z.
+    The variance of each axis is the variance of the white noise of its field, in the unit of the slot. The fields are
+    uncorrelated. Euler angles are treated as small rotations about X, Y and Z.
     """
     deviations = _deviations(component)
     if not deviations:

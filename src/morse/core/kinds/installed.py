@@ -1,6 +1,6 @@
-"""Message kinds that installed packages bring.
+"""Message kinds of installed packages.
 
-A package names an object, or a list, of kinds by an entry point::
+A package names a kind, or a list of kinds, by an entry point::
 
     [project.entry-points."morse.kinds"]
     my_lab = "my_lab.kinds:SONAR"
@@ -23,12 +23,12 @@ logger = logging.getLogger(__name__)
 
 
 def kind_named(name: Any) -> Kind | None:
-    """The kind of that name, of MORSE or of an installed package; None if there is none."""
+    """Return the kind of that name, from MORSE or from an installed package; None if there is none."""
     return KINDS.get(name) or kinds_of_packages().get(name)
 
 
 def kinds_of_packages() -> dict[str, Kind]:
-    """The kinds of all installed packages by name."""
+    """Return the kinds of all installed packages by name."""
     found: dict[str, Kind] = {}
     for point in entry_points("morse.kinds"):
         for kind in _loaded(point):
@@ -43,7 +43,7 @@ def kinds_of_packages() -> dict[str, Kind]:
 def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     try:
         given = point.load()
-    except Exception as error:  # a package that is broken must not stop the others
+    except Exception as error:  # a broken package must not prevent loading the others
         logger.warning("the message kinds of %s cannot be loaded: %s: %s", point.value, type(error).__name__, error)
         return ()
     kinds = (given,) if isinstance(given, Kind) else tuple(given) if isinstance(given, (list, tuple)) else (given,)

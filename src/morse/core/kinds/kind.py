@@ -1,4 +1,4 @@
-"""What a message kind is: slots with shape, unit and frame."""
+"""The declaration of a message kind: slots with shape, unit and frame."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from morse.core.declarations.fields import Shape  # noqa: TC001 - part of the annotations of a NamedTuple
 
-#: how a slot changes when it is brought into another frame
+#: how a slot changes when it is converted into another frame
 POINT, VECTOR, ORIENTATION, FREE = "point", "vector", "orientation", ""
 
 
@@ -14,18 +14,18 @@ class Slot(NamedTuple):
     """A part of a message.
 
     Attributes:
-        name: of the slot.
-        shape: ``()`` for a single value, None in it for any length.
-        dtype: of numpy; ``str`` for words, ``bool``.
+        name: name of the slot.
+        shape: shape of the value; ``()`` for a single value, None for an axis of any length.
+        dtype: numpy dtype; or ``str`` or ``bool``.
         unit: see `morse.core.units`; empty for none.
-        frame: the frame that it is in unless the field says otherwise; empty for none.
-        optional: a message may lack it.
-        moves: how it changes with the frame: ``point``, ``vector``, ``orientation``, or not at all.
-        choices: the words it can be; empty for any.
-        covariance_of: the slots whose covariance it is, in the order of its axes.
-        shapes: other shapes that it may have.
-        dtypes: other dtypes that it may have.
-        doc: what it is.
+        frame: frame of the value unless the field declares another one; empty for none.
+        optional: a message may be without this slot.
+        moves: how the value changes with the frame: ``point``, ``vector``, ``orientation``, or empty for not at all.
+        choices: the allowed strings; empty for any.
+        covariance_of: the slots whose covariance this slot contains, in the order of its axes.
+        shapes: other shapes that are accepted.
+        dtypes: other dtypes that are accepted.
+        doc: description of the slot.
     """
 
     name: str
@@ -47,9 +47,9 @@ class Kind(NamedTuple):
 
     Attributes:
         name: as components and middlewares call it.
-        slots: by name, in order.
-        published: sensors speak it.
-        commanded: actuators understand it.
+        slots: slots by name, in order.
+        published: whether sensors send it.
+        commanded: whether actuators receive it.
         version: changes when a slot changes its unit, frame, shape or meaning.
         doc: one sentence.
     """

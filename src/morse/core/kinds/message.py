@@ -1,4 +1,4 @@
-"""A message, as middlewares get it."""
+"""The message object that middlewares receive."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ if TYPE_CHECKING:
 
 
 class Message:
-    """What a component says at one time.
+    """The data of a component at one time.
 
     Every slot of the kind can be read as an attribute: ``message.position``. Arrays are C-contiguous numpy arrays
-    of the dtype of the slot, read-only; single values are Python's. A slot that the component has not is None.
+    of the dtype of the slot, read-only; single values are Python objects. A slot that the component does not fill is
+    None.
 
     Attributes:
         kind: see `morse.core.kinds.KINDS`.
         stamp: simulated time of the measurement, whole ns.
-        frame: that of the first slot, see `morse.core.declarations.FRAMES`.
-        slots: by name; of a ``general`` message the data fields, in the order of their declaration.
+        frame: frame of the first slot, see `morse.core.declarations.FRAMES`.
+        slots: values by slot name; in a ``general`` message the data fields, in the order of their declaration.
     """
 
     __slots__ = ("frame", "kind", "slots", "stamp")

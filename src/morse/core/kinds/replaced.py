@@ -1,4 +1,4 @@
-"""Kinds that modifiers turn into others: a pose in degrees of longitude is a fix."""
+"""Kinds that modifiers change into other kinds: a pose in degrees of longitude is a fix."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def uses_after_modifiers(uses: Iterable[KindUse], fields: Mapping[str, DataField]) -> Iterator[KindUse]:
-    """The kinds as the modifiers leave them.
+    """Return the kinds after the modifiers have been applied.
 
     A pose whose position is longitude, latitude and altitude becomes a ``fix``, with an ``attitude`` on the sub-topic
-    ``attitude`` if it has an orientation. One in geocentric coordinates has no kind of its own.
+    ``attitude`` if it has an orientation. A pose in geocentric coordinates has no specific kind.
     """
     for use in uses:
         frame = _frame_of_position(use, fields) if use.kind == "pose" else ""

@@ -1,4 +1,4 @@
-"""Where the value of a slot comes from, and where a command for it goes."""
+"""Sources of slots: they read the value of a slot from a component and write commands to its fields."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Source:
 
     Attributes:
         fields: the names of its fields along the axes of the slot; None for an axis without one.
-        frame: the frame of these fields, or an empty string if they do not say.
+        frame: the frame of these fields, or an empty string if they declare none.
     """
 
     fields: tuple[str | None, ...] = ()
@@ -36,10 +36,10 @@ class Source:
         raise NotImplementedError
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
-        """Turn a value of the slot into values of fields.
+        """Convert a value of the slot into values of fields.
 
         Returns:
-            What to tell the sender if something of it has no effect.
+            A message for the sender if a part of the value has no effect, else None.
 
         Raises:
             ValueError: saying what is expected.
@@ -48,7 +48,7 @@ class Source:
 
 
 class Constant(Source):
-    """The same value always."""
+    """A constant value."""
 
     def __init__(self, value: Any) -> None:
         self._value = value
@@ -59,7 +59,7 @@ class Constant(Source):
 
 
 class FromProperty(Source):
-    """A property, which may change."""
+    """The value of a property, which may change during the simulation."""
 
     def __init__(self, source: Prop, factor: float, offset: float) -> None:
         self._name, self._factor, self._offset = source.name, factor * source.scale, offset
@@ -71,7 +71,7 @@ class FromProperty(Source):
 
 
 class FromFunction(Source):
-    """A function of the component; its frame is that of the field with the name of the slot, if there is one."""
+    """A function of the component; its frame is the frame of the field with the name of the slot, if there is one."""
 
     def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
         self._function, self.frame = function, frame
@@ -82,7 +82,7 @@ class FromFunction(Source):
 
 
 class FromField(Source):
-    """A field as it is, but for its unit."""
+    """The value of a field, converted into the unit of the slot."""
 
     def __init__(self, name: str, field: DataField, factor: float, offset: float) -> None:
         self.fields, self.frame = (name,), field.frame
@@ -109,7 +109,7 @@ class FromField(Source):
 
 
 class Stack(Source):
-    """Several numbers beside each other."""
+    """Several numbers, stacked into an array."""
 
     def __init__(self, names: tuple[str | None, ...], frame: str, scales: tuple[tuple[float, float], ...]) -> None:
         self.fields, self.frame = names, frame
@@ -121,7 +121,7 @@ class Stack(Source):
         return [0.0 if name is None else data[name] * a + b for name, (a, b) in self._parts]
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
-        """Each number into its field; those without one have no effect."""
+        """Write each number to its field; numbers without a field have no effect."""
         lost = []
         for index, ((name, (factor, offset)), number) in enumerate(zip(self._parts, value, strict=True)):
             if name is not None:
@@ -146,7 +146,7 @@ class FromEuler(Source):
         return quaternion_of(roll, pitch, yaw)
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
-        """The angles; none if the quaternion is zero."""
+        """Write the angles; nothing if the quaternion is zero."""
         unit = normalized(value)
         if unit is None:
             return None
@@ -159,7 +159,7 @@ class FromEuler(Source):
 
 
 class FromWord(Source):
-    """A word in the words of the kind."""
+    """A string field, translated into the words of the kind."""
 
     def __init__(self, source: Mapped) -> None:
         self.fields = (source.field,)
@@ -179,15 +179,15 @@ class FromWord(Source):
 
 
 def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Mapping[str, str]) -> Source | None:
-    """The source of a slot as it is declared; None if it is optional and the component has not its fields.
+    """Return the source of a slot; None if the slot is optional and the component does not have its fields.
 
     Args:
-        given: what `add_kind` was given for the slot.
-        fields: those of the component at its level, with all its modifiers.
+        given: the argument of `add_kind` for the slot.
+        fields: declarations of the fields of the component at its level, after its modifiers.
         units: units of its properties, by name in Python.
 
     Raises:
-        MorseDeclarationError: saying what does not fit.
+        MorseDeclarationError: the source does not fit the slot.
     """
     if isinstance(given, Euler):
         return _euler(given.fields, fields)
@@ -246,7 +246,8 @@ def _check_shape(slot: Slot, name: str, field: DataField) -> None:
     if slot.dtype in ("str", "object", "bool"):
         return
     shape = field.shape if field.shape is not None else shape_of(field.default)
-    if shape is None or (0 in shape and field.shape is None):  # it says in words what it will be, or is empty yet
+    # the default is a text that describes the value, or an empty list
+    if shape is None or (0 in shape and field.shape is None):
         return
     for wanted in (slot.shape, *slot.shapes):
         if len(wanted) == len(shape) and all(
@@ -311,7 +312,7 @@ def _array(value: Any) -> Any:
 
 
 def as_slot(slot: Slot, value: Any) -> Any:
-    """A value in the form that readers get: a C-contiguous read-only array, or one of Python's own values."""
+    """Return a value in the form that readers get: a C-contiguous read-only array, or a plain Python value."""
     if slot.shape == ():
         return _SCALAR.get(slot.dtype, float)(value)
     if slot.dtype in ("str", "object"):

@@ -1,6 +1,6 @@
-"""The message kinds.
+"""The table of message kinds.
 
-A new optional slot keeps the version of a kind; a changed unit, frame, shape or meaning is a new kind.
+A new optional slot does not change the version of a kind. A changed unit, frame, shape or meaning requires a new kind.
 """
 
 from __future__ import annotations
@@ -124,5 +124,5 @@ _ALL = (
 
 KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 
-#: kinds of which a message needs at least one of the optional slots
+#: kinds whose messages need at least one of the optional slots
 NEEDS_ONE = ("attitude", "pressure", "joints", "switch")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from morse.mathutils.rotations import Quaternion4, Rotation9
 
-#: frames between which a component can turn what it says, at any time
+#: frames between which the values of a component can be converted at any time
 TURNABLE = ("own", "frd", "robot", "world", "earth")
 _SHORTEST = 1e-9
 
@@ -37,7 +37,7 @@ def angles_of(quaternion: Sequence[float]) -> tuple[float, float, float]:
 
 
 def normalized(quaternion: Sequence[float]) -> tuple[float, ...] | None:
-    """The quaternion with length 1, or None if its length is 0, which means that none is given.
+    """Return the quaternion scaled to length 1, or None if its length is 0, which means that no rotation is given.
 
     Raises:
         ValueError: a number is not finite.
@@ -49,13 +49,13 @@ def normalized(quaternion: Sequence[float]) -> tuple[float, ...] | None:
 
 
 def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> Any:
-    """A value in another frame of its component.
+    """Convert a value into another frame of its component.
 
     Args:
         value: (3,) or (..., 3) vector or point, or a quaternion.
         moves: ``vector``, ``point`` or ``orientation``.
         given, wanted: two of `TURNABLE`.
-        component: its present pose counts.
+        component: the component, whose present pose is used.
     """
     import numpy as np
 
@@ -68,7 +68,7 @@ def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> A
 
 
 def _between(given: str, wanted: str, component: Any) -> tuple[tuple[float, ...], Rotation9]:
-    """Origin and rotation that lead from one frame into another."""
+    """Return the origin and rotation of the transformation from one frame into another."""
     (p, a), (q, b) = _pose(given, component), _pose(wanted, component)
     inverse = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
     x, y, z = (one - other for one, other in zip(p, q, strict=True))

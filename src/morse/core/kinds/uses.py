@@ -1,4 +1,4 @@
-"""Checks of what a component class says of its message kinds."""
+"""Validation of the message kinds that a component class declares."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 def check_use(use: KindUse) -> None:
-    """Refuse a kind that does not exist, slots that it does not have, and one without its slots.
+    """Raise an error for an unknown kind, an unknown slot, or a missing slot.
 
     Raises:
-        MorseDeclarationError: naming the place and the nearest match.
+        MorseDeclarationError: with the location in the source and the nearest match.
     """
     kind = kind_named(use.kind)
     if kind is None:

@@ -1,7 +1,7 @@
-"""All that determines the future of a simulation, as plain data.
+"""The state of a simulation, which determines its future, as plain data.
 
-Holders of state have ``get_state()`` and ``set_state(state)``, or are saved by their attributes (`writing`, `reading`).
-Nothing here executes what a file says: a file of a state that comes from elsewhere may be refused, but does no harm.
+Objects with a state have ``get_state()`` and ``set_state(state)``, or their attributes are saved (`writing`,
+`reading`). Restoring a state does not execute code from the file, so that files from untrusted sources are safe.
 """
 
 from morse.core.state.errors import StateError

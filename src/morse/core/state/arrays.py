@@ -1,4 +1,4 @@
-"""Arrays and generators of random numbers of numpy, as plain data."""
+"""Numpy arrays and numpy generators of random numbers as plain data."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
 Array = np.ndarray[Any, Any]
 _GENERATORS = ("PCG64", "PCG64DXSM", "MT19937", "Philox", "SFC64")
-#: numpy does not check where in its table a generator is
+#: sizes of the tables of generators, because numpy does not check the position in the table
 _PLACES = {"MT19937": ("state", "pos", 624), "Philox": ("", "buffer_pos", 4)}
 
 
 def type_of(kind: np.dtype[Any]) -> Any:
-    """The type of an array's items: a string, or for a structure a list of its fields."""
+    """Return the type of the items of an array: a string, or a list of fields for a structured type."""
     return kind.str if kind.names is None else dtype_to_descr(kind)
 
 
 def dtype(saved: Any) -> np.dtype[Any]:
-    """What `type_of` gave.
+    """Return the dtype for a result of `type_of`.
 
     Raises:
-        StateError: it is a type of objects.
+        StateError: the type contains Python objects.
     """
     kind = np.dtype(saved) if isinstance(saved, str) else descr_to_dtype(saved)
     if kind.hasobject:
@@ -36,41 +36,41 @@ def dtype(saved: Any) -> np.dtype[Any]:
 
 
 def root_of(array: Array) -> Array:
-    """The array that owns the memory that an array shows a part of."""
+    """Return the array that owns the memory of a view."""
     while type(array.base) is np.ndarray:
         array = array.base
     return array
 
 
 def can_be_shared(root: Array) -> bool:
-    """Whether views of it can be made anew."""
+    """Whether views of the array can be recreated."""
     return root.flags.c_contiguous and root.flags.writeable and not root.dtype.hasobject
 
 
 def place_in(root: Array, view: Array) -> tuple[int, list[int]]:
-    """Where in the memory of its root a view begins, bytes, and its strides."""
+    """Return the offset of a view in the memory of its root, bytes, and its strides."""
     return view.__array_interface__["data"][0] - root.__array_interface__["data"][0], list(view.strides)
 
 
 def view_of(root: Array, kind: np.dtype[Any], shape: Sequence[int], begin: int, strides: Sequence[int]) -> Array:
-    """A view, from what `place_in` gave; numpy refuses one that leads out of the root."""
+    """Recreate a view from the result of `place_in`; numpy refuses a view that exceeds the root."""
     return np.ndarray(tuple(shape), kind, root, begin, tuple(strides))
 
 
 def content(array: Array) -> list[Any]:
-    """Shape, bytes and order of the axes: sums depend on the order, to the bit."""
+    """Return the shape, the bytes and the order of the axes. The bits of a sum depend on that order."""
     if array.flags.f_contiguous and not array.flags.c_contiguous:
         return [list(array.shape), array.tobytes("F"), "F"]
     return [list(array.shape), array.tobytes()]
 
 
 def array_of(kind: np.dtype[Any], shape: Sequence[int], data: bytes, order: Any = "C") -> Array:
-    """The array of a `content`."""
+    """Recreate an array from the result of `content`."""
     return np.frombuffer(data, dtype=kind).reshape(shape, order="F" if order == "F" else "C").copy(order="A")
 
 
 def generator(name: str) -> np.random.Generator:
-    """A generator of random numbers of that kind.
+    """Create a generator of random numbers of that kind.
 
     Raises:
         StateError: there is no such kind.
@@ -81,13 +81,13 @@ def generator(name: str) -> np.random.Generator:
 
 
 def check_generator(name: str, state: dict[str, Any]) -> None:
-    """Refuse a state that would have numpy read beyond its table."""
+    """Raise an error for a state that would make numpy read beyond its table."""
     if name in _PLACES:
         part, key, size = _PLACES[name]
         check_place((state[part] if part else state)[key], size)
 
 
 def check_place(place: Any, size: int) -> None:
-    """Refuse a place outside a table of a generator."""
+    """Raise an error for a position outside the table of a generator."""
     if not isinstance(place, int) or not 0 <= place <= size:
         raise StateError("a generator of random numbers is damaged")

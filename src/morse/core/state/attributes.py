@@ -1,4 +1,4 @@
-"""The attributes of an object take the values and the order of a saved state."""
+"""Assign the values and the order of a saved state to the attributes of an object."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 
 def replace(attributes: dict[str, Any], present: Iterable[str], state: Mapping[str, Any]) -> None:
-    """Put a state in the place of the attributes that are present.
+    """Replace the attributes of an object with those of a state.
 
     Args:
-        attributes: what ``vars`` of the object gives.
-        present: the names that belong to the state at present; names that are not in the state are deleted.
+        attributes: ``vars`` of the object.
+        present: names of the attributes that belong to the present state; those that are not in ``state`` are deleted.
         state: name to value.
     """
     for name in [name for name in present if name not in state]:
@@ -23,7 +23,7 @@ def replace(attributes: dict[str, Any], present: Iterable[str], state: Mapping[s
 
 
 def reorder(attributes: dict[str, Any], order: Iterable[str]) -> None:
-    """Let attributes follow each other as in a saved state: the order is a part of what is compared to the bit.
+    """Reorder attributes as in a saved state, because the order is part of bitwise comparisons of states.
 
     Names that are not in the order come first.
     """

@@ -1,4 +1,4 @@
-"""What can be wrong with a saved state."""
+"""Errors of saved states."""
 
 from morse.core.exceptions import MorseError
 

@@ -1,4 +1,4 @@
-"""From plain data back to objects, into those that are there where they fit."""
+"""Restores objects from plain data, into existing objects where possible."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ _DICTS: dict[str, type[dict[Any, Any]]] = {
 
 
 class Reader:
-    """Reads the parts of one simulation, in the order in which a `Writer` wrote them.
+    """Restores the parts of one simulation, in the order in which a `Writer` saved them.
 
     Args:
-        fresh: make new objects everywhere and change none, to find out whether a state can be read.
+        fresh: create new objects only and change none, to check whether a state can be read.
     """
 
     def __init__(self, references: References, *, fresh: bool = False) -> None:
@@ -93,31 +93,31 @@ class Reader:
         }
 
     def part(self, name: str, saved: Any, now: Any) -> Any:
-        """The state of a part of the simulation.
+        """Return the restored state of a part of the simulation.
 
         Args:
-            name: for messages.
-            now: the state that the part has at present.
+            name: name of the part in messages.
+            now: the present state of the part.
 
         Raises:
-            StateError: what was saved is damaged, or names what is not there.
+            StateError: the saved state is damaged, or refers to something that does not exist.
         """
         try:
             return self.value(saved, now)
         except StateError as error:
             raise StateError(f"{name}: {error}") from None
-        except Exception as error:  # whatever a damaged state may lead to, `set_state` of a user's class too
+        except Exception as error:  # a damaged state may cause any exception, also in `set_state` of a user's class
             raise StateError(f"{name}: the saved state is damaged ({type(error).__name__}: {error!s:.200})") from None
 
     def value(self, data: Any, now: Any = _MISSING) -> Any:
-        """Anything.
+        """Return a restored value.
 
         Args:
-            now: what is there at present.
+            now: the present value.
         """
         if type(data) is not list:
             if type(data) not in _PLAIN:
-                raise StateError(f"the saved state is damaged: it holds a {type(data).__name__}")
+                raise StateError(f"the saved state is damaged: it contains a {type(data).__name__}")
             return data
         read = self._readers.get(data[0])
         if read is None:
@@ -136,15 +136,15 @@ class Reader:
 
     def _again(self, data: list[Any], _now: Any) -> Any:
         if type(data[1]) is not int or data[1] < 0:
-            raise StateError("the saved state is damaged: something is said to be met before that was not")
+            raise StateError("the saved state is damaged: it refers to an object that was not saved before")
         return self._met[data[1]]
 
     def _target(self, now: Any, cls: type, make: Callable[[], Any]) -> Any:
-        """The object that is there, if it is of that class and stands for nothing else yet; else a new one."""
+        """Return the present object if it has the right class and is not used for another value, else a new one."""
         if self._fresh or type(now) is not cls or id(now) in self._used:
             return self._keep(make())
         if id(now) not in self._named and self._references.global_name(now) is not None:
-            # it is a constant of the project that happens to be there now: another one may have been meant
+            # the present object is a constant of the project, and another object may have been saved
             return self._keep(make())
         self._used.add(id(now))
         return self._keep(now)
@@ -213,9 +213,9 @@ class Reader:
         return view
 
     def _objects(self, data: list[Any], _now: Any) -> Any:
-        # the shape is only believed when the items are there
+        # the shape is used only if the number of items matches
         if any(type(n) is not int or n < 0 for n in data[1]) or np.prod(data[1], dtype=object) != len(data[2]):
-            raise StateError("an array has not as many items as its shape says")
+            raise StateError("the number of items of an array does not match its shape")
         made = self._keep(np.empty(data[1], dtype=object))
         flat = made.ravel()
         for place, item in enumerate(self._items(data[2], _MISSING)):
@@ -331,7 +331,7 @@ class Reader:
         return found
 
     def _attributed(self, path: str, now: Any) -> type[Any]:
-        """A class whose objects are made without a call of the class."""
+        """Return a class whose objects are created without calling it."""
         cls = self._class(path, now)
         if is_apparatus(cls) or not is_made_of_attributes(
             cls, next((base for base in ITEMS if issubclass(cls, base)), object)

@@ -1,4 +1,4 @@
-"""Things that a state refers to by name: they are there before it is restored."""
+"""Objects that a state refers to by name: they exist before the state is restored."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 
 class References(Protocol):
-    """Knows the parts of a simulation, and what belongs to its project, by name."""
+    """Maps the parts of a simulation, and the classes and variables of its project, to names and back."""
 
     def name_of(self, value: Any) -> str | None:
         """The name of a part of the simulation, such as ``component robot.pose``; None for anything else."""
@@ -22,7 +22,7 @@ class References(Protocol):
         """The class of that path (``module:name``), if it belongs to the simulation or the user's project."""
 
     def met_class(self, cls: type[Any]) -> None:
-        """An object of that class is saved: this process may make such objects again."""
+        """Record that an object of that class was saved, so that this process may recreate such objects."""
 
     def global_name(self, value: Any) -> str | None:
         """``module:NAME`` of an object or function that is a variable of the user's project; None for others."""

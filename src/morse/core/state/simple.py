@@ -1,4 +1,4 @@
-"""Values of Python's library that are made from a few others, and do not change."""
+"""Immutable values of the Python standard library that are created from a few other values."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: class to its word, and what takes it apart
+#: class to its word, and the function that returns its parts
 TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[Any]]]] = {
     complex: ("complex", lambda v: [v.real, v.imag]),
     range: ("range", lambda v: [v.start, v.stop, v.step]),
@@ -19,7 +19,7 @@ TAKEN_APART: dict[type, tuple[str, Callable[[Any], list[Any]]]] = {
     timedelta: ("duration", lambda v: [v.days, v.seconds, v.microseconds]),
     type(Path()): ("path", lambda v: [str(v)]),
 }
-#: word to what puts it together
+#: word to the function that creates the value from its parts
 PUT_TOGETHER: dict[str, Callable[..., Any]] = {
     "complex": complex,
     "range": range,

@@ -1,4 +1,4 @@
-"""From objects to plain data.
+"""Converts objects into plain data.
 
 Numbers, strings, bytes and None stand for themselves. Everything else is a list that begins with a word:
 
@@ -45,21 +45,21 @@ if TYPE_CHECKING:
     from morse.core.state.references import References
 
 AS_IS = ["as is"]
-#: how deep lists, dictionaries and objects are in each other at most; `Reader` takes a little more
+#: maximum nesting depth of lists, dictionaries and objects; `Reader` accepts a little more
 DEEPEST = 150
 _PLAIN = frozenset((type(None), bool, float, bytes))
 _LARGEST = 2**63
 _DICTS: dict[type, str] = {dict: "dict", OrderedDict: "ordered dict", LocalData: "local data", Counter: "counter"}
-#: what a `defaultdict` may make; others stay as they are
+#: factories of a `defaultdict` that are saved; others stay unchanged
 FACTORIES: dict[str, Any] = {cls.__name__: cls for cls in (list, dict, set, int, float, str, bool, tuple, deque)}
 _VALUES = (Vector, Quaternion, Euler, Color)
-#: a class of users that is also one of these keeps its items
+#: subclasses of these have their items saved
 ITEMS = (list, dict, set)
-#: they never change, so that two attributes with one of them share nothing
+#: immutable types, for which sharing between attributes does not matter
 _CONSTANT = frozenset((tuple, frozenset, *TAKEN_APART))
-#: what components are made of, as far as it belongs to MORSE: all else has parts of its own in a state, or none
+#: packages of MORSE whose objects are saved with components; others have separate parts in a state, or no state
 _WITH_STATE = ("core", "helpers", "mathutils", "sensors", "actuators", "robots", "modifiers", "services")
-#: classes with that attribute are apparatus: made from declarations, without a state
+#: classes with that attribute are created from declarations and have no state
 APPARATUS = "is_apparatus"
 
 
@@ -69,10 +69,10 @@ def class_path(cls: type) -> str:
 
 
 class Writer:
-    """Turns the parts of one simulation into plain data; what several parts share stays shared.
+    """Converts the parts of one simulation into plain data; objects that several parts share stay shared.
 
     Attributes:
-        unsaved: where things were met that cannot be saved, such as ``robot.lidar._thread (Thread)``.
+        unsaved: paths of values that cannot be saved, such as ``robot.lidar._thread (Thread)``.
     """
 
     def __init__(self, references: References) -> None:
@@ -112,14 +112,14 @@ class Writer:
     def part(self, name: str, state: Any) -> Any:
         """The state of a part of the simulation, as its ``get_state()`` gave it."""
         self._path = [name]
-        # what is made for the occasion is nobody else's
+        # a state that was created for this call is not shared
         if type(state) is dict:
             self._number(state)
             return ["dict", self._pairs(state.items())]
         return self.value(state)
 
     def value(self, value: Any) -> Any:
-        """Anything."""
+        """Return a value as plain data."""
         cls = type(value)
         if cls in _PLAIN:
             return value
@@ -149,7 +149,7 @@ class Writer:
 
     def _number(self, value: Any) -> None:
         self._numbers[id(value)] = len(self._met)
-        self._met.append(value)  # so that nothing else gets its id meanwhile
+        self._met.append(value)  # keeps the object alive, so that its id is not reused
 
     def _cannot_be_saved(self, value: Any, why: str = "") -> Any:
         why = why or type(value).__name__
@@ -216,7 +216,7 @@ class Writer:
     def _sorted(self, values: Iterable[Any]) -> list[Any]:
         met = len(self._met)
         written = [self.value(value) for value in values]
-        # sets have no order of their own; objects are numbered in the order in which they are read again
+        # sets are unordered, but objects are numbered in the order in which they are restored
         return sorted(written, key=repr) if len(self._met) == met else written
 
     def _array(self, value: arrays.Array) -> Any:
@@ -225,7 +225,7 @@ class Writer:
                 return self._cannot_be_saved(value, "array of structures that hold objects")
             return ["objects", list(value.shape), [self.value(item) for item in value.ravel().tolist()]]
         kind, root = arrays.type_of(value.dtype), arrays.root_of(value)
-        # a small part of something large that nobody here holds is saved alone
+        # a small view of a large array without other references is saved without its root
         shared = root is not value and (id(root) in self._numbers or root.nbytes == value.nbytes)
         if shared and arrays.can_be_shared(root):
             return ["view", self.value(root), kind, list(value.shape), *arrays.place_in(root, value)]
@@ -260,15 +260,15 @@ def is_apparatus(cls: type[Any]) -> bool:
 
 
 def is_made_of_attributes(cls: type[Any], base: type[Any] = object) -> bool:
-    """Whether the attributes of an object are all that there is of it, but for the items of a list, dict or set.
+    """Whether the state of an object consists of its attributes, and the items of a list, dict or set.
 
-    What Python's own library keeps, such as threads and files, has more to it; so has what has a ``__del__``.
+    Threads, files and similar objects of the standard library have more state, and so do objects with ``__del__``.
     """
     if cls.__module__.partition(".")[0] in sys.stdlib_module_names or hasattr(cls, "__del__"):
         return False
     try:
         base.__new__(cls)  # type: ignore[call-overload]
-    except TypeError:  # it is made of something else in C, or abstract
+    except TypeError:  # implemented in C, or abstract
         return False
     return True
 

@@ -1,6 +1,7 @@
-"""Checks of everything that comes from outside: commands, properties, arguments of services, options of scripts.
+"""Validation of all input: commands, properties, arguments of services, options of scripts.
 
-All follow from the declarations of the component (`morse.core.declarations`) or from the annotations of the service.
+The checks are derived from the declarations of the component (`morse.core.declarations`) or from the annotations of the
+service.
 """
 
 from morse.core.validation.arguments import Arguments, Range

@@ -1,9 +1,9 @@
-"""Checks of the arguments of a service call against the signature of the service.
+"""Validation of the arguments of a service call against the signature of the service.
 
 An annotation says what an argument may be: ``float``, ``int``, ``str``, ``bool``, ``list``, ``dict``, unions of them
 with None, ``Literal["a", "b"]`` for choices, and ``Annotated[float, Range(0.0, 10.0, "m/s")]`` for a range with its
-unit. Of ``Annotated[list[float], Range(-1.0, 1.0, shape=(3,))]`` the range is that of each item. Anything else takes
-any value.
+unit. In ``Annotated[list[float], Range(-1.0, 1.0, shape=(3,))]`` the range applies to each item. Any other annotation
+accepts any value.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Range(NamedTuple):
         low, high: both are included; None for no bound.
         unit: see `morse.core.units`.
         shape: of a list of numbers; None for any.
-        allow: ``inf``, ``-inf``: what is accepted although it lies in no range.
+        allow: special values that are accepted in spite of the range: ``inf``, ``-inf``.
     """
 
     low: float | None = None
@@ -46,7 +46,7 @@ class Range(NamedTuple):
 
 
 class Arguments:
-    """What a service takes, worked out once when it is registered.
+    """The accepted arguments of a service, computed once when the service is registered.
 
     Args:
         callback: the function that offers the service.
@@ -74,11 +74,11 @@ class Arguments:
                 self._least += parameter.default is parameter.empty
                 self._checks.append((parameter.name, check))
             elif parameter.kind is parameter.KEYWORD_ONLY and parameter.default is parameter.empty:
-                self._most = -1.0  # no list of arguments will do
+                self._most = -1.0  # no list of arguments is accepted
         self._rest = rest
 
     def check(self, arguments: list[Any]) -> None:
-        """Raise if a call with these arguments cannot work.
+        """Raise an error if a call with these arguments is not valid.
 
         Raises:
             MorseRPCNbArgsError: too few or too many.
@@ -105,7 +105,7 @@ class Arguments:
 
 
 def argument_ranges(method: Callable[..., Any]) -> dict[str, str]:
-    """The ranges and choices of the arguments of a service that declares them, in words, by name."""
+    """Return the declared ranges and choices of the arguments of a service as text, by argument name."""
     found = {}
     for name, hint in hints_of(method).items():
         words = []
@@ -121,7 +121,7 @@ def _anything(value: Any) -> Any:
 
 
 def check_of(hint: Any) -> Callable[[Any], Any]:
-    """The check that follows from an annotation."""
+    """Return the check for an annotation."""
     specs = specs_of(hint)
     if not specs:
         return _anything
@@ -142,7 +142,7 @@ def check_of(hint: Any) -> Callable[[Any], Any]:
 
 
 def specs_of(hint: Any) -> list[Spec]:
-    """What an annotation accepts, one of several; none if it accepts anything."""
+    """Return the alternatives that an annotation accepts; empty if it accepts anything."""
     origin = typing.get_origin(hint)
     if origin is typing.Annotated:
         inner, *extras = typing.get_args(hint)
@@ -156,7 +156,7 @@ def specs_of(hint: Any) -> list[Spec]:
         if not all(accepted):
             return []
         specs = [spec for part in accepted for spec in part]
-        # an integer is a number, too: the narrower type first
+        # an integer is also a number, so the narrower type comes first
         specs.sort(key=lambda spec: spec.kind == "number")
         if types.NoneType in typing.get_args(hint):
             specs = [spec._replace(allow=spec.allow | {"none"}) for spec in specs]

@@ -20,10 +20,10 @@ def shape_text(shape: tuple[int | None, ...]) -> str:
 
 
 def array_check(spec: Spec, shape: tuple[int | None, ...], item: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """A check of lists, or arrays, of exactly that shape.
+    """Return a check for lists or arrays of exactly that shape.
 
     Args:
-        item: checks a single number.
+        item: check of a single number.
     """
     dtype = spec.dtype
     expected = f"{'an array' if dtype else 'a list'} of {shape_text(shape)}{spec.range_text()}"
@@ -62,7 +62,7 @@ def _fits(array: Any, spec: Spec, shape: tuple[int | None, ...]) -> bool:
 
 
 def _listed(value: Any, expected: str) -> list[Any]:
-    # vectors of mathutils, tuples of users; a string is a sequence, too
+    # accepts mathutils vectors and tuples; strings are sequences as well, and are refused
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         raise ValueError(expected)
     return list(value)
@@ -100,7 +100,7 @@ def _as_array(value: list[Any], shape: tuple[int | None, ...], dtype: str, expec
 def list_check(
     least: int, item: Callable[[Any], Any], allow: frozenset[str], range_text: str
 ) -> Callable[[Any], list[Any]]:
-    """A check of lists whose shape is not declared: of ``least`` numbers or more, or of anything if that is 0."""
+    """Return a check for lists without declared shape: at least ``least`` numbers, or any items if it is 0."""
     expected = f"a list of {least} numbers" if least > 1 else "a list of numbers" if least else "a list"
 
     def check(value: Any) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Takes messages into the data of a component, after a check."""
+"""Validates messages and stores them in the data of a component."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
 
     from morse.core.validation.component import Checked
 
-#: fields that a component does not declare, but may read
+#: largest number of undeclared fields that a component keeps
 _MOST_EXTRA = 64
 _LONGEST_NAME = 100
 _MOST_BYTES = 1 << 20
 
 
 class Commands:
-    """What a component can be told, and the way into its ``local_data``.
+    """Validates commands for a component and stores them in its ``local_data``.
 
-    A field takes what its declaration says. Where nothing is declared, it takes what is like the value it holds: a
-    number, a boolean, a string, a list (of numbers, at least as many), a dictionary; a field that holds nothing yet,
-    or something else, takes anything.
+    A declared field accepts the values of its declaration. Without a declaration, a field accepts values like its
+    present one: a number, a boolean, a string, a list (of at least as many numbers), a dictionary. A field without a
+    value, or with a value of another type, accepts anything.
 
     Args:
-        component: whose ``local_data`` messages go to.
+        component: the component whose ``local_data`` receives the messages.
     """
 
     def __init__(self, component: Checked) -> None:
@@ -42,7 +42,7 @@ class Commands:
         self._extra: dict[str, int] = {}
 
     def fitting(self, message: Any) -> dict[str, Any]:
-        """The fields of a message as they would be stored; fields that the component does not declare are refused.
+        """Return the fields of a message as they would be stored; undeclared fields are refused.
 
         Raises:
             CommandError: the message is not a dictionary, a value does not fit, or the component has no such field.
@@ -53,10 +53,10 @@ class Commands:
         return accepted
 
     def take(self, message: Any) -> str | None:
-        """Take the fields of a message; the others stay as they are.
+        """Store the fields of a message; other fields stay unchanged.
 
         Returns:
-            What to tell the user of fields that the component does not declare, once for each.
+            A message for the user about undeclared fields, once for each field, else None.
 
         Raises:
             CommandError: the message is not a dictionary, or a value does not fit, or, where the simulation is strict,
@@ -68,7 +68,7 @@ class Commands:
         return remark
 
     def checked(self, message: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """The fields of a message as they would be stored, and those that the component does not declare.
+        """Return the fields of a message as they would be stored, and the undeclared fields.
 
         Raises:
             CommandError: the message is not a dictionary, or a value does not fit.

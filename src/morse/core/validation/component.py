@@ -1,4 +1,4 @@
-"""What checks need of a component."""
+"""The part of a component that the validation needs."""
 
 from __future__ import annotations
 

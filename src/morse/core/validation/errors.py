@@ -1,4 +1,4 @@
-"""The errors of checks."""
+"""Errors of the validation."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from morse.core.exceptions import MorseError, MorseRPCTypeError
 
 
 class CommandError(MorseError, ValueError):
-    """A message does not fit the component.
+    """A message is not valid for a component.
 
     Attributes:
-        field: the field that does not fit, shortened and escaped, or an empty string.
+        field: name of the invalid field, shortened and escaped, or an empty string.
     """
 
     def __init__(self, field: str, message: str) -> None:
@@ -18,8 +18,8 @@ class CommandError(MorseError, ValueError):
 
 
 class PropertyError(MorseRPCTypeError, ValueError, TypeError):
-    """A property does not exist, or takes another value."""
+    """A property does not exist, or its value is not valid."""
 
 
 class OptionError(MorseError, ValueError):
-    """An option of a modifier or a stream does not exist, or takes another value."""
+    """An option of a modifier or a stream does not exist, or its value is not valid."""

@@ -1,4 +1,4 @@
-"""The specs that follow from declarations."""
+"""Specs that are derived from declarations."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _WORDS = {
 
 
 def spec_of_field(field: DataField | None, held: Any) -> Spec:
-    """What a data field takes: as declared; where nothing is declared, what is like the value that it holds.
+    """Return the spec of a data field: as declared, or derived from its value if it is not declared.
 
     Args:
-        field: its declaration, or None if a component made up the field itself.
-        held: what the field holds before the first command. It says more than the default, which may be words such
-            as "initial position".
+        field: its declaration, or None if the component added the field without a declaration.
+        held: value of the field before the first command. The declared default may be only a text such as "initial
+            position".
     """
     default = held if held is not None or field is None else field.default
     if field is None:
@@ -36,10 +36,10 @@ def spec_of_field(field: DataField | None, held: Any) -> Spec:
 
 
 def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
-    """What a property takes.
+    """Return the spec of a property.
 
     Args:
-        script: it is set in the scene script, where infinity is accepted if no range is declared.
+        script: whether the property is set in the scene script, where infinity is accepted if no range is declared.
     """
     default = prop.default
     allow = frozenset(prop.allow) | _occurring(default)
@@ -56,7 +56,7 @@ def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
 
 
 def spec_of_option(option: Option) -> Spec:
-    """What an option of a script takes: exactly one of its types is checked, several take anything of them."""
+    """Return the spec of an option of a script; an option with several types accepts any value of these types."""
     kind = _TYPE_KINDS.get(option.type, "any") if option.shape is None else "list"
     allow = frozenset(option.allow) | _occurring(option.default)
     return Spec(
@@ -80,7 +80,7 @@ def _like(default: Any) -> Spec:
 
 
 def _occurring(default: Any) -> frozenset[str]:
-    """A value that a field starts with is one that it takes."""
+    """Return the special values in a default, which are always accepted."""
     if default is None:
         return frozenset({"none"})
     if isinstance(default, float) and not math.isfinite(default):

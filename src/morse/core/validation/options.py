@@ -1,4 +1,4 @@
-"""Checks of the options that a script gives to modifiers, streams and middlewares."""
+"""Validation of the options that a script passes to modifiers, streams and middlewares."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 
 def checked_options(owner: str, declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The options that were given, as they are to be stored.
+    """Return the given options as they are to be stored.
 
     Args:
-        owner: whose options they are, for messages.
-        declared: by name.
-        given: by name.
+        owner: owner of the options, for messages.
+        declared: declared options by name.
+        given: values by name.
 
     Raises:
-        OptionError: naming the option and what is expected, or the nearest name.
+        OptionError: with the option and the expected value, or the nearest name.
     """
     checked = {}
     for name, value in given.items():
@@ -45,5 +45,5 @@ def _checked(owner: str, name: str, option: Option, value: Any) -> Any:
 
 
 def with_defaults(declared: Mapping[str, Option], given: Mapping[str, Any]) -> dict[str, Any]:
-    """All options: those given, and the defaults of the others."""
+    """Return all options: the given values, and the defaults of the others."""
     return {name: given.get(name, option.default) for name, option in declared.items()}

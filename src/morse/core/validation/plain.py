@@ -1,17 +1,17 @@
-"""Bounds of data whose form nobody declares: nested lists and dictionaries from outside."""
+"""Limits for undeclared data from outside: nested lists and dictionaries."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-#: lists within lists
+#: maximum nesting depth
 DEEPEST = 32
 _LOWEST_INTEGER, _HIGHEST_INTEGER = -(2**63), 2**64 - 1
 
 
 def check_text(text: str) -> None:
-    """Refuse strings that cannot be written as UTF-8: lone surrogates.
+    """Raise an error for strings that cannot be encoded as UTF-8: lone surrogates.
 
     Raises:
         ValueError: saying what is expected.
@@ -24,12 +24,12 @@ def check_text(text: str) -> None:
 
 
 def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
-    """Refuse what some middleware could not carry, however deep it is inside.
+    """Raise an error for values that some middleware cannot carry, at any depth.
 
-    Objects that are neither text, numbers, lists nor dictionaries come from the process itself and are not looked into.
+    Objects that are neither strings, numbers, lists nor dictionaries come from the process itself and are not checked.
 
     Args:
-        allow: may hold ``inf``, ``-inf`` and ``nan``.
+        allow: special values that are accepted: ``inf``, ``-inf`` and ``nan``.
 
     Raises:
         ValueError: saying what is expected.
@@ -55,7 +55,7 @@ def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
 
 
 def size_of(value: Any) -> int:
-    """About how many bytes such a value takes; strings and list items are counted, objects of other types are not."""
+    """Estimate the size of a value in bytes; strings and list items are counted, objects of other types are not."""
     size = 0
     waiting = [value]
     while waiting:

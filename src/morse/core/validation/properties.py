@@ -1,4 +1,4 @@
-"""Checks of the values of properties."""
+"""Validation of the values of properties."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def checked_value(owner: str, prop: Property, value: Any, *, script: bool = Fals
     """The value of a property as it is to be stored.
 
     Args:
-        owner: whose property it is, for messages.
-        script: it is set in the scene script.
+        owner: owner of the property, for messages.
+        script: whether the property is set in the scene script.
 
     Raises:
-        PropertyError: naming the property, the value and what is expected.
+        PropertyError: with the property, the value and the expected value.
     """
     try:
         return spec_of_property(prop, script=script).check()(value)
@@ -35,7 +35,7 @@ def checked_property(component: Checked, name: Any, value: Any) -> tuple[str, An
     """The name of a property in Python, and the value as it is to be stored.
 
     Raises:
-        PropertyError: no such property, or a value that does not fit.
+        PropertyError: the property does not exist, or the value is not valid.
     """
     by_name = {prop.name: (python_name, prop) for python_name, prop in properties(type(component)).items()}
     if not isinstance(name, str) or name not in by_name:

@@ -1,4 +1,4 @@
-"""What a value from outside may be, and the check that follows from it."""
+"""The specification of a value from outside, and its check."""
 
 from __future__ import annotations
 
@@ -21,18 +21,19 @@ KINDS = ("number", "integer", "boolean", "string", "list", "dict", "any")
 
 
 class Spec(NamedTuple):
-    """What a value may be.
+    """The accepted values.
 
     Attributes:
         kind: ``number``, ``integer``, ``boolean``, ``string``, ``list``, ``dict`` or ``any``.
-        shape: of a list or array of numbers, None in it for any length; None for no numbers or any shape.
-        least: number of items that a list of numbers has at least, if its shape is not declared.
-        dtype: of numpy; a list becomes such an array, and an empty string leaves it a list.
-        low: smallest number, of each item.
-        high: largest number.
+        shape: shape of a list or array of numbers, with None for an axis of any length; None for other values or any
+            shape.
+        least: minimum number of items of a list of numbers, if its shape is not declared.
+        dtype: numpy dtype of the array into which a list is converted; empty if a list stays a list.
+        low: smallest value of each item.
+        high: largest value of each item.
         choices: the only values.
-        allow: ``inf``, ``-inf``, ``nan``, ``none``: what is accepted although it lies in no range.
-        unit: of the number; for messages.
+        allow: special values that are accepted in spite of the range: ``inf``, ``-inf``, ``nan``, ``none``.
+        unit: unit of the number, for messages.
         whole: keep integers as integers.
     """
 
@@ -48,7 +49,7 @@ class Spec(NamedTuple):
     whole: bool = False
 
     def check(self) -> Callable[[Any], Any]:
-        """A function that returns the value as it is to be stored, or raises ValueError with what is expected."""
+        """Return a function that returns the value to be stored, or raises ValueError with the expected value."""
         check = _CHECKS[self.kind](self)
         if "none" not in self.allow:
             return check
@@ -103,7 +104,7 @@ def _integer(spec: Spec) -> Callable[[Any], Any]:
 
     def check(value: Any) -> int:
         number = real(value)
-        # an integer is compared exactly, not as the float next to it
+        # an integer is compared exactly, not as the nearest float
         if number is None or not math.isfinite(number) or number != math.floor(number) or not low <= int(value) <= high:
             raise ValueError(expected)
         return int(value)
@@ -112,7 +113,7 @@ def _integer(spec: Spec) -> Callable[[Any], Any]:
 
 
 def real(value: Any) -> float | None:
-    """A number as a float, infinite if it is too large for one; None if it is not a number."""
+    """Return a number as a float, infinite if it is too large; None if the value is not a number."""
     if isinstance(value, float):
         return float(value)
     if isinstance(value, bool):
@@ -122,7 +123,7 @@ def real(value: Any) -> float | None:
             return float(value)
         except OverflowError:
             return math.inf if value > 0 else -math.inf
-    # scalars of numpy, and arrays without dimensions
+    # numpy scalars and zero-dimensional arrays
     if getattr(value, "shape", None) == () and getattr(value.dtype, "kind", "") in "iuf":
         return float(value)
     return None
