@@ -11,6 +11,7 @@ from morse.core.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.limits import ANGLE, Angle, Position
+from morse.core.moving_parts import MovingPart
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 
@@ -66,6 +67,13 @@ class PTU(Actuator):
         """Angle of the tilt joint, rad, -pi to pi."""
         r = self._head.local_pose()[1]
         return math.atan2(r[2], r[0])
+
+    def moving_parts(self) -> list[MovingPart]:
+        """The base, which pans, and the head on it, which tilts."""
+        return [
+            MovingPart("pan", self._base, None, (0.0, 0.0, 1.0), lambda: self.pan),
+            MovingPart("tilt", self._head, self._base, (0.0, 1.0, 0.0), lambda: self.tilt),
+        ]
 
     def default_action(self) -> None:
         """Turn on."""

@@ -17,10 +17,11 @@ from morse.core.state.attributes import replace
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.context import Context
     from morse.core.group import Group
+    from morse.core.moving_parts import MovingPart
 
 logger = logging.getLogger(__name__)
 
@@ -106,6 +107,10 @@ class Object(Requesting, AbstractObject):
     def kind_members(self) -> Mapping[str, Object]:
         """Return components whose messages are sent on sub-topics of this one: sub-topic to component."""
         return {}
+
+    def moving_parts(self) -> Sequence[MovingPart]:
+        """The joints of the component and what they move, parents before their children."""
+        return ()
 
     def get_state(self) -> dict[str, Any]:
         """Return the state of the component: its attributes, except those in `not_state`.

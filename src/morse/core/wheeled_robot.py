@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.ackermann_robot import PhysicsAckermannRobot
 from morse.core.declarations import add_property
+from morse.core.moving_parts import MovingPart
 from morse.core.robot import Robot
+from morse.mathutils.rotations import rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -56,6 +58,18 @@ class PhysicsDifferentialRobot(Robot):
     def get_wheels(self) -> list[Any]:
         """The driven wheels."""
         return list(self._wheels)
+
+    def moving_parts(self) -> list[MovingPart]:
+        """The wheels."""
+        left = rows_of(self.bge_object.world_pose()[1])
+        parts = []
+        for wheel in self._wheels:
+            turned = rows_of(wheel.object.world_pose()[1])
+            # its axle is the Y axis of the robot; by the rotation of the wheel both have the same coordinates
+            x, y, z = (sum(turned[k][i] * left[k][1] for k in range(3)) for i in range(3))
+            name = wheel.object.name.rpartition(".")[2]
+            parts.append(MovingPart(name, wheel.object, None, (x, y, z), lambda wheel=wheel: wheel.angle))  # type: ignore[misc]
+        return parts
 
     def apply_vw_wheels(self, vx: float, vw: float) -> None:
         """Turn the wheels so that the robot drives at ``vx`` m/s and turns at ``vw`` rad/s."""

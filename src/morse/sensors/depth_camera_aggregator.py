@@ -49,6 +49,14 @@ class DepthCameraAggregator(CameraUnit):
         """The depth cameras that it carries."""
         return [camera for camera in self.cameras() if isinstance(camera, DepthCamera)]
 
+    def master(self) -> DepthCamera:
+        """The camera in whose frame the cloud is.
+
+        Raises:
+            IndexError: it carries no depth camera.
+        """
+        return self._master(self.clouds())
+
     def _master(self, cameras: list[DepthCamera]) -> DepthCamera:
         wanted = self.master_camera
         named = [c for c in cameras if wanted and (c.name() == wanted or c.name().endswith(f".{wanted}"))]

@@ -42,8 +42,12 @@ def values(type_name: str, size: int) -> st.SearchStrategy[Any]:
     return st.fixed_dictionaries({f.name: values(f.type, f.size) for f in fields_of(type_name)})
 
 
+#: the store has no vision_msgs
+NAMES = sorted(name for name in messages() if name in STORE.fielddefs)
+
+
 def message_of(draw: st.DataObject) -> tuple[str, dict[str, Any]]:
-    name = draw.draw(st.sampled_from(sorted(messages())))
+    name = draw.draw(st.sampled_from(NAMES))
     return name, draw.draw(values(name, SINGLE))
 
 
@@ -70,7 +74,7 @@ def assert_same(a: Any, b: Any) -> None:
         assert a == b
 
 
-@pytest.mark.parametrize("name", sorted(messages()))
+@pytest.mark.parametrize("name", NAMES)
 def test_fields_are_those_of_the_definition(name: str) -> None:
     theirs = []
     for field, (node, what) in STORE.fielddefs[name][1]:
@@ -94,7 +98,7 @@ def test_we_read_what_others_write(data: st.DataObject, little: bool) -> None:
     assert_same(decode(name, bytes(STORE.serialize_cdr(theirs, name, little_endian=little))), message)
 
 
-@given(st.sampled_from(sorted(messages())), st.binary(max_size=200), st.booleans())
+@given(st.sampled_from(NAMES), st.binary(max_size=200), st.booleans())
 @settings(max_examples=300, deadline=None)
 def test_garbage_is_refused_or_read_but_nothing_else(name: str, garbage: bytes, header: bool) -> None:
     with contextlib.suppress(CdrError):

@@ -11,6 +11,7 @@ from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2.backends.backend import Qos
 from morse.middleware.ros2.backends.choice import make_backend
+from morse.middleware.ros2.kinds.detecting import DetectingKinds
 from morse.middleware.ros2.kinds.sensing import SensingKinds
 from morse.middleware.ros2.kinds.spatial import SpatialKinds
 from morse.middleware.ros2.kinds.states import StateKinds, clock
@@ -18,6 +19,8 @@ from morse.middleware.ros2.kinds.vision import VisionKinds
 from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS
 from morse.middleware.ros2.names import Names, robot_of
 from morse.middleware.ros2.outlets import COMMAND
+from morse.middleware.ros2.robots import Robots
+from morse.middleware.ros2.rosout import LogTopic
 from morse.middleware.ros2.transforms import Transforms
 
 if TYPE_CHECKING:
@@ -35,7 +38,7 @@ _TF = "tf2_msgs/msg/TFMessage"
 _CLOCK = "rosgraph_msgs/msg/Clock"
 
 
-class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds, DatastreamManager):
+class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKinds, StateKinds, DatastreamManager):
     """Topics of ROS 2, and simulated time and the tree of frames.
 
     Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2.mapping`.
@@ -65,6 +68,8 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
         self._clock = self._own("/clock", _CLOCK, Qos(1, reliable=False)) if self.options["clock"] else None
         self._tf = self._own("/tf", _TF, Qos(100)) if self.options["tf"] else None
         self._tf_static = self._own("/tf_static", _TF, Qos(1, latched=True)) if self.options["tf"] else None
+        self.robots = Robots(self)
+        self._log = LogTopic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
             self.options["localization"],
             lambda message: self._publish(self._tf, _TF, message),
@@ -90,6 +95,23 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
             logger.warning("%s: %s is not published: %s", self.title, topic, self._lacks(type_name))
         return made
 
+    def own(self, topic: str, type_name: str, qos: Qos, owner: str) -> Publisher | None:
+        """A topic of no component; None if a component has it already, or if the backend has no such message."""
+        if topic in self._claims:
+            logger.info("%s: %s is published by %s alone", self.title, topic, self._claims[topic][1])
+            return None
+        made = self._own(topic, type_name, qos)
+        self._claims[topic] = (type_name, owner)
+        return made
+
+    def send(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
+        """Send a message of no component."""
+        self._publish(publisher, type_name, message)
+
+    def release(self, owner: str) -> None:
+        """The topics of an owner are free."""
+        self._claims = {topic: claim for topic, claim in self._claims.items() if claim[1] != owner}
+
     def _lacks(self, type_name: str) -> str:
         return f"{self.backend.name} has no {type_name} here (sudo apt install ros-$ROS_DISTRO-{_package(type_name)})"
 
@@ -99,8 +121,8 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
 
     # -- topics ------------------------------------------------------------------------------
 
-    def offer(self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet) -> tuple[str, Outlet, Publisher]:
-        """A topic that a stream publishes.
+    def offer(self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet) -> tuple[str, Outlet, Publisher] | None:
+        """A topic that a stream publishes; None if it can do without it, and the backend has no such message.
 
         Raises:
             MorseMiddlewareError: the topic is that of another component, or the backend has no such message.
@@ -116,10 +138,15 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
                 f"{stream.component_name}: the topic {topic} is that of {owner[1]}; "
                 "give one of them another: topic='...'"
             )
-        self._claims[topic] = (outlet.type, stream.component_name)
         key = (topic, outlet.type, qos)
         if key not in self._publishers:
-            self._publishers[key] = self._made(self.backend.publisher(*key), stream, outlet.type)
+            made = self.backend.publisher(*key)
+            if made is None and outlet.instead is not None:
+                return self.offer(stream, bound, outlet.instead)
+            if made is None and outlet.or_none:
+                return None
+            self._publishers[key] = self._made(made, stream, outlet.type)
+        self._claims[topic] = (outlet.type, stream.component_name)
         return topic, outlet, self._publishers[key]
 
     def hear(self, stream: Ros2Stream, bound: BoundKind, inlet: Inlet) -> Iterator[tuple[str, Subscription]]:
@@ -167,13 +194,15 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
     def closed(self, stream: Ros2Stream) -> None:
         """Its topics are free; they stay open for a component that follows it: readers need not look for them again."""
         name = stream.component_name
-        self._claims = {topic: claim for topic, claim in self._claims.items() if claim[1] != name}
+        self.release(name)
         self._aliases = {alias: owner for alias, owner in self._aliases.items() if owner != name}
         if stream.direction == "OUT":
             self.transforms.remove(stream)
+            self.robots.remove(stream)
 
     def left(self, name: str) -> None:
         """A component is deleted: close the topics that nobody uses any more."""
+        self.robots.left()
         for key in [key for key in self._publishers if key[0] not in self._claims]:
             self._publishers.pop(key).close()
         for key in [key for key in self._subscriptions if key[0].startswith(f"{name} ")]:
@@ -192,10 +221,16 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, StateKinds,
             self._publish(self._clock, _CLOCK, clock(stamp))
         if self._tf is not None:
             self.transforms.publish(stamp, wanted=self._tf.wanted())
+        self.robots.publish()
+        if self._log is not None:
+            self._log.publish(stamp)
 
     def finalize(self) -> None:
         """Close all topics and leave the domain."""
         super().finalize()
+        if self._log is not None:
+            self._log.close()
+        self.robots.left()
         publishers = [self._clock, self._tf, self._tf_static, *self._publishers.values()]
         for publisher in publishers:
             if publisher is not None:

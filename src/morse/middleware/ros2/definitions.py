@@ -1,6 +1,6 @@
 """The messages of ROS 2 Jazzy that are in use, field by field.
 
-Names and types are those of the packages common_interfaces, rcl_interfaces and geometry2.
+Names and types are those of the packages common_interfaces, rcl_interfaces, geometry2 and vision_msgs.
 """
 
 from __future__ import annotations
@@ -23,6 +23,9 @@ std_msgs/MultiArrayDimension: string label, uint32 size, uint32 stride
 std_msgs/MultiArrayLayout: std_msgs/MultiArrayDimension[] dim, uint32 data_offset
 std_msgs/Float32MultiArray: std_msgs/MultiArrayLayout layout, float32[] data
 std_msgs/Float64MultiArray: std_msgs/MultiArrayLayout layout, float64[] data
+std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a
+rcl_interfaces/Log: builtin_interfaces/Time stamp, uint8 level, string name, string msg,
+    string file, string function, uint32 line
 rosgraph_msgs/Clock: builtin_interfaces/Time clock
 geometry_msgs/Vector3: float64 x, float64 y, float64 z
 geometry_msgs/Point: float64 x, float64 y, float64 z
@@ -80,6 +83,21 @@ sensor_msgs/CameraInfo: std_msgs/Header header, uint32 height, uint32 width, str
     uint32 binning_x, uint32 binning_y, sensor_msgs/RegionOfInterest roi
 sensor_msgs/JointState: std_msgs/Header header, string[] name,
     float64[] position, float64[] velocity, float64[] effort
+sensor_msgs/CompressedImage: std_msgs/Header header, string format, uint8[] data
+visualization_msgs/UVCoordinate: float32 u, float32 v
+visualization_msgs/MeshFile: string filename, uint8[] data
+visualization_msgs/Marker: std_msgs/Header header, string ns, int32 id, int32 type, int32 action,
+    geometry_msgs/Pose pose, geometry_msgs/Vector3 scale, std_msgs/ColorRGBA color,
+    builtin_interfaces/Duration lifetime, bool frame_locked, geometry_msgs/Point[] points, std_msgs/ColorRGBA[] colors,
+    string texture_resource, sensor_msgs/CompressedImage texture, visualization_msgs/UVCoordinate[] uv_coordinates,
+    string text, string mesh_resource, visualization_msgs/MeshFile mesh_file, bool mesh_use_embedded_materials
+visualization_msgs/MarkerArray: visualization_msgs/Marker[] markers
+vision_msgs/ObjectHypothesis: string class_id, float64 score
+vision_msgs/ObjectHypothesisWithPose: vision_msgs/ObjectHypothesis hypothesis, geometry_msgs/PoseWithCovariance pose
+vision_msgs/BoundingBox3D: geometry_msgs/Pose center, geometry_msgs/Vector3 size
+vision_msgs/Detection3D: std_msgs/Header header, vision_msgs/ObjectHypothesisWithPose[] results,
+    vision_msgs/BoundingBox3D bbox, string id
+vision_msgs/Detection3DArray: std_msgs/Header header, vision_msgs/Detection3D[] detections
 trajectory_msgs/JointTrajectoryPoint: float64[] positions, float64[] velocities, float64[] accelerations,
     float64[] effort, builtin_interfaces/Duration time_from_start
 trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names,

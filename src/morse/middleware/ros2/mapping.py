@@ -16,6 +16,8 @@ MANAGER_OPTIONS = {
     "interface": Option(str, "lo", "network interface or its address; any: all that there are"),
     "clock": Option(bool, True, "publish simulated time as /clock"),
     "tf": Option(bool, True, "publish /tf and /tf_static"),
+    "description": Option(bool, True, "publish robot_description, a URDF, for each robot"),
+    "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
     "localization": Option(bool, False, "another node publishes the transform from map to odom"),
     "namespace": Option(str, None, "namespace of all topics instead of the name of the robot; empty for none"),
     "frame_prefix": Option(str, None, "begin of the names of frames instead of the name of the robot and a slash"),

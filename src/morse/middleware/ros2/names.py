@@ -93,6 +93,12 @@ class Names:
             return self.base(component)
         return f"{self.prefix(component.robot_parent)}{_part(relative_name(component))}"
 
+    def part(self, owner: Any, joint: str) -> str:
+        """The frame of what a joint of a robot, or of a component, moves."""
+        if owner.robot_parent is None:
+            return f"{self.prefix(owner)}{_part(joint)}"
+        return f"{self.own(owner)}_{_part(joint)}"
+
     def frame(self, component: Any, frame: str) -> str:
         """A frame of a component, by its name in `morse.core.declarations.FRAMES`."""
         if frame in _OF_WORLD:
@@ -101,7 +107,7 @@ class Names:
             return self.base(robot_of(component))
         if frame == "start":
             return self.odom(robot_of(component))
-        return f"{self.own(component)}_{frame}" if frame in ("optical", "frd") else self.own(component)
+        return f"{self.own(component)}_{frame}" if frame in ("optical", "frd", "down") else self.own(component)
 
     def frame_of(self, component: Any, frame_id: str) -> str | None:
         """The frame that the sender of a command means; empty for that of the fields, None if it is unknown."""

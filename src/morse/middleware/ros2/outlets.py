@@ -24,7 +24,9 @@ class Outlet(NamedTuple):
         make: the message for one of the component; None if there is nothing to send. It is called with the frame.
         topic: below that of the component; empty for that itself.
         qos: quality of service.
-        frame: a name of `morse.core.declarations.FRAMES`; empty for that of the message of the component.
+        frame: a name of `morse.core.declarations.FRAMES`, or ``down``; empty for that of the message of the component.
+        instead: what is published if the backend has no such type.
+        or_none: nothing is published if the backend has no such type.
     """
 
     type: str
@@ -32,6 +34,8 @@ class Outlet(NamedTuple):
     topic: str = ""
     qos: Qos = Qos()
     frame: str = ""
+    instead: Any = None
+    or_none: bool = False
 
 
 class Inlet(NamedTuple):

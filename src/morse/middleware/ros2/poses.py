@@ -68,3 +68,13 @@ def motion_of_robot(sensor: Transformation3d, linear: Any, angular: Any, mountin
     # the velocity of a point of a rigid body is that of another one plus the rotation times their distance
     moving = rotation @ np.asarray(linear, dtype=np.float64) - np.cross(turning, [mounting.x, mounting.y, mounting.z])
     return Motion(pose, moving, turning)
+
+
+#: rotation from what looks along X, Z up, to what looks along Z, Y down, w, x, y, z
+OPTICAL_TURN = (0.5, -0.5, 0.5, -0.5)
+OPTICAL_INVERSE = inverse(pose_of((0.0, 0.0, 0.0), OPTICAL_TURN))
+
+
+def between(robot: Any, obj: Any) -> Transformation3d:
+    """The pose of an object in the frame of another one."""
+    return Transformation3d(robot).transformation3d_with(Transformation3d(obj))

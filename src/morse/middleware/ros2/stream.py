@@ -11,9 +11,9 @@ from morse.core.kind_stream import KindStream
 from morse.middleware.ros2.cdr import CdrError
 from morse.middleware.ros2.fields import field_outlet, unsaid
 from morse.middleware.ros2.mapping import STREAM_OPTIONS
-from morse.middleware.ros2.names import robot_of
+from morse.middleware.ros2.names import relative_name, robot_of
 from morse.middleware.ros2.parts import covariance, header, quaternion, xyz
-from morse.middleware.ros2.poses import motion_of_robot, pose_of, product, quaternion_of
+from morse.middleware.ros2.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from morse.core.kinds import BoundKind, Message
@@ -65,9 +65,10 @@ class Ros2Stream(KindStream):
                     for topic, subscription in self.manager.hear(self, bound, inlet)
                 ]
             else:
-                self._sending.append((bound, [_Sending(*self.manager.offer(self, bound, outlet)) for outlet in ports]))
+                self._sending.append((bound, self._offered(bound, ports)))
         if self.direction == "OUT":
             self._offer_fields()
+            self.manager.robots.add(self)
             # a scene that was not made for ROS may well have two kinds of odometry
             self.manager.transforms.add(self, lenient="ros2" in self.manager.context.scene.interfaces)
 
@@ -75,7 +76,11 @@ class Ros2Stream(KindStream):
         if self.kwargs["fields"] and self.kinds:
             outlets = [field_outlet(self.component_instance, name) for name in unsaid(self.kinds)]
             main = next((kind for kind in self.kinds if not kind.topic), self.kinds[0])
-            self._sending.append((main, [_Sending(*self.manager.offer(self, main, outlet)) for outlet in outlets]))
+            self._sending.append((main, self._offered(main, outlets)))
+
+    def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[_Sending]:
+        offers = [self.manager.offer(self, bound, outlet) for outlet in outlets]
+        return [_Sending(*offer) for offer in offers if offer is not None]
 
     # -- frames ------------------------------------------------------------------------------
 
@@ -97,11 +102,24 @@ class Ros2Stream(KindStream):
 
     def frames(self) -> set[str]:
         """The frames that messages of the component are in."""
-        return {bound.frame for bound in self.kinds}
+        said = {line.outlet.frame for _, lines in self._sending for line in lines if line.outlet.frame}
+        return {bound.frame for bound in self.kinds} | said
 
     def mounting(self) -> Transformation3d:
-        """The present pose of the component on its robot."""
-        return self.component_instance.sensor_to_robot_position_3d()
+        """The present pose of the component on its robot, X forward."""
+        pose = self.component_instance.sensor_to_robot_position_3d()
+        # the object of a camera has the axes of its picture
+        return product(pose, OPTICAL_INVERSE) if hasattr(self.component_instance, "lens") else pose
+
+    def master(self) -> Any:
+        """The camera whose frame the pictures or clouds of several cameras are in; None for all other components."""
+        component: Any = self.component_instance
+        clouds = getattr(component, "clouds", None)
+        return component.master() if clouds is not None and clouds() else None
+
+    def is_carried(self) -> bool:
+        """Whether it is on another component, which may move it."""
+        return "." in relative_name(self.component_instance)
 
     @property
     def gives_transform(self) -> bool:

@@ -6,19 +6,23 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.transformation import Transformation3d
-from morse.middleware.ros2.names import MAP, relative_name
+from morse.middleware.ros2.moving import joints_of, poses_of
+from morse.middleware.ros2.names import MAP
 from morse.middleware.ros2.parts import quaternion, time, xyz
-from morse.middleware.ros2.poses import pose_of, quaternion_of
+from morse.middleware.ros2.poses import OPTICAL_TURN, between, pose_of, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     _Send = Callable[[dict[str, Any]], object]
 
+    from morse.middleware.ros2.moving import Joint
     from morse.middleware.ros2.stream import Ros2Stream
 
 #: rotations between the frames of a component, as quaternions w, x, y, z: camera images have X right, Y down, Z forward
-_FROM_OWN = {"optical": (0.5, -0.5, 0.5, -0.5), "frd": (0.0, 1.0, 0.0, 0.0)}
+_FROM_OWN = {"optical": OPTICAL_TURN, "frd": (0.0, 1.0, 0.0, 0.0)}
+#: X down, Y left, Z forward, along the axes of the world
+_DOWN = (0.7071067811865476, 0.0, 0.7071067811865476, 0.0)
 #: north-east-down in a world whose X axis is east
 _NED = (0.0, 0.7071067811865476, 0.7071067811865476, 0.0)
 
@@ -37,6 +41,9 @@ class _RobotFrames:
         self.source: str | None = None
         self.moved = Transformation3d()
         self.streams: list[Ros2Stream] = []
+        self.joints: list[Joint] = []
+        #: streams with a frame that keeps the axes of the world, whatever the robot does
+        self.upright: list[Ros2Stream] = []
 
     def pose(self) -> Transformation3d:
         """Of the robot, in the frame odom."""
@@ -111,6 +118,9 @@ class Transforms:
             return
         if self._changed:
             self._changed = False
+            for frames in self._robots.values():
+                frames.joints = joints_of(frames.robot, frames.streams[0].manager.names)
+                frames.upright = [stream for stream in frames.streams if "down" in stream.frames()]
             self._send_static({"transforms": [_transform(stamp, *one) for one in self._static()]})
         if wanted and self._robots:
             self._send({"transforms": [_transform(stamp, *one) for one in self._moving()]})
@@ -121,11 +131,11 @@ class Transforms:
             if not self._localization:
                 yield MAP, frames.odom, frames.robot.initial_position_3d
             for stream in frames.streams:
-                if not _is_carried(stream):
+                if not stream.is_carried():
                     yield frames.base, stream.own_frame(), stream.mounting()
                 used = stream.frames()
                 for frame, rotation in _FROM_OWN.items():
-                    if frame in used:
+                    if frame in used and stream.master() is None:
                         yield stream.own_frame(), stream.frame_id(frame), pose_of((0.0, 0.0, 0.0), rotation)
                 frames_of_world |= used
         if "ned" in frames_of_world:
@@ -135,13 +145,16 @@ class Transforms:
         for frames in self._robots.values():
             yield frames.odom, frames.base, frames.pose()
             for stream in frames.streams:
-                if _is_carried(stream):
+                if stream.is_carried():
                     yield frames.base, stream.own_frame(), stream.mounting()
-
-
-def _is_carried(stream: Ros2Stream) -> bool:
-    """Whether the component is on another component, which may move it."""
-    return "." in relative_name(stream.component_instance)
+                master = stream.master()
+                if master is not None:
+                    yield frames.base, stream.frame_id("optical"), between(frames.robot.bge_object, master.bge_object)
+            for stream in frames.upright:
+                body = Transformation3d(frames.robot.bge_object)
+                x, y, z = stream.component_instance.bge_object.world_pose()[0]
+                yield frames.base, stream.frame_id("down"), body.transformation3d_with(pose_of((x, y, z), _DOWN))
+            yield from poses_of(frames.joints)
 
 
 def _transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:

@@ -79,8 +79,9 @@ class SensingKinds:
 
     @maps("range")
     def range(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Along the X axis of the frame."""
-        return [Outlet("sensor_msgs/msg/Range", _range)]
+        """Along the X axis of the frame: that of an altimeter points down, however the robot is tilted."""
+        bundle = getattr(bound.component, "rays", None)
+        return [Outlet("sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "")]
 
 
 def _imu(message: Message, frame: str) -> dict[str, Any]:

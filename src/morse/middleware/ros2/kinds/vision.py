@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.mapping import maps
-from morse.middleware.ros2.json_text import as_json
+from morse.middleware.ros2.kinds.detecting import compressed_outlet
 from morse.middleware.ros2.outlets import LARGE, Inlet, Outlet
 from morse.middleware.ros2.parts import header
 
@@ -26,7 +26,7 @@ _ENCODINGS = {
 
 
 class VisionKinds:
-    """The kinds scan, cloud, image, camera_info and detections."""
+    """The kinds scan, cloud, image, and camera_info."""
 
     @maps("scan")
     def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
@@ -41,7 +41,7 @@ class VisionKinds:
 
     @maps("image")
     def image(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """On ``image``; nothing while the camera does not capture."""
+        """On ``image``, and as JPEG; nothing while the camera does not capture."""
         camera = bound.component
         return [
             Outlet(
@@ -49,7 +49,8 @@ class VisionKinds:
                 lambda m, f: _image(m, f) if getattr(camera, "capturing", True) else None,
                 "image",
                 LARGE,
-            )
+            ),
+            compressed_outlet(lambda: getattr(camera, "capturing", True)),
         ]
 
     @maps("camera_info")
@@ -63,11 +64,6 @@ class VisionKinds:
                 "camera_info",
             )
         ]
-
-    @maps("detections")
-    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """A list of records, as JSON."""
-        return [Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})]
 
     @maps("image", direction="IN")
     def take_image(self, stream: Any, bound: BoundKind) -> list[Inlet]:

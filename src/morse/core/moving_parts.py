@@ -1,0 +1,34 @@
+"""Parts of a robot that turn or slide against the rest of it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+CONTINUOUS, REVOLUTE, PRISMATIC = "continuous", "revolute", "prismatic"
+
+
+class MovingPart(NamedTuple):
+    """A part that a joint moves.
+
+    Attributes:
+        joint: name of the joint; messages of the kind ``joints`` use the same one.
+        object: the part in the world.
+        parent: the object that it moves against; None for the body of the robot.
+        axis: (3,) unit vector along or about which it moves, in the frame of the part.
+        position: rad or m, where it is now; called whenever it is needed.
+        type: as URDF calls it: ``continuous``, ``revolute`` or ``prismatic``.
+        low, high: rad or m.
+    """
+
+    joint: str
+    object: Any
+    parent: Any
+    axis: tuple[float, float, float]
+    position: Callable[[], float]
+    type: str = CONTINUOUS
+    low: float = -math.pi
+    high: float = math.pi

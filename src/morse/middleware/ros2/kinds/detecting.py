@@ -1,0 +1,100 @@
+"""Things that were recognised, and pictures as files."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+from morse.core.mapping import maps
+from morse.middleware.ros2.json_text import as_json
+from morse.middleware.ros2.outlets import LARGE, Outlet
+from morse.middleware.ros2.parts import header, quaternion, xyz
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from morse.core.kinds import BoundKind, Message
+
+#: constants of visualization_msgs/Marker
+_CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
+#: of a thing whose size is not known, m
+_SIZE = (0.3, 0.3, 0.3)
+_GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 0.5}
+_WHITE = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
+#: of JPEG, 0 to 100
+_QUALITY = 85
+#: encodings of images that are compressed, and what Pillow calls them
+_MODES = {"rgb8": "RGB", "rgba8": "RGBA", "mono8": "L"}
+
+
+class DetectingKinds:
+    """The kind detections."""
+
+    @maps("detections")
+    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Boxes with names; as JSON where the backend lacks vision_msgs; and what viewers draw, on ``markers``."""
+        frame = "optical" if getattr(bound.component, "relative", False) else "world"
+        text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
+        return [
+            Outlet("vision_msgs/msg/Detection3DArray", _detections, frame=frame, instead=text),
+            Outlet("visualization_msgs/msg/MarkerArray", _markers, "markers", frame=frame, or_none=True),
+        ]
+
+
+def _detections(message: Message, frame: str) -> dict[str, Any]:
+    head = header(message, frame)
+    return {"header": head, "detections": [_detection(head, record) for record in message.records]}
+
+
+def _detection(head: Mapping[str, Any], record: Mapping[str, Any]) -> dict[str, Any]:
+    pose = _pose(record)
+    hypothesis = {"class_id": str(record.get("label", "")), "score": float(record.get("score", 1.0))}
+    return {
+        "header": head,
+        "results": [{"hypothesis": hypothesis, "pose": {"pose": pose}}],
+        "bbox": {"center": pose, "size": xyz(record.get("size"))},
+        "id": str(record.get("id", "")),
+    }
+
+
+def _pose(record: Mapping[str, Any]) -> dict[str, Any]:
+    return {"position": xyz(record.get("position")), "orientation": quaternion(record.get("orientation"))}
+
+
+def _markers(message: Message, frame: str) -> dict[str, Any]:
+    # what is no longer seen is to vanish
+    made: list[dict[str, Any]] = [{"header": header(message, frame), "action": _DELETE_ALL}]
+    for number, record in enumerate(message.records):
+        size = record.get("size") or _SIZE
+        common = {"header": header(message, frame), "id": number, "action": _ADD, "pose": _pose(record)}
+        made.append({**common, "ns": "boxes", "type": _CUBE, "scale": xyz(size), "color": _GREEN})
+        text = {"ns": "names", "type": _TEXT, "scale": {"z": 0.2}, "color": _WHITE, "text": str(record.get("id", ""))}
+        made.append({**common, **text})
+    return {"markers": made}
+
+
+def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
+    """An image as JPEG, on ``image/compressed``; of depths and others that JPEG cannot hold nothing is sent.
+
+    Args:
+        capturing: whether the camera takes pictures.
+    """
+    return Outlet(
+        "sensor_msgs/msg/CompressedImage",
+        lambda m, f: _compressed(m, f) if capturing() else None,
+        "image/compressed",
+        LARGE,
+        or_none=True,
+    )
+
+
+def _compressed(message: Message, frame: str) -> dict[str, Any] | None:
+    from PIL import Image
+
+    mode = _MODES.get(message.encoding)
+    if mode is None:
+        return None
+    picture = Image.fromarray(message.pixels.squeeze() if mode == "L" else message.pixels, mode)
+    file = io.BytesIO()
+    (picture.convert("RGB") if mode == "RGBA" else picture).save(file, "JPEG", quality=_QUALITY)
+    return {"header": header(message, frame), "format": f"{message.encoding}; jpeg compressed", "data": file.getvalue()}

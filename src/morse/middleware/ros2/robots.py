@@ -1,0 +1,132 @@
+"""Topics of whole robots: ``joint_states`` and ``robot_description``."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.middleware.ros2.backends.backend import Qos
+from morse.middleware.ros2.moving import joints_of, name_of
+from morse.middleware.ros2.parts import time
+from morse.middleware.ros2.urdf import Carried, describe
+
+if TYPE_CHECKING:
+    from morse.core.kinds import BoundKind, Message
+    from morse.middleware.ros2.backends.backend import Publisher
+    from morse.middleware.ros2.moving import Joint
+    from morse.middleware.ros2.stream import Ros2Stream
+
+logger = logging.getLogger(__name__)
+
+_JOINTS, _TEXT = "sensor_msgs/msg/JointState", "std_msgs/msg/String"
+_QUANTITIES = ("position", "velocity", "effort")
+
+
+class _Robot:
+    """What is published of a robot as a whole."""
+
+    def __init__(self, robot: Any) -> None:
+        self.robot = robot
+        self.streams: list[Ros2Stream] = []
+        self.measured: list[tuple[Any, BoundKind]] = []
+        self.states: Publisher | None = None
+        self.description: Publisher | None = None
+        self.last = -1
+        self.joints: list[Joint] = []
+
+
+class Robots:
+    """The topics of all robots whose components publish something.
+
+    Args:
+        manager: publishes them.
+    """
+
+    def __init__(self, manager: Any) -> None:
+        self._manager = manager
+        self._robots: dict[str, _Robot] = {}
+        self._changed: set[str] = set()
+
+    def add(self, stream: Ros2Stream) -> None:
+        """A stream of a sensor begins."""
+        name = stream.robot.name()
+        known = self._robots.get(name)
+        if known is None or known.robot is not stream.robot:
+            before, known = known, _Robot(stream.robot)
+            if before is not None:
+                known.states, known.description = before.states, before.description
+            self._robots[name] = known
+        known.streams.append(stream)
+        known.measured += [(stream.component_instance, bound) for bound in stream.kinds if bound.kind.name == "joints"]
+        self._changed.add(name)
+
+    def remove(self, stream: Ros2Stream) -> None:
+        """A stream ends."""
+        known = self._robots.get(stream.robot.name())
+        if known is None or stream not in known.streams:
+            return
+        known.streams.remove(stream)
+        known.measured = [(one, bound) for one, bound in known.measured if one is not stream.component_instance]
+
+    def left(self) -> None:
+        """Components were deleted: close the topics of robots that have gone."""
+        for name in [name for name, known in self._robots.items() if not known.streams]:
+            known = self._robots.pop(name)
+            for publisher in (known.states, known.description):
+                if publisher is not None:
+                    publisher.close()
+            self._manager.release(name)
+
+    def publish(self) -> None:
+        """Send what has changed in a tick."""
+        changed, self._changed = self._changed, set()
+        for name in sorted(changed & self._robots.keys()):
+            self._describe(self._robots[name])
+        for known in self._robots.values():
+            if known.states is not None and known.states.wanted():
+                self._send_states(known)
+
+    def _describe(self, known: _Robot) -> None:
+        manager, robot = self._manager, known.robot
+        known.joints = joints_of(robot, manager.names)
+        namespace = manager.names.namespace(robot)
+        if known.measured and known.states is None:
+            known.states = manager.own(f"{namespace}/joint_states", _JOINTS, Qos(), robot.name())
+        if not manager.options["description"]:
+            return
+        if known.description is None:
+            known.description = manager.own(f"{namespace}/robot_description", _TEXT, Qos(1, latched=True), robot.name())
+        frames = {
+            stream.own_frame(): Carried(stream.component_instance.bge_object, stream.mounting(), stream.is_carried())
+            for stream in known.streams
+            if stream.own_frame() != manager.names.base(robot)
+        }
+        text = describe(robot.name(), robot.bge_object, manager.names.base(robot), known.joints, frames)
+        manager.send(known.description, _TEXT, {"data": text})
+
+    def _send_states(self, known: _Robot) -> None:
+        messages = [(owner, bound.gather()) for owner, bound in known.measured]
+        newest = max((message.stamp for _, message in messages), default=-1)
+        if newest > known.last or newest < known.last:
+            known.last = newest
+            self._manager.send(known.states, _JOINTS, union(messages, newest, known.joints))
+
+
+def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> dict[str, Any]:
+    """One ``sensor_msgs/JointState`` of several: what a joint has not is NaN, what no joint has is an empty list."""
+    names: list[str] = []
+    values: dict[str, list[float]] = {quantity: [] for quantity in _QUANTITIES}
+    for owner, message in messages:
+        names += [name_of(joints, owner, str(name)) for name in message.names]
+        count = len(message.names)
+        for quantity, column in values.items():
+            known = getattr(message, quantity)
+            column += [math.nan] * count if known is None else np.asarray(known, dtype=np.float64).tolist()
+    return {
+        "header": {"stamp": time(stamp), "frame_id": ""},
+        "name": names,
+        **{quantity: column if not all(map(math.isnan, column)) else () for quantity, column in values.items()},
+    }

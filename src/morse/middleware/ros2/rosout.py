@@ -1,0 +1,73 @@
+"""The log of the simulation as ``/rosout``."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.middleware.ros2.backends.backend import Qos
+from morse.middleware.ros2.parts import time
+
+if TYPE_CHECKING:
+    from morse.middleware.ros2.backends.backend import Publisher
+
+_TYPE = "rcl_interfaces/msg/Log"
+#: levels of rcl_interfaces/Log are those of logging
+_STEP, _LEAST, _MOST = 10, 10, 50
+#: lines that wait for the end of a tick, and lines that one tick sends
+_WAITING, _EACH_TICK = 1000, 64
+
+
+class LogTopic(logging.Handler):
+    """Takes what MORSE logs, in any thread, and publishes it between two ticks.
+
+    Args:
+        manager: publishes it.
+    """
+
+    def __init__(self, manager: Any) -> None:
+        super().__init__()
+        self._manager = manager
+        self._lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
+        # who comes later gets the last lines, as of every node of ROS
+        qos = Qos(_WAITING, latched=True)
+        self._publisher: Publisher | None = manager.own("/rosout", _TYPE, qos, "the simulation")
+        if self._publisher is not None:
+            logging.getLogger("morse").addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """See `logging.Handler.emit`."""
+        self._lines.append(record)
+
+    def publish(self, stamp: int) -> None:
+        """Send what has been logged.
+
+        Args:
+            stamp: simulated time, ns.
+        """
+        for _ in range(min(len(self._lines), _EACH_TICK)):
+            self._manager.send(self._publisher, _TYPE, _message(self._lines.popleft(), stamp))
+
+    def close(self) -> None:
+        """Take nothing more."""
+        logging.getLogger("morse").removeHandler(self)
+        if self._publisher is not None:
+            self._publisher.close()
+        super().close()
+
+
+def _message(record: logging.LogRecord, stamp: int) -> dict[str, Any]:
+    try:
+        text = record.getMessage()
+    except Exception:  # arguments that do not fit their text: logging says so elsewhere
+        text = str(record.msg)
+    return {
+        "stamp": time(stamp),
+        "level": min(max(record.levelno // _STEP * _STEP, _LEAST), _MOST),
+        "name": record.name,
+        "msg": text,
+        "file": record.pathname,
+        "function": record.funcName or "",
+        "line": record.lineno,
+    }

@@ -1,0 +1,243 @@
+"""Robots as a whole: their description, their joints, their frames, what they recognise, and what they log."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from desk import Desk
+from PIL import Image
+
+from morse.middleware.ros2.cdr import decode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Start = Callable[..., tuple[Any, Desk]]
+
+WHEELS = """
+robot = Pioneer3DX("rover")
+robot.append(MotionVWDiff("motion"))
+robot.append(WheelEncoders("wheels"))
+ptu = PTU("ptu"); ptu.translate(0.1, 0.0, 0.3); robot.append(ptu)
+ptu.append(PTUPosture("posture"))
+robot.add_default_interface("ros2")
+"""
+
+
+def rotation(q: Any) -> Any:
+    """(3, 3) of a quaternion of ROS."""
+    x, y, z, w = q.x, q.y, q.z, q.w
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def from_rpy(text: str) -> Any:
+    """(3, 3) of roll, pitch, yaw about fixed axes, as URDF has them."""
+    (a, b, c) = (float(word) for word in text.split())
+    x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
+    y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
+    z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
+    return z @ y @ x
+
+
+def about(axis: Any, angle: float) -> Any:
+    """(3, 3) by Rodrigues' formula."""
+    x, y, z = axis
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
+
+
+def numbers(text: str) -> Any:
+    return np.array([float(word) for word in text.split()])
+
+
+def frames(desk: Desk, *topics: str) -> dict[str, Any]:
+    return {t.child_frame_id: t for topic in topics for t in desk.last(topic).transforms}
+
+
+def test_the_joints_of_the_description_move_as_tf_and_joint_states_say(start: Start) -> None:
+    sim, desk = start(WHEELS)
+    twist = desk.store.types["geometry_msgs/msg/Twist"]
+    vector = desk.store.types["geometry_msgs/msg/Vector3"]
+    head = desk.store.types["std_msgs/msg/Header"](desk.store.types["builtin_interfaces/msg/Time"](0, 0), "")
+    assert twist
+    desk.send("/rover/cmd_vel", linear=vector(0.4, 0.0, 0.0), angular=vector(0.0, 0.0, 0.3))
+    nothing = np.zeros(0)
+    desk.send("/rover/ptu", header=head, name=["pan", "tilt"], position=np.array([0.5, -0.3]), velocity=nothing,
+              effort=nothing)  # fmt: skip
+    sim.step(90)
+    model = ElementTree.fromstring(desk.last("/rover/robot_description").data)
+    states = desk.last("/rover/joint_states")
+    positions = dict(zip(states.name, states.position, strict=True))
+    joints = {joint.get("name"): joint for joint in model.iter("joint")}
+    assert set(positions) <= set(joints)
+    assert positions["pan"] == pytest.approx(0.5, abs=0.01)
+    assert positions["tilt"] == pytest.approx(-0.3, abs=0.01)
+    assert positions["Wheel_R"] > positions["Wheel_L"] > 2.0, "it drives on and turns to the left"
+    moving = frames(desk, "/tf")
+    for name, position in positions.items():
+        joint = joints[name]
+        origin, axis = joint.find("origin"), joint.find("axis")
+        link = joint.find("child").get("link")
+        expected = from_rpy(origin.get("rpy")) @ about(numbers(axis.get("xyz")), position)
+        # encoders count whole steps
+        np.testing.assert_allclose(rotation(moving[link].transform.rotation), expected, atol=3e-3)
+        place = moving[link].transform.translation
+        np.testing.assert_allclose([place.x, place.y, place.z], numbers(origin.get("xyz")), atol=1e-6)
+        assert moving[link].header.frame_id == joint.find("parent").get("link")
+    wheel = joints["Wheel_L"]
+    forward = from_rpy(wheel.find("origin").get("rpy")) @ numbers(wheel.find("axis").get("xyz"))
+    np.testing.assert_allclose(forward, [0.0, 1.0, 0.0], atol=1e-6, err_msg="wheels that drive forward turn about Y")
+
+
+def test_what_a_joint_does_not_measure_is_nan(start: Start) -> None:
+    sim, desk = start(WHEELS)
+    sim.step(3)
+    states = desk.last("/rover/joint_states")
+    assert len(states.position) == len(states.velocity) == len(states.name)
+    velocity = dict(zip(states.name, states.velocity, strict=True))
+    assert math.isnan(velocity["pan"])
+    assert math.isfinite(velocity["Wheel_L"])
+    assert len(states.effort) == 0
+
+
+def test_the_description_is_one_tree_of_the_frames_in_tf(start: Start) -> None:
+    sim, desk = start(WHEELS + "robot.append(VideoCamera('eye')); ptu.append(Hokuyo('scan'))\n")
+    sim.step(2)
+    model = ElementTree.fromstring(desk.last("/rover/robot_description").data)
+    links = [link.get("name") for link in model.iter("link")]
+    assert len(links) == len(set(links))
+    names = [joint.get("name") for joint in model.iter("joint")]
+    assert len(names) == len(set(names))
+    parents = {joint.find("child").get("link"): joint.find("parent").get("link") for joint in model.iter("joint")}
+    assert set(links) - parents.keys() == {"rover/base_link"}
+    assert set(parents.values()) <= set(links)
+    known = frames(desk, "/tf", "/tf_static")
+    assert set(parents) <= known.keys()
+    for frame, parent in parents.items():
+        assert known[frame].header.frame_id == parent
+    body = next(link for link in model.iter("link") if link.get("name") == "rover/base_link")
+    sizes = [numbers(box.get("size")) for box in body.iter("box")]
+    # the Pioneer 3-DX is 455 mm long and 381 mm wide (its data sheet), with its wheels
+    assert max(size[0] for size in sizes) == pytest.approx(0.455, abs=0.03)
+
+
+def test_two_heads_of_one_robot_have_joints_of_their_own(start: Start) -> None:
+    sim, desk = start(
+        WHEELS.replace('robot.add_default', 'other = PTU("other"); robot.append(other)\n'
+                       'other.append(PTUPosture("posture"))\nrobot.add_default')
+    )  # fmt: skip
+    sim.step(2)
+    names = list(desk.last("/rover/joint_states").name)
+    assert sorted(names) == ["Wheel_L", "Wheel_R", "other/pan", "other/tilt", "ptu/pan", "ptu/tilt"]
+    model = ElementTree.fromstring(desk.last("/rover/robot_description").data)
+    assert set(names) <= {joint.get("name") for joint in model.iter("joint")}
+
+
+def test_what_a_camera_looks_at_is_along_z_of_its_optical_frame(start: Start) -> None:
+    sim, desk = start(
+        "eye = VideoCamera('eye'); eye.properties(cam_width=8, cam_height=6); eye.translate(0.3, 0.0, 0.5)\n"
+        "eye.rotate(0.0, 0.4, 0.7); robot.append(eye)"
+    )
+    sim.step(2)
+    fixed = frames(desk, "/tf_static")
+    own, optical = (rotation(fixed[f"robot/eye{name}"].transform.rotation) for name in ("", "_optical"))
+    # the picture is taken along Z of the object, X right and Y down (morse.sensors.camera)
+    picture = np.reshape(sim.context.components["robot.eye"].bge_object.world_pose()[1], (3, 3))
+    forward = picture[:, 2]
+    np.testing.assert_allclose(own[:, 0], forward, atol=1e-4)
+    np.testing.assert_allclose((own @ optical)[:, 2], forward, atol=1e-4)
+    np.testing.assert_allclose(own @ optical, picture, atol=1e-4)
+
+
+def test_an_altimeter_looks_down_however_the_robot_leans(start: Start) -> None:
+    sim, desk = start(
+        "robot = Quadrotor('flyer'); robot.translate(0.0, 0.0, 5.0); robot.rotate(0.5, 0.2, 1.0)\n"
+        "robot.append(RadarAltimeter('height')); robot.add_default_interface('ros2')"
+    )
+    sim.step(1)
+    message = desk.last("/flyer/height")
+    assert message.header.frame_id == "flyer/height_down"
+    known = frames(desk, "/tf", "/tf_static")
+    chain = [known[frame] for frame in ("flyer/odom", "flyer/base_link", "flyer/height_down")]
+    assert [t.header.frame_id for t in chain] == ["map", "flyer/odom", "flyer/base_link"]
+    world = rotation(chain[0].transform.rotation) @ rotation(chain[1].transform.rotation)
+    world = world @ rotation(chain[2].transform.rotation)
+    np.testing.assert_allclose(world[:, 0], [0.0, 0.0, -1.0], atol=1e-6)
+
+
+SEES = """
+crate = PassiveObject('props/objects', 'SmallTable'); crate.translate(3.5, 2.0, 0.5)
+crate.setgraspable(); crate.properties(Object=True, Label='crate', Type='Box')
+eye = SemanticCamera('eye'); eye.translate(0.3, 0.0, 0.7); robot.append(eye)
+"""
+
+
+def test_things_that_are_seen(start: Start) -> None:
+    sim, desk = start(SEES)
+    sim.step(10)
+    kind, _, publisher = desk.publishers["/robot/eye"]
+    assert kind == "vision_msgs/msg/Detection3DArray"
+    message = decode(kind, publisher.sent[-1])
+    assert message["header"]["frame_id"] == "map"
+    (seen,) = message["detections"]
+    assert (seen["id"], seen["results"][0]["hypothesis"]["class_id"]) == ("crate", "Box")
+    place = seen["bbox"]["center"]["position"]
+    assert (place["x"], place["y"]) == pytest.approx((3.5, 2.0), abs=0.05)
+    markers = desk.last("/robot/eye/markers").markers
+    assert markers[0].action == markers[0].DELETEALL
+    assert [marker.text for marker in markers if marker.type == marker.TEXT_VIEW_FACING] == ["crate"]
+
+
+def test_a_backend_without_vision_msgs_carries_json(start: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Desk.publisher
+    monkeypatch.setattr(
+        Desk, "publisher",
+        lambda self, topic, name, qos: None if name.startswith("vi") else made(self, topic, name, qos),
+    )  # fmt: skip
+    sim, desk = start(SEES)
+    sim.step(10)
+    assert '"crate"' in desk.last("/robot/eye").data
+    assert "/robot/eye/markers" not in desk.publishers
+
+
+def test_images_as_jpeg(start: Start) -> None:
+    sim, desk = start("eye = VideoCamera('eye'); eye.properties(cam_width=40, cam_height=30); robot.append(eye)")
+    sim.step(4)
+    message = desk.last("/robot/eye/image/compressed")
+    picture = Image.open(io.BytesIO(message.data.tobytes()))
+    assert (picture.format, picture.size) == ("JPEG", (40, 30))
+    raw = desk.last("/robot/eye/image")
+    original = raw.data.reshape(30, 40, 4)[..., :3].astype(float)
+    assert np.abs(np.asarray(picture, dtype=float) - original).mean() < 8.0
+
+
+def test_the_log_is_a_topic(start: Start) -> None:
+    sim, desk = start("motion = MotionVW(); robot.append(motion)")
+    desk.send_bytes("/robot/cmd_vel", b"garbage")
+    sim.step(2)
+    _, qos, publisher = desk.publishers["/rosout"]
+    assert qos.latched
+    lines = [desk.store.deserialize_cdr(data, "rcl_interfaces/msg/Log") for data in publisher.sent]
+    (line,) = [line for line in lines if "a message on /robot/cmd_vel is refused" in line.msg]
+    assert line.level == 30
+    assert line.name.startswith("morse.")
+    sim.close()
+    assert publisher.closed
+
+
+@pytest.mark.parametrize("option", ["rosout", "description"])
+def test_what_can_be_left_out(start: Start, option: str) -> None:
+    sim, desk = start("robot.append(Pose('pose'))", f"env.configure_stream_manager('ros2', {option}=False)")
+    sim.step(2)
+    assert not [topic for topic in desk.publishers if option in topic]
