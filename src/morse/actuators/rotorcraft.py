@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from morse.core.actuator import Actuator
+from morse.core.limits import FORCE, TORQUE
 from morse.helpers.components import add_property
 
 #: m/s^2
@@ -51,7 +52,13 @@ class Rotorcraft(Actuator):
 
     def _push(self, thrust: float, torque: _Three) -> None:
         """Apply a thrust along Z, N, and a torque, N m, both in the axes of the robot."""
-        self.robot_parent.bge_object.wrench((0.0, 0.0, thrust), torque, True)
+        x, y, z = (_limited(value, TORQUE["high"]) for value in torque)
+        self.robot_parent.bge_object.wrench((0.0, 0.0, _limited(thrust, FORCE["high"])), (x, y, z), True)
+
+
+def _limited(value: float, most: float) -> float:
+    """A force or torque that the physics takes, whatever the gains: clients may set them to any number."""
+    return 0.0 if math.isnan(value) else max(-most, min(value, most))
 
 
 class BankingRotorcraft(Rotorcraft):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 from rich import box
 from rich.console import Console
@@ -9,15 +11,43 @@ from rich.table import Table
 from rich.text import Text
 
 from morse.assets import search
+from morse.cli.check_component import check_components
 from morse.cli.findings import Finding, findings
-from morse.cli.messages import say
+from morse.cli.messages import CommandError, nearest, say
 from morse.cli.sites import Sites
 from morse.middleware import registry
 from morse.version import __version__
 
 
-def command() -> None:
-    """Check that MORSE has all it needs, and say what else it could use."""
+def command(
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[component FILE_OR_NAME...]",
+            help="Check components instead: classes of scene scripts, or files with classes of your own.",
+            show_default=False,
+        ),
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            "--robot",
+            metavar="CLASS",
+            help="What carries the components: a robot of MORSE, or package.module.Class of the project.",
+        ),
+    ] = None,
+) -> int:
+    """Check that MORSE has all it needs, and say what else it could use; or check components.
+
+    `morse check component NAME` runs a component in small simulations and says which rules of the contract it breaks.
+    """
+    if what:
+        if what[0] != "component":
+            hint = nearest(what[0], ["component"])
+            raise CommandError(f"`morse check` checks a 'component' or the machine, not '{what[0]}'.{hint}", status=2)
+        return check_components(what[1:], robot)
+    if robot is not None:
+        raise CommandError("--robot belongs to `morse check component FILE_OR_NAME...`.", status=2)
     typer.echo(f"MORSE {__version__}")
     results = list(findings())
     Console().print(_table(results))
@@ -32,6 +62,7 @@ def command() -> None:
     if missing:
         raise typer.Exit(1)
     say("All that MORSE requires is there.")
+    return 0
 
 
 def _table(results: list[Finding]) -> Table:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
+from morse.core.limits import ANGLE
 from morse.core.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
@@ -144,7 +145,7 @@ class DepthCameraRotationZ(DepthCamera):
         ),
     )
 
-    add_property("_rotation", 0.01745, "rotation", "float", "Step to the left after each picture", unit="rad")
+    add_property("_rotation", 0.01745, "rotation", "float", "Step to the left after each picture", **ANGLE)
 
     _rotation: float
 

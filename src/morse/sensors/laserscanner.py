@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.exceptions import MorseRPCTypeError
+from morse.core.limits import ANGLE
 from morse.core.local_data import Later, LocalData
 from morse.core.sensor import Sensor
 from morse.core.services import service
@@ -302,7 +303,7 @@ class LaserScannerRotationZ(LaserScanner):
         doc="A turning upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; it turns by 0.01745 rad a measurement.",
     )
 
-    add_property("_rotation", 0.01745, "rotation", "float", "Step about the Z axis after each measurement", unit="rad")
+    add_property("_rotation", 0.01745, "rotation", "float", "Step about the Z axis after each measurement", **ANGLE)
 
     turns = True
     _rotation: float

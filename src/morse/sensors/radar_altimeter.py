@@ -16,7 +16,16 @@ class RadarAltimeter(Sensor):
     _short_desc = "Compute the distance to the ground"
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.1, 0.8, 0.8)))
 
-    add_data("z", 0.0, "float", "Distance to the ground; infinite beyond reach", unit="m", low=0.0, allow=("inf",))
+    add_data(
+        "z",
+        0.0,
+        "float",
+        "Distance to the ground; infinite beyond reach",
+        unit="m",
+        frame="none",
+        low=0.0,
+        allow=("inf",),
+    )
     add_property("_max_range", 30.0, "MaxRange", "float", "How far it sees", unit="m", low=1e-3, allow=("inf",))
     add_kind("range", distance="z", min=0.0, max=prop("_max_range"), fov=0.0, radiation="radar")
 

@@ -1,0 +1,63 @@
+"""``morse check component``: does a component keep the contract?"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import typer
+
+from morse.cli.messages import CommandError, say
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.verification.contract import Report
+
+_USAGE = (
+    "Give names or files: `morse check component Pose`, `morse check component my_sim/src/my_sim/sensors/sonar.py`."
+)
+
+
+def check_components(names: Sequence[str], robot: str | None) -> int:
+    """Check components and print a report of each.
+
+    Args:
+        names: classes of scene scripts, or files.
+        robot: class of the robot that is to carry them.
+
+    Returns:
+        The exit status: 1 if a component breaks a rule.
+
+    Raises:
+        CommandError: there is nothing to check.
+    """
+    if not names:
+        raise CommandError(f"Which component? {_USAGE}", status=2)
+    # imported only now: it loads the simulator
+    from morse.verification.contract import SubjectError, check_component
+
+    passed = True
+    for name in names:
+        try:
+            reports = check_component(name, robot)
+        except SubjectError as error:
+            raise CommandError(f"{error}.") from None
+        for report in reports:
+            _print(report)
+            passed &= report.passed
+    return 0 if passed else 1
+
+
+def _print(report: Report) -> None:
+    carrier = f", on {report.robot}" if report.robot and report.robot != report.name else ""
+    typer.echo(f"{report.name}{carrier}{f' ({report.where})' if report.where else ''}")
+    for rule in report.checked:
+        faults = report.of(rule)
+        typer.echo(f"  {'NO ' if faults else 'yes'} {rule}")
+        for fault in faults:
+            typer.echo(f"      {fault.where or report.name}: {fault.text}")
+    say(f"{report.name} keeps the contract." if report.passed else f"{report.name}: {_count(len(report.faults))}.")
+
+
+def _count(faults: int) -> str:
+    return "1 fault" if faults == 1 else f"{faults} faults"

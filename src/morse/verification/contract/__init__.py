@@ -1,0 +1,18 @@
+"""The contract that every component keeps, and its check.
+
+The command ``morse check component`` prints what the check finds. Tests call it, of MORSE and of users::
+
+    from morse.verification.contract import check_component
+
+    def test_the_sonar_keeps_the_contract():
+        for report in check_component("src/my_sim/sensors/sonar.py"):
+            assert report.passed, report
+
+The rules are in `morse.verification.contract.rules`.
+"""
+
+from morse.verification.contract.check import check_component
+from morse.verification.contract.report import Fault, Report
+from morse.verification.contract.subjects import SubjectError
+
+__all__ = ["Fault", "Report", "SubjectError", "check_component"]

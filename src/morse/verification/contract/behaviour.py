@@ -1,0 +1,127 @@
+"""Rules on what a component does while nobody disturbs it."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import data_fields
+from morse.core.declarations.refused import numbers_in
+from morse.core.sensor import Sensor
+from morse.core.validation.fields import spec_of_field
+from morse.verification.contract.report import Fault
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from morse.verification.contract.said import Said
+    from morse.verification.contract.stand import Stand
+
+FITS, JSON, DETERMINISTIC = "data fit their declarations", "data are JSON", "deterministic under a seed"
+SAVED, RESET = "saved and restored", "a reset makes it new"
+
+#: ticks of a run: long enough for components that act once a second
+TICKS = 70
+_BEFORE_SAVING = 25
+
+
+def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterator[Fault]:
+    """All rules of this file.
+
+    Args:
+        stand: at the launch.
+        other: makes another one.
+    """
+    cls = type(stand.component)
+    place = stand.places.of_class(cls)
+    try:
+        first = stand.run(TICKS)
+    except (TypeError, ValueError) as error:
+        yield Fault(JSON, f"{error}: keep numbers, words, lists and dictionaries in local_data", place)
+        return
+    if stand.failed:
+        yield Fault(FITS, f"it fails when it acts: {said.last('no reason is given')}", place)
+        return
+    yield from _fits(stand)
+    yield from _is_json(stand, first)
+    with other() as again:
+        yield from _same(
+            DETERMINISTIC, first, again.run(TICKS), place, "take random numbers from self.context.random()"
+        )
+    yield from _saved(stand, other, place)
+    stand.simulation.restart(seed=1)
+    hint = "keep what changes in the component, not in its class or module"
+    yield from _same(RESET, first, stand.run(TICKS), place, hint)
+
+
+def _fits(stand: Stand) -> Iterator[Fault]:
+    """What it holds is what it declares."""
+    component, places = stand.component, stand.places
+    cls = type(component)
+    fields = data_fields(cls)
+    for name, value in component.local_data.items():
+        if name not in fields:
+            # what a compound sensor says is what its members say
+            if name not in component.context.components:
+                text = f"it publishes '{name}' without declaring it: add_data('{name}', ...)"
+                yield Fault(FITS, text, places.of_class(cls))
+            continue
+        field = fields[name]
+        is_finite = all(map(math.isfinite, numbers_in(value)))  # else it is no JSON, which is said elsewhere
+        if isinstance(component, Sensor) and is_finite:
+            try:
+                spec_of_field(field, field.default).check()(value)
+            except ValueError as error:
+                text = f"the data field '{name}' is {value!r:.80}, expected {error}"
+                yield Fault(FITS, text, places.of(cls, "add_data", name))
+
+
+def _is_json(stand: Stand, lines: list[bytes]) -> Iterator[Fault]:
+    cls = type(stand.component)
+    fields = data_fields(cls)
+    found: dict[str, float] = {}
+    for line in lines:
+        for name, value in json.loads(line).items():
+            allow = fields[name].allow if name in fields else ()
+            for number in _numbers(value):
+                if not math.isfinite(number) and str(number) not in allow:
+                    found.setdefault(name, number)
+    for name, number in found.items():
+        text = f"the data field '{name}' was {number}, which is not JSON: declare it by allow=('{number}',) or avoid it"
+        yield Fault(JSON, text, stand.places.of(cls, "add_data", name))
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, (list, dict)):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _numbers(item)
+
+
+def _same(rule: str, one: list[bytes], other: list[bytes], place: str, hint: str) -> Iterator[Fault]:
+    for tick, (a, b) in enumerate(zip(one, other, strict=True), 1):
+        if a != b:
+            names = [name for name, value in json.loads(a).items() if repr(value) != repr(json.loads(b).get(name))]
+            what = ", ".join(f"'{name}'" for name in names) or "the order of its data"
+            yield Fault(rule, f"two runs differ first in tick {tick}, in {what}: {hint}", place)
+            return
+
+
+def _saved(stand: Stand, other: Callable[[], Stand], place: str) -> Iterator[Fault]:
+    simulation = stand.simulation
+    simulation.restart(seed=1)
+    stand.run(_BEFORE_SAVING)
+    state = simulation.save()
+    for text in state.unsaved:
+        yield Fault(SAVED, f"{text} cannot be saved: keep plain data, or write get_state() and set_state()", place)
+    with other() as fresh:
+        fresh.simulation.restore(type(state).from_bytes(state.to_bytes()))
+        ahead = stand.run(TICKS - _BEFORE_SAVING), simulation.save().fingerprints()
+        again = fresh.run(TICKS - _BEFORE_SAVING), fresh.simulation.save().fingerprints()
+    yield from _same(SAVED, ahead[0], again[0], place, "a part of its state is not in its attributes")
+    if ahead[0] == again[0]:
+        parts = [name for name, value in ahead[1].items() if value != again[1].get(name)]
+        if parts:
+            yield Fault(SAVED, f"after the same ticks the states differ in {', '.join(parts)}", place)

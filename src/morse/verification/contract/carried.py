@@ -1,0 +1,73 @@
+"""Rule on middlewares: each of them carries the component, by a message kind or in the general form."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.datastream import DatastreamManager
+from morse.core.declarations import data_fields, says_nothing
+from morse.core.mapping import maps
+from morse.core.sensor import Sensor
+from morse.middleware import registry
+from morse.middleware.socket.encoding import to_json
+from morse.scene import StreamDeclaration
+from morse.verification.contract.report import Fault
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.verification.contract.stand import Stand
+
+CARRIED = "carried by every middleware"
+_KIND_STREAM = "morse.core.kind_stream.KindStream"
+_TICKS = 70
+
+
+class Listener(DatastreamManager):
+    """A middleware that writes every message as JSON, whatever its kind, and keeps none.
+
+    Attributes:
+        heard: number of messages.
+    """
+
+    def __init__(self, options: dict[str, Any], context: Any) -> None:
+        super().__init__(options, context)
+        self.heard = 0
+
+    @maps("general")
+    def general(self, _stream: Any, message: Any) -> None:
+        """Take a message.
+
+        Raises:
+            TypeError: a slot cannot be written.
+        """
+        to_json(dict(message.slots))
+        self.heard += 1
+
+    @maps("general", direction="IN")
+    def command(self, _stream: Any, _bound: Any, arrived: Any) -> Any:
+        """What has arrived, as it is."""
+        return arrived
+
+
+def carried(stand: Stand) -> Iterator[Fault]:
+    """Every installed middleware has a stream for it, and what it says fits its message kinds."""
+    component = stand.component
+    cls = type(component)
+    if not isinstance(component, (Sensor, Actuator)) or not data_fields(cls) or says_nothing(cls):
+        return
+    direction = "IN" if isinstance(component, Actuator) else "OUT"
+    place = stand.places.of_class(cls)
+    for name, middleware in registry.installed().items():
+        if middleware.stream_manager is not None and middleware.stream_of(cls, direction) is None:
+            yield Fault(CARRIED, f"'{name}' has no stream for it", place)
+    listener = Listener({}, stand.simulation.context)
+    try:
+        listener.connect(component, StreamDeclaration("check", _KIND_STREAM, direction, {}))
+        stand.run(_TICKS)
+    except Exception as error:
+        yield Fault(CARRIED, f"its message cannot be made: {type(error).__name__}: {error}", place)
+    if stand.failed:
+        yield Fault(CARRIED, "its message cannot be made: it is switched off when somebody listens", place)
+    listener.finalize()

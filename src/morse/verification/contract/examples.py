@@ -1,0 +1,50 @@
+"""Commands and values to try: some that fit a declaration, and many that do not."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import data_fields
+
+if TYPE_CHECKING:
+    from morse.core.declarations import DataField
+    from morse.core.object import Object
+
+#: a number that most quantities can have
+_SOME = 0.3
+_deep: list[Any] = []
+for _ in range(100):
+    _deep = [_deep]
+_endless: dict[str, Any] = {}
+_endless["again"] = _endless
+
+#: what clients send by mistake, or to do harm
+BAD_VALUES: tuple[Any, ...] = (
+    None, True, "nonsense", "", "\ud800", b"bytes", math.nan, math.inf, -math.inf, 1e308, -1e308, 1e30, -1e30, 5e-324,
+    -1, 0, 10**400, 2**63, [], {}, [[]], [math.nan] * 3, [1e308] * 3, ["a", "b", "c"], [1.0] * 1000, {"x": None}, _deep,
+    _endless, object(),
+)  # fmt: skip
+
+
+def example(component: Object) -> dict[str, Any]:
+    """A command for an actuator that fits what it declares."""
+    declared = data_fields(type(component))
+    values = {name: _example(declared[name], held) for name, held in component.local_data.items() if name in declared}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _example(field: DataField, held: Any) -> Any:
+    if isinstance(held, bool):
+        return not held
+    if isinstance(held, (int, float)):
+        return _inside(type(held)(held + _SOME), field)
+    if field.shape is not None and not field.quaternion and None not in field.shape and len(field.shape) == 1:
+        return [_inside(float(number) + _SOME, field) for number in held]
+    return None
+
+
+def _inside(number: Any, field: DataField) -> Any:
+    if field.low is not None and number < field.low:
+        return field.low
+    return field.high if field.high is not None and number > field.high else number

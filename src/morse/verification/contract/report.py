@@ -1,0 +1,55 @@
+"""What a check has found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class Fault(NamedTuple):
+    """A rule that a component breaks.
+
+    Attributes:
+        rule: its name, see `morse.verification.contract.rules.RULES`.
+        text: what was found, what is expected, and how to mend it.
+        where: file and line of the declaration; empty if there is none.
+    """
+
+    rule: str
+    text: str
+    where: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.rule}: {self.text}{f' ({self.where})' if self.where else ''}"
+
+
+@dataclass
+class Report:
+    """The outcome of the check of one component.
+
+    Attributes:
+        name: as scene scripts know it.
+        where: file and line of its class; empty if it could not be loaded.
+        robot: class of the robot that carried it; the component itself if it is a robot.
+        checked: the rules that were checked, in order.
+        faults: what was found.
+    """
+
+    name: str
+    where: str = ""
+    robot: str = ""
+    checked: list[str] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the component keeps every rule."""
+        return not self.faults
+
+    def of(self, rule: str) -> list[Fault]:
+        """The faults of one rule."""
+        return [fault for fault in self.faults if fault.rule == rule]
+
+    def __str__(self) -> str:
+        verdict = "keeps the contract" if self.passed else f"breaks it in {len(self.faults)} places"
+        return "\n".join([f"{self.name} {verdict}", *(f"  {fault}" for fault in self.faults)])

@@ -1,0 +1,207 @@
+"""A small world with a robot that carries the component, and things that it can sense."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from morse.builder.errors import ScriptError
+from morse.core.actuator import Actuator
+from morse.core.pending_commands import PendingCommands
+from morse.core.project_imports import ProjectImports
+from morse.launch.load import described, start
+from morse.middleware.socket.encoding import to_json
+from morse.simulation.loader import LoadError
+from morse.simulation.options import RunOptions
+from morse.verification.contract.examples import example
+from morse.verification.contract.places import Places
+from morse.verification.contract.subjects import Subject, SubjectError
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from morse.core.object import Object
+    from morse.simulation.simulation import Simulation
+    from morse.verification.contract.said import Said
+
+_NAME = "part"
+#: robots to try, and what drives each: components may need wheels, rotors or a steering wheel
+_CARRIERS = {
+    "ATRV": "MotionVW",
+    "Pioneer3DX": "MotionVWDiff",
+    "Quadrotor": "",
+    "QUAD2012": "",
+    "Hummer": "",
+    "Submarine": "",
+    "FakeRobot": "",
+}
+#: components that are appended to another one
+_HOLDERS = {"PTUPosture": "PTU"}
+_SCRIPT = """
+from morse.builder import *
+from morse.core.declarations import properties as _properties
+from morse.core.robot import Robot as _RobotClass
+{imports}
+
+def _carry(holder, component, name):
+    component.name = name
+    holder.append(component)
+    return component
+
+def _small(component):
+    # pictures of a few pixels tell as much as large ones
+    names = [declared.name for declared in _properties(component.component_class() or object).values()]
+    if "cam_width" in names:
+        component.properties(cam_width=32, cam_height=24)
+    for inner in component.children:
+        _small(inner)
+
+if issubclass({name}, (Robot, _RobotClass)):
+    part = {call}
+    part.translate(z=0.2)
+else:
+    _robot = {robot}()
+    _robot.name = "robot"
+    _robot.translate(z=0.2)
+    {drive}
+    _member = _carry(_robot, Pose(), "member")
+    part = _carry({holder}, {call}, "part")
+    _small(part)
+part.name = "part"
+{level}
+wall = Cube("Wall")
+wall.location = (4.0, 0.0, 1.0)
+wall.properties(Object=True, Fire=True, Robot_Tag=True, Injured=True, Catched_Object=True)
+wall._bpy_object.game.physics_type = "STATIC"
+env = Environment("empty")
+env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
+"""
+
+
+class Stand:
+    """A loaded simulation of the stand; use it as a context.
+
+    Attributes:
+        simulation: without sockets.
+        carrier: class path of the robot.
+        robot: name of its class.
+        name: the full name of the component.
+    """
+
+    def __init__(self, simulation: Simulation, carrier: str) -> None:
+        self.simulation = simulation
+        self.carrier = carrier
+        self.robot = carrier.rpartition(".")[2]
+        self._inbox: tuple[Actuator, PendingCommands] | None = None
+        self.name = _NAME if _NAME in simulation.context.robots else self._full_name()
+
+    def _full_name(self) -> str:
+        return next(name for name in self.simulation.context.components if name.rpartition(".")[2] == _NAME)
+
+    @property
+    def component(self) -> Object:
+        """The component as it is now: a restart makes another one."""
+        found = self.simulation.context.component(self.name)
+        assert found is not None
+        return found
+
+    @property
+    def failed(self) -> bool:
+        """Whether the simulation has switched the component off because it raised an exception."""
+        return self.name in self.simulation.context.failed
+
+    @property
+    def places(self) -> Places:
+        """Where its class declares what."""
+        project = self.simulation.scene.project
+        return Places(project.sources() if isinstance(project, ProjectImports) else {})
+
+    def run(self, ticks: int) -> list[bytes]:
+        """Let time pass while the component does something, and return what it says of itself, as JSON, tick by tick.
+
+        Raises:
+            TypeError: its data cannot be written as JSON.
+            ValueError: its data contain themselves.
+        """
+        component = self.component
+        if isinstance(component, Actuator):
+            self.publish(example(component))
+        drive = self.simulation.context.component("robot.drive")
+        if drive is not None:
+            drive.local_data.update(v=0.4, w=0.3)
+        said = []
+        for _ in range(ticks):
+            self.simulation.step()
+            said.append(to_json(component.local_data))
+        return said
+
+    def publish(self, message: Any) -> None:
+        """Give an actuator a command.
+
+        Raises:
+            CommandError: it does not fit.
+        """
+        component = self.component
+        assert isinstance(component, Actuator)
+        if self._inbox is None or self._inbox[0] is not component:
+            self._inbox = component, PendingCommands(component)
+        self._inbox[1].give(message)
+
+    def __enter__(self) -> Stand:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.simulation.close()
+
+
+def set_up(subject: Subject, said: Said, robot: str | None = None, level: str | None = None) -> Stand:
+    """The stand of a component, on the first robot that can carry it.
+
+    Args:
+        robot: class of `morse.builder` or ``package.module.Class``; None to try those of MORSE.
+        level: abstraction level; None for the usual one.
+
+    Raises:
+        SubjectError: no robot can carry it; the message is that of the first.
+    """
+    first: Exception | None = None
+    for carrier in (robot,) if robot else _CARRIERS:
+        try:
+            with said.unheard():
+                return Stand(_load(subject, _script(subject, carrier, level)), carrier)
+        except (LoadError, ScriptError, ValueError) as error:
+            first = first or error
+    hint = "" if robot else "; --robot names one that can carry it"
+    raise SubjectError(f"no robot can carry it{hint}: {first}")
+
+
+def _load(subject: Subject, text: str) -> Simulation:
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder, "stand.py")
+        script.write_text(text, encoding="utf-8")
+        options = RunOptions(
+            sockets=False,
+            view="none",
+            open_browser=False,
+            seed=1,
+            source_paths=list(subject.source_paths),
+            resource_paths=list(subject.resource_paths),
+        )
+        return start(described(script, options), options)
+
+
+def _script(subject: Subject, carrier: str, level: str | None) -> str:
+    package, _, robot = carrier.rpartition(".")
+    drive, holder = _CARRIERS.get(carrier, ""), _HOLDERS.get(subject.name, "")
+    return _SCRIPT.format(
+        imports="\n".join([subject.imports, f"from {package} import {robot}" if package else ""]),
+        name=subject.name,
+        call=subject.call,
+        robot=robot,
+        drive=f'_carry(_robot, {drive}(), "drive")' if drive else "",
+        holder=f'_carry(_robot, {holder}(), "holder")' if holder else "_robot",
+        level=f"part.level({level!r})" if level else "",
+    )

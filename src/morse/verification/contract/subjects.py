@@ -1,0 +1,112 @@
+"""What is to be checked: from a name of the library, or a file, to what a scene script writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import morse.builder
+from morse.builder import actuators, robots, sensors
+from morse.builder.names import catalog, sources
+from morse.core.hints import nearest
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator
+
+#: how scripts make components of the library that take arguments
+_ARGUMENTS = {"CompoundSensor": "[_member]"}
+
+
+class SubjectError(Exception):
+    """There is nothing to check; the message says what was looked for."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A component to check.
+
+    Attributes:
+        name: of the class in scene scripts.
+        imports: lines that a scene script begins with.
+        arguments: of the call that makes the component.
+        source_paths: folders of packages of the user.
+        resource_paths: folders of models of the user.
+    """
+
+    name: str
+    imports: str = ""
+    arguments: str = ""
+    source_paths: list[str] = field(default_factory=list)
+    resource_paths: list[str] = field(default_factory=list)
+
+    @property
+    def call(self) -> str:
+        """How a scene script makes it."""
+        return f"{self.name}({self.arguments})"
+
+
+def subjects(what: str | os.PathLike[str]) -> list[Subject]:
+    """The components that are meant.
+
+    Args:
+        what: the name of a class of `morse.builder`, or the path of a file with classes of components.
+
+    Raises:
+        SubjectError: there is no such name or file, or no component in it.
+    """
+    text = str(what)
+    if isinstance(what, Path) or text.endswith(".py") or "/" in text or "\\" in text:
+        return _of_file(Path(what).absolute())
+    if text not in library() and not _is_installed(text):
+        raise SubjectError(
+            f"there is no component '{text}' in MORSE{nearest(text, library())}; for one of your own, give its file"
+        )
+    return [Subject(text, arguments=_ARGUMENTS.get(text, ""))]
+
+
+def library() -> list[str]:
+    """The names of all sensors, actuators and robots that come with MORSE, sorted."""
+    names = {name for module in (sensors, actuators, robots) for name in module.__all__}
+    return sorted(name for name in names if not name.endswith("Creator"))
+
+
+def _is_installed(name: str) -> bool:
+    """Whether a package beside MORSE brings a component of that name."""
+    return bool(getattr(getattr(morse.builder, name, None), "_classpath", None))
+
+
+def _of_file(file: Path) -> list[Subject]:
+    if not file.is_file():
+        raise SubjectError(f"there is no file {file}")
+    root, module = _place(file)
+    try:
+        names = list(_components_in(file, module))
+    except SyntaxError as error:
+        raise SubjectError(f"{file.name}:{error.lineno}: SyntaxError: {error.msg}") from None
+    if not names:
+        raise SubjectError(
+            f"{file} has no class of a component: a public class that is derived from Sensor, Actuator or Robot"
+        )
+    data = root.parent / "data"
+    paths = [str(data)] if root.name == "src" and data.is_dir() else []
+    return [Subject(name, f"from {module} import {name}", "", [str(root)], paths) for name in names]
+
+
+def _components_in(file: Path, module: str) -> Iterator[str]:
+    for definition in sources.classes_of(file):
+        if definition.bases:
+            for entry in catalog.entries(module, definition, named=True):
+                if entry.product is None:
+                    yield definition.name
+
+
+def _place(file: Path) -> tuple[Path, str]:
+    """The folder below which a file is imported, and the name of its module."""
+    root = next((folder for folder in file.parents if folder.name == "src"), None)
+    if root is None:
+        root = file.parent
+        while (root / "__init__.py").is_file():
+            root = root.parent
+    return root, ".".join(file.relative_to(root).with_suffix("").parts)

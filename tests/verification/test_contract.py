@@ -1,0 +1,114 @@
+"""The check of the contract: the whole library keeps it, and whoever breaks a rule is told which, and where."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from contract_breakers import BREAKERS, BRITTLE_ACTUATOR, SOUND
+
+from morse.cli.app import execute
+from morse.verification.contract import SubjectError, check_component
+from morse.verification.contract.rules import RULES
+from morse.verification.contract.subjects import library
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+@pytest.mark.parametrize("name", library())
+def test_a_component_of_the_library_keeps_the_contract(name: str) -> None:
+    (report,) = check_component(name)
+    assert report.passed, str(report)
+    assert set(report.checked) == set(RULES)
+
+
+@pytest.fixture
+def sonar(tmp_path: Path) -> Path:
+    """The file of a component that keeps the contract."""
+    file = tmp_path / "sonar.py"
+    file.write_text(SOUND)
+    return file
+
+
+def test_a_component_of_ones_own_keeps_it(sonar: Path) -> None:
+    (report,) = check_component(sonar)
+    assert report.passed, str(report)
+    assert report.where.endswith("sonar.py:7")
+    assert report.robot == "ATRV"
+
+
+@pytest.mark.parametrize("case", BREAKERS)
+def test_a_broken_rule_is_named_with_its_line(case: str, sonar: Path) -> None:
+    rule, text, line = BREAKERS[case]
+    sonar.write_text(text)
+    (report,) = check_component(sonar)
+    assert {fault.rule for fault in report.faults} >= {rule}, str(report)
+    number = next((n for n, found in enumerate(text.splitlines(), 1) if line and line in found), None)
+    if number is not None:
+        assert any(fault.where.endswith(f"sonar.py:{number}") for fault in report.of(rule)), str(report)
+    # one mistake, and not a heap of consequences
+    assert {fault.rule for fault in report.faults} <= {rule, "saved and restored", "a reset makes it new"}
+
+
+def test_a_command_that_switches_an_actuator_off(tmp_path: Path) -> None:
+    file = tmp_path / "divider.py"
+    file.write_text(BRITTLE_ACTUATOR)
+    (report,) = check_component(file)
+    (fault,) = report.faults
+    assert fault.rule == "survives bad commands"
+    assert "number=0" in fault.text
+    assert "ZeroDivisionError" in fault.text
+    assert fault.where.endswith("divider.py:11")
+
+
+def test_the_command_prints_the_report(sonar: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["check", "component", str(sonar)]) == 0
+    said = capsys.readouterr()
+    assert "Sonar, on ATRV" in said.out
+    assert all(f"  yes {rule}\n" in said.out for rule in RULES)
+    assert said.err == ""
+    sonar.write_text(BREAKERS["unit"][1])
+    assert execute(["check", "component", str(sonar), "Clock"]) == 1
+    said = capsys.readouterr()
+    assert "sonar.py:12: the data field 'distance' has no unit" in said.out
+    assert "* Sonar: 1 fault." in said.out
+    assert "* Clock keeps the contract." in said.out
+
+
+@pytest.mark.parametrize(
+    ("words", "answer"),
+    [
+        (["component", "Posse"], "did you mean 'Pose'"),
+        (["component"], "Which component?"),
+        (["componen", "Pose"], "Did you mean 'component'?"),
+        (["--robot", "ATRV"], "--robot belongs to"),
+        (["component", "no/such/file.py"], "there is no file"),
+    ],
+)
+def test_what_cannot_be_checked_is_said_in_a_line(
+    words: list[str], answer: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["check", *words]) != 0
+    said = capsys.readouterr().err
+    assert answer in said
+    assert len(said.splitlines()) == 1
+
+
+def test_files_without_components(tmp_path: Path) -> None:
+    file = tmp_path / "empty.py"
+    file.write_text("x = 1\n")
+    with pytest.raises(SubjectError, match="no class of a component"):
+        check_component(file)
+    file.write_text("class A(:\n")
+    with pytest.raises(SubjectError, match=r"empty\.py:1: SyntaxError"):
+        check_component(file)
+
+
+def test_the_robot_may_be_chosen(sonar: Path) -> None:
+    (report,) = check_component(sonar, robot="Pioneer3DX")
+    assert report.passed
+    assert report.robot == "Pioneer3DX"
+    (report,) = check_component("MotionVWDiff", robot="ATRV")
+    assert [fault.rule for fault in report.faults] == ["can be put on a robot"]
+    assert "has no wheels" in report.faults[0].text
