@@ -6,7 +6,7 @@ import pytest
 from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus
 
-from morse.viewer.access import Access
+from morse.core.web_access import Access
 
 
 def refused(status: InvalidStatus) -> str:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
     from websockets.http11 import Request, Response
 
-    from morse.viewer.access import Access
+    from morse.core.web_access import Access
     from morse.viewer.view_messages import ServerMessage, Subject
 
 MOST_EVENTS = 1000

@@ -10,7 +10,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from morse.viewer.access import Access, is_loopback
+from morse.core.web_access import Access, is_loopback
 from morse.viewer.depot import Depot
 from morse.viewer.describe import describe, world_key
 from morse.viewer.hub import Hub, Wishes

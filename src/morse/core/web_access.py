@@ -1,4 +1,4 @@
-"""Which browsers may open the live view.
+"""Which browsers may use a server of the simulation: the live view, or a middleware.
 
 Any web page the user visits can make the browser connect to ``localhost``, and a name that first pointed elsewhere can
 be made to point there (DNS rebinding). So the host that the browser believes it talks to must be this machine, and
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import parse_qs, quote, unquote, urlsplit
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 def is_loopback(host: str) -> bool:
@@ -37,11 +37,28 @@ def _host_of(authority: str) -> str | None:
 class Access:
     """The rules for one server.
 
+    Args:
+        host: address to which the server is bound.
+        token: what has to be shown; one is made up if other machines can reach ``host``.
+        name: how messages call the server.
+        elsewhere: what to do to reach the server from another machine.
+        origins: other pages that may use the server, such as ``http://localhost:8080``.
+
     Attributes:
         token: what has to be shown, or None if being on this machine is enough.
     """
 
-    def __init__(self, host: str, token: str | None) -> None:
+    def __init__(
+        self,
+        host: str,
+        token: str | None,
+        *,
+        name: str = "live view",
+        elsewhere: str = "start with --view-token and --host",
+        origins: Sequence[str] = (),
+    ) -> None:
+        self._name, self._elsewhere = name, elsewhere
+        self._origins = frozenset(origin.lower().rstrip("/") for origin in origins)
         # an address that others can reach is never left open
         self.token = token or (None if is_loopback(host) else secrets.token_urlsafe(16))
 
@@ -58,14 +75,15 @@ class Access:
         host = _host_of(authority)
         if host is None or (self.token is None and not is_loopback(host)):
             return (
-                f"The live view answers on localhost only, not as '{authority}'. "
-                "To reach it from another machine, start with --view-token and --host, or use an ssh tunnel."
+                f"The {self._name} answers on localhost only, not as '{authority}'. "
+                f"To reach it from another machine, {self._elsewhere}, or use an ssh tunnel."
             )
         origin = headers.get("Origin")
-        if origin is not None and origin.lower().partition("://")[2] != authority.lower():
-            return f"Pages of {origin} may not use the live view of '{authority}'."
+        own = origin is None or origin.lower().partition("://")[2] == authority.lower()
+        if not own and str(origin).lower() not in self._origins:
+            return f"Pages of {origin} may not use the {self._name} of '{authority}'."
         if secret and self.token is not None and not self._shown(path, headers, cookie):
-            return "This live view wants the token that 'morse run' printed: open the address with ?token=..."
+            return f"This {self._name} wants the token that 'morse run' printed: open the address with ?token=..."
         return None
 
     def cookie(self, path: str, name: str) -> dict[str, str]:

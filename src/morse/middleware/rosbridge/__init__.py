@@ -1,0 +1,1 @@
+"""Topics and services for clients of rosbridge: JSON by WebSocket."""

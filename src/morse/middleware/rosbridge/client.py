@@ -1,0 +1,223 @@
+"""One client of rosbridge."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import msgspec
+
+from morse.core.hints import nearest
+from morse.core.quoting import short
+from morse.middleware.rosbridge import rosapi
+from morse.middleware.rosbridge.operations import Operation, parse
+from morse.middleware.web.hub import HubClient
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+
+    from morse.middleware.web.hub import Hub
+    from morse.middleware.web.topics import WebTopic
+
+_LEVELS = ("none", "error", "warning", "info")
+#: topics that a client may subscribe, advertise
+_MOST_TOPICS = 1024
+_LONGEST_NAME = 256
+
+
+class _Wish(NamedTuple):
+    """What a subscription asks for.
+
+    Attributes:
+        interval: least wall-clock time between two messages, s.
+        depth: messages that may wait; 0 for what the topic has.
+    """
+
+    interval: float
+    depth: int
+
+
+class RosbridgeClient(HubClient):
+    """Carries out the operations of a client."""
+
+    def __init__(self, hub: Hub, connection: ServerConnection) -> None:
+        super().__init__(hub, connection)
+        self._level = 1
+        #: topic to subscriptions by id
+        self._wishes: dict[str, dict[Any, _Wish]] = {}
+        self._last: dict[str, float] = {}
+        self._advertised: set[str] = set()
+
+    # -- topics ------------------------------------------------------------------------------
+
+    def show(self, topic: WebTopic, frame: Any) -> None:
+        """See `HubClient.show`."""
+        wish: _Wish = topic.readers[self]
+        if wish.interval > 0.0:
+            now = asyncio.get_running_loop().time()
+            if now - self._last.get(topic.topic, -math.inf) < wish.interval:
+                return
+            self._last[topic.topic] = now
+        taken = self.offer(topic.topic, frame, wish.depth or topic.qos.depth)
+        if not taken and topic.qos.reliable:
+            self.hub.server.complain(self, f"slow {self.peer}", f"reads {topic.topic} too slowly, it misses messages")
+
+    def topic_added(self, topic: WebTopic) -> None:
+        """See `HubClient.topic_added`."""
+        if topic.topic in self._wishes:
+            self._attach(topic)
+
+    def _attach(self, topic: WebTopic) -> None:
+        wishes = self._wishes[topic.topic].values()
+        is_new = self not in topic.readers
+        topic.readers[self] = _Wish(min(wish.interval for wish in wishes), max(wish.depth for wish in wishes))
+        if is_new and topic.last is not None:
+            self.offer(topic.topic, self.hub.frame(topic, *topic.last), topic.qos.depth)
+
+    def _subscribe(self, operation: Operation) -> None:
+        name = self._topic_of(operation)
+        topic = self._offered(name)
+        if topic is not None and operation.type and _of_ros_2(operation.type) != topic.type:
+            raise ValueError(f"the topic {short(name)} has the type {topic.type}, not {short(operation.type)}")
+        if name not in self._wishes and len(self._wishes) >= _MOST_TOPICS:
+            raise ValueError(f"more than {_MOST_TOPICS} topics")
+        rate, depth = operation.throttle_rate, operation.queue_length
+        wish = _Wish(max(0.0, rate) / 1000.0, int(min(max(0.0, depth), 1000.0)))
+        known = self._wishes.setdefault(name, {})
+        if len(known) >= _MOST_TOPICS:
+            raise ValueError(f"more than {_MOST_TOPICS} subscriptions to {short(name)}")
+        known[operation.id] = wish
+        if topic is not None:
+            self._attach(topic)
+
+    def _unsubscribe(self, operation: Operation) -> None:
+        name = self._topic_of(operation)
+        wishes = self._wishes.get(name, {})
+        if operation.id is None:
+            wishes.clear()
+        wishes.pop(operation.id, None)
+        topic = self._offered(name)
+        if wishes:
+            if topic is not None:
+                self._attach(topic)
+            return
+        self._wishes.pop(name, None)
+        self._last.pop(name, None)
+        if topic is not None:
+            topic.readers.pop(self, None)
+
+    def _offered(self, name: str) -> WebTopic | None:
+        return self.hub.topics.offered.get(name) if self.hub.topics is not None else None
+
+    def _topic_of(self, operation: Operation) -> str:
+        if not operation.topic or len(operation.topic) > _LONGEST_NAME:
+            raise ValueError(f"'{operation.op}' needs 'topic', the name of a topic")
+        # rosbridge takes names without the first slash, too
+        return operation.topic if operation.topic.startswith("/") else "/" + operation.topic
+
+    def _advertise(self, operation: Operation) -> None:
+        name = self._topic_of(operation)
+        heard = self.hub.topics.heard.get(name) if self.hub.topics is not None else None
+        if heard is not None and operation.type and _of_ros_2(operation.type) != heard.type:
+            raise ValueError(f"the topic {short(name)} has the type {heard.type}, not {short(operation.type)}")
+        if len(self._advertised) < _MOST_TOPICS:
+            self._advertised.add(name)
+
+    def _unadvertise(self, operation: Operation) -> None:
+        self._advertised.discard(self._topic_of(operation))
+
+    def _publish(self, operation: Operation) -> None:
+        name = self._topic_of(operation)
+        heard = self.hub.topics.heard if self.hub.topics is not None else {}
+        data = bytes(operation.msg)
+        if not data:
+            raise ValueError("'publish' needs 'msg', the message")
+        if name not in heard:
+            text = f"nobody hears {short(name)}{nearest(name, heard)}"
+            self.hub.server.complain(self, "nobody", text)
+            self._status("warning", text, operation.id)
+            return
+        for inlet in heard[name].inlets:
+            inlet.put(data)
+
+    # -- services ----------------------------------------------------------------------------
+
+    def _call_service(self, operation: Operation) -> None:
+        service = operation.service
+        if not service:
+            raise ValueError("'call_service' needs 'service', the name of a service")
+        service = service if service.startswith("/") else "/" + service
+        call = (operation.id, service)
+        if service.startswith("/rosapi/"):
+            values = rosapi.answer(self.hub, service, operation.args)
+            if values is None:
+                self.answer(call, f"there is no service {short(service)}{nearest(service, rosapi.SERVICES)}", b"")
+            else:
+                self.answer(call, None, msgspec.json.encode(values))
+        elif self.hub.requests is None:
+            self.answer(call, f"there is no service {short(service)}: the scene offers none on rosbridge", b"")
+        else:
+            self.hub.requests.call(self, call, service, operation.args)
+
+    def answer(self, call: Any, error: str | None, value: bytes) -> None:
+        """See `HubClient.answer`."""
+        number, service = call
+        if error is not None:
+            values = msgspec.json.encode(error)
+        else:
+            # 'values' is an object: the fields of the response of a service of ROS
+            values = value if value.startswith(b"{") else b'{"result":' + value + b"}"
+        head = {"op": "service_response", "service": service, "result": error is None}
+        if number is not None:
+            head["id"] = number
+        self.tell((msgspec.json.encode(head)[:-1] + b',"values":' + values + b"}").decode())
+
+    # -- the rest ----------------------------------------------------------------------------
+
+    def _set_level(self, operation: Operation) -> None:
+        if operation.level not in _LEVELS:
+            raise ValueError(f"'level' is one of {', '.join(_LEVELS)}")
+        self._level = _LEVELS.index(operation.level)
+
+    def _nothing(self, operation: Operation) -> None:
+        """Everybody who may connect may do everything."""
+
+    _operations = {  # noqa: RUF012 - never changed
+        "subscribe": _subscribe,
+        "unsubscribe": _unsubscribe,
+        "advertise": _advertise,
+        "unadvertise": _unadvertise,
+        "publish": _publish,
+        "call_service": _call_service,
+        "set_level": _set_level,
+        "auth": _nothing,
+    }
+
+    def received(self, frame: str | bytes) -> None:
+        """See `WebClient.received`."""
+        number = None
+        try:
+            operation = parse(frame)
+            number = operation.id
+            method = self._operations.get(operation.op)
+            if method is None:
+                raise ValueError(
+                    f"the operation {short(operation.op)} is not offered{nearest(operation.op, self._operations)}"
+                )
+            method(self, operation)
+        except ValueError as error:
+            self.hub.server.complain(self, "refused", str(error))
+            self._status("error", str(error), number)
+
+    def _status(self, level: str, text: str, number: Any) -> None:
+        if _LEVELS.index(level) <= self._level:
+            message = {"op": "status", "level": level, "msg": text}
+            if number is not None:
+                message["id"] = number
+            self.tell(msgspec.json.encode(message).decode())
+
+
+def _of_ros_2(name: str) -> str:
+    """``std_msgs/String`` of ROS 1 is ``std_msgs/msg/String``."""
+    return name.replace("/", "/msg/") if name.count("/") == 1 else name

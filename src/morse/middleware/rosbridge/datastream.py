@@ -1,0 +1,47 @@
+"""Carries data streams to clients of rosbridge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.middleware.rosbridge import json_form
+from morse.middleware.rosbridge.hub import RosbridgeHub
+from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
+from morse.middleware.web.hub import hub_of
+from morse.middleware.web.topics import WebTopics
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class RosbridgeTopics(WebTopics):
+    """Topics whose messages are JSON."""
+
+    def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
+        """See `morse.middleware.ros2.backends.backend.Backend.encode`."""
+        return json_form.encode(type_name, message)
+
+    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+        """See `morse.middleware.ros2.backends.backend.Backend.decode`."""
+        return json_form.decode(type_name, data)
+
+
+class RosbridgeDatastreamManager(Ros2DatastreamManager):
+    """The topics, messages and frames of ROS 2, as JSON by WebSocket.
+
+    Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge.mapping`.
+    """
+
+    classpath = "morse.middleware.rosbridge.datastream.RosbridgeDatastreamManager"
+    manager_options = MANAGER_OPTIONS
+    title = "rosbridge"
+    backend: RosbridgeTopics
+
+    def _make_backend(self) -> RosbridgeTopics:
+        return RosbridgeTopics(hub_of(self.context, RosbridgeHub))
+
+    def flush(self) -> None:
+        """A tick ends: time and frames, and all that was published."""
+        super().flush()
+        self.backend.flush()

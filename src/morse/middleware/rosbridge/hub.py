@@ -1,0 +1,28 @@
+"""The server of rosbridge, and how its messages look."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from morse.middleware.rosbridge.client import RosbridgeClient
+from morse.middleware.rosbridge.mapping import MANAGER_OPTIONS
+from morse.middleware.web.hub import Hub
+
+if TYPE_CHECKING:
+    from morse.middleware.web.topics import WebTopic
+
+
+class RosbridgeHub(Hub):
+    """See `morse.middleware.web.hub.Hub`."""
+
+    name = "rosbridge"
+    manager = "morse.middleware.rosbridge.datastream.RosbridgeDatastreamManager"
+    options = MANAGER_OPTIONS
+    client = RosbridgeClient
+
+    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> str:
+        """The operation ``publish``."""
+        name = msgspec.json.encode(topic.topic).decode()
+        return f'{{"op":"publish","topic":{name},"msg":{data.decode()}}}'

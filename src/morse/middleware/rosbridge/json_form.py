@@ -1,0 +1,196 @@
+"""Messages as rosbridge writes them: JSON, ``uint8[]`` in base64, numbers that are not finite as ``null``."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import math
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from morse.core.hints import nearest
+from morse.core.quoting import short, shown
+from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from morse.middleware.ros2.definitions import MessageField
+
+#: fields of ROS 1, which clients may still send
+_OF_ROS_1 = {"std_msgs/msg/Header": ("seq",), "builtin_interfaces/msg/Time": ("secs", "nsecs")}
+_BYTES = ("uint8", "int8")
+_encoder = msgspec.json.Encoder()
+
+
+def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
+    """A message with all its fields as JSON; those that are not given have their defaults.
+
+    Raises:
+        ValueError, TypeError: a value does not fit its field.
+    """
+    return _encoder.encode(_plain(type_name, message))
+
+
+def decode(type_name: str, data: bytes) -> dict[str, Any]:
+    """The message in JSON that may come from anybody; sequences of numbers become numpy arrays.
+
+    Raises:
+        ValueError: it is no message of that type; the text names the field.
+    """
+    try:
+        value = msgspec.json.decode(data)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise ValueError(f"no JSON ({error})") from None
+    return _message(type_name, value, "")
+
+
+# -- writing -----------------------------------------------------------------------------------
+
+
+def _plain(type_name: str, message: Mapping[str, Any]) -> dict[str, Any]:
+    known = _writers(type_name)
+    if not known.keys() >= message.keys():
+        raise ValueError(f"{type_name} has no field {sorted(message.keys() - known.keys())}")
+    return {name: write(message.get(name)) for name, write in known.items()}
+
+
+@cache
+def _writers(type_name: str) -> dict[str, Callable[[Any], Any]]:
+    return {field.name: _writer(field) for field in fields_of(type_name)}
+
+
+def _writer(field: MessageField) -> Callable[[Any], Any]:
+    if field.size != SINGLE:
+        return _bytes_writer(field) if field.type == "uint8" else _list_writer(field)
+    if field.type == "string":
+        return lambda value: "" if value is None else str(value)
+    if field.type not in PRIMITIVES:
+        return lambda value: _plain(field.type, value or {})
+    kind: Callable[[Any], Any] = bool if field.type == "bool" else float if "float" in field.type else int
+    return lambda value: kind(field.default if value is None else value)
+
+
+def _bytes_writer(field: MessageField) -> Callable[[Any], str]:
+    def write(value: Any) -> str:
+        if value is None:
+            value = bytes(field.size)
+        given = isinstance(value, (bytes, bytearray, memoryview))
+        return base64.b64encode(value if given else np.asarray(value, dtype=np.uint8).tobytes()).decode("ascii")
+
+    return write
+
+
+def _list_writer(field: MessageField) -> Callable[[Any], list[Any]]:
+    single = _writer(field._replace(size=SINGLE))
+
+    def write(value: Any) -> list[Any]:
+        if value is None:
+            return [single(None)] * field.size
+        items = value.tolist() if hasattr(value, "tolist") else list(value)
+        if field.size not in (SEQUENCE, len(items)):
+            raise ValueError(f"field '{field.name}' has {field.size} items, not {len(items)}")
+        return items if field.type in PRIMITIVES else [single(item) for item in items]
+
+    return write
+
+
+# -- reading -----------------------------------------------------------------------------------
+
+
+def _message(type_name: str, value: Any, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{where or 'the message'} is {shown(value)}, expected an object of {type_name}")
+    known = _readers(type_name)
+    for name in value:
+        if name not in known and name not in _OF_ROS_1.get(type_name, ()):
+            raise ValueError(f"{type_name} has no field {short(name)}{nearest(name, known)}")
+    return {name: read(value.get(name), f"{where}.{name}" if where else name) for name, read in known.items()}
+
+
+@cache
+def _readers(type_name: str) -> dict[str, Callable[[Any, str], Any]]:
+    return {field.name: _reader(field) for field in fields_of(type_name)}
+
+
+def _reader(field: MessageField) -> Callable[[Any, str], Any]:
+    if field.size != SINGLE:
+        return _numbers_reader(field) if field.type in PRIMITIVES else _items_reader(field)
+    if field.type == "string":
+        return _string
+    if field.type not in PRIMITIVES:
+        return lambda value, where: _message(field.type, {} if value is None else value, where)
+    return _number_reader(field)
+
+
+def _string(value: Any, where: str) -> str:
+    if value is None:
+        return ""
+    if not isinstance(value, str):
+        raise ValueError(f"{where} is {shown(value)}, expected a string")
+    return value
+
+
+def _number_reader(field: MessageField) -> Callable[[Any, str], Any]:
+    # every integer that a float can hold; infinity is written as null
+    low, high = -(1 << 1023), 1 << 1023
+    if field.type == "bool":
+        words = "true or false"
+    elif "float" in field.type:
+        words = "a number"
+    else:
+        words = f"an integer ({field.type})"
+        low, high = int(np.iinfo(field.type).min), int(np.iinfo(field.type).max)
+
+    def read(value: Any, where: str) -> Any:
+        if value is None:
+            return field.default if field.type != "bool" else False
+        is_number = isinstance(value, (int, float)) if "float" in field.type else isinstance(value, int)
+        if not is_number or isinstance(value, bool) != (field.type == "bool") or not low <= value <= high:
+            raise ValueError(f"{where} is {shown(value)}, expected {words}")
+        return float(value) if "float" in field.type else value
+
+    return read
+
+
+def _numbers_reader(field: MessageField) -> Callable[[Any, str], Any]:
+    single = _number_reader(field)
+    dtype = np.dtype("?" if field.type == "bool" else field.type)
+
+    def read(value: Any, where: str) -> Any:
+        if value is None:
+            return np.zeros(field.size, dtype)
+        if isinstance(value, str) and field.type in _BYTES:
+            try:
+                array = np.frombuffer(base64.b64decode(value, validate=True), dtype)
+            except (binascii.Error, ValueError):
+                raise ValueError(f"{where} is {shown(value)}, expected base64") from None
+        elif isinstance(value, list):
+            empty = math.nan if "float" in field.type else None
+            items = [empty if item is None else single(item, where) for item in value]
+            if None in items:
+                raise ValueError(f"{where} has null, expected numbers ({field.type})")
+            array = np.array(items, dtype)
+        else:
+            raise ValueError(f"{where} is {shown(value)}, expected a list of numbers")
+        if field.size not in (SEQUENCE, len(array)):
+            raise ValueError(f"{where} has {len(array)} items, expected {field.size}")
+        return array
+
+    return read
+
+
+def _items_reader(field: MessageField) -> Callable[[Any, str], Any]:
+    single = _reader(field._replace(size=SINGLE))
+
+    def read(value: Any, where: str) -> list[Any]:
+        if value is None:
+            return [single(None, where) for _ in range(field.size)]
+        if not isinstance(value, list) or field.size not in (SEQUENCE, len(value)):
+            raise ValueError(f"{where} is {shown(value)}, expected a list")
+        return [single(item, where) for item in value]
+
+    return read

@@ -1,0 +1,44 @@
+"""What clients of rosbridge send: version 2 of its protocol."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+Raw = msgspec.Raw
+
+
+class Operation(msgspec.Struct):
+    """An operation; fields that it does not use are not looked at.
+
+    Attributes:
+        op: name of the operation.
+        id: chosen by the client; answers have it, too.
+    """
+
+    op: str
+    id: str | int | None = None
+    topic: str | None = None
+    type: str | None = None
+    msg: Raw = Raw()
+    throttle_rate: float = 0.0
+    queue_length: float = 0.0
+    service: str | None = None
+    args: Any = None
+    level: str | None = None
+
+
+def parse(frame: str | bytes) -> Operation:
+    """The operation of a message.
+
+    Raises:
+        ValueError: it is none.
+    """
+    try:
+        return _decoder.decode(frame)
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        raise ValueError(f"no operation of rosbridge: {error}") from None
+
+
+_decoder = msgspec.json.Decoder(Operation)

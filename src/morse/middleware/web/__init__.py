@@ -1,0 +1,1 @@
+"""What the middlewares have in common that are reached by WebSocket."""

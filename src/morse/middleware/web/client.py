@@ -1,0 +1,136 @@
+"""One client: what waits to be sent to it, and how much it may send."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING
+
+from websockets.exceptions import ConnectionClosed
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+
+MOST_BYTES = 16 << 20
+"""Bytes that wait for a client; older data make room for newer data."""
+
+_MOST_TOLD = 4096
+#: messages of a client that are taken in one period, and its length, s
+_MOST_RECEIVED, _PERIOD = 500, 0.1
+
+
+class WebClient:
+    """A connection; everything here runs in the network thread.
+
+    Data that the client is too slow to read is dropped, the oldest of a topic first. Answers are never dropped: a
+    client that does not take them is disconnected.
+
+    Attributes:
+        connection: the WebSocket.
+        peer: address and port of the other side.
+    """
+
+    def __init__(self, connection: ServerConnection) -> None:
+        self.connection = connection
+        address = connection.remote_address
+        self.peer = f"{address[0]}:{address[1]}" if address else "?"
+        self._waiting: dict[int, tuple[object, str | bytes]] = {}
+        self._of_key: dict[object, deque[int]] = {}
+        self._serial = self._size = self._told = 0
+        self._wake = asyncio.Event()
+        self._received, self._period_ends = 0, 0.0
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether something waits to be sent."""
+        return bool(self._waiting)
+
+    def begin(self) -> None:
+        """The connection is open: say what the protocol begins with."""
+
+    def received(self, frame: str | bytes) -> None:
+        """A message has arrived."""
+        raise NotImplementedError
+
+    def ended(self) -> None:
+        """The connection has ended."""
+
+    # -- what is sent ------------------------------------------------------------------------
+
+    def tell(self, frame: str | bytes) -> None:
+        """Have an answer sent."""
+        self._told += 1
+        if self._told > _MOST_TOLD or self._size > 4 * MOST_BYTES:
+            self.connection.transport.abort()
+            return
+        self._add(None, frame)
+
+    def offer(self, key: object, frame: str | bytes, depth: int) -> bool:
+        """Have data sent, if the client is fast enough.
+
+        Args:
+            key: what the data are of.
+            frame: the message.
+            depth: messages of that key that may wait.
+
+        Returns:
+            False if older data were dropped.
+        """
+        numbers = self._of_key.setdefault(key, deque())
+        is_fast = len(numbers) < depth
+        while len(numbers) >= depth:
+            self._drop(numbers.popleft())
+        self._add(key, frame)
+        numbers.append(self._serial)
+        while self._size > MOST_BYTES and self._drop_oldest():
+            is_fast = False
+        return is_fast
+
+    def _add(self, key: object, frame: str | bytes) -> None:
+        self._serial += 1
+        self._waiting[self._serial] = (key, frame)
+        self._size += len(frame)
+        self._wake.set()
+
+    def _drop(self, number: int) -> None:
+        self._size -= len(self._waiting.pop(number)[1])
+
+    def _drop_oldest(self) -> bool:
+        oldest = next((number for number, (key, _) in self._waiting.items() if key is not None), None)
+        if oldest is None or oldest == self._serial:
+            return False
+        self._of_key[self._waiting[oldest][0]].remove(oldest)
+        self._drop(oldest)
+        return True
+
+    async def send_forever(self) -> None:
+        """Send what waits, until the connection ends."""
+        try:
+            while True:
+                await self._wake.wait()
+                self._wake.clear()
+                while self._waiting:
+                    number = next(iter(self._waiting))
+                    key, frame = self._waiting.pop(number)
+                    self._size -= len(frame)
+                    if key is None:
+                        self._told -= 1
+                    else:
+                        self._of_key[key].popleft()
+                    await self.connection.send(frame)
+        except ConnectionClosed:
+            pass  # the task that receives notices the end, too
+
+    # -- what arrives ------------------------------------------------------------------------
+
+    async def receive_forever(self) -> None:
+        """Take what arrives, until the connection ends; who sends too fast has to wait."""
+        loop = asyncio.get_running_loop()
+        async for frame in self.connection:
+            self.received(frame)
+            now = loop.time()
+            if now >= self._period_ends:
+                self._received, self._period_ends = 0, now + _PERIOD
+            self._received += 1
+            if self._received >= _MOST_RECEIVED:
+                await asyncio.sleep(self._period_ends - now)

@@ -1,0 +1,228 @@
+"""Services that clients of a WebSocket server call."""
+
+from __future__ import annotations
+
+import logging
+import re
+import traceback
+from collections import deque
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import msgspec
+
+from morse.core import status
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseError, MorseMethodNotFoundError, MorseRPCNbArgsError
+from morse.core.hints import nearest
+from morse.core.quoting import short
+from morse.core.request_manager import Outcome, RequestManager
+from morse.core.services import signature_of
+from morse.middleware.socket.encoding import plain
+from morse.middleware.web.hub import hub_of
+
+if TYPE_CHECKING:
+    import uuid
+
+    from morse.core.context import Context
+    from morse.middleware.web.hub import Hub, HubClient
+
+    #: client, what it has given with the call, why the call failed, result as JSON
+    _Answer = tuple[HubClient, Any, str | None, bytes]
+
+logger = logging.getLogger(__name__)
+
+MOST_CALLS = 256
+"""Calls of one client that go on, or wait."""
+
+#: a tick takes no more than this from its clients, s; the rest waits for the next one
+_LONGEST = 0.005
+
+_encoder = msgspec.json.Encoder(enc_hook=plain)
+
+
+class WebRequestManager(RequestManager):
+    """Services by name: ``/robot/motion/stop`` is the service ``stop`` of the component ``robot.motion``.
+
+    A service takes its arguments as a list, or as an object with their names.
+    """
+
+    hub_class: ClassVar[type[Hub]]
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._context = context
+        self._hub = hub_of(context, self.hub_class)
+        self.title = self._hub.name
+        #: component and service by name; replaced, never changed: the network thread reads it
+        self.paths: dict[str, tuple[str, str]] = {}
+        self._inbox: deque[tuple[HubClient, Any, str, Any]] = deque()
+        self._gone: deque[HubClient] = deque()
+        self._cancelled: deque[tuple[HubClient, Any]] = deque()
+        self._outbox: list[_Answer] = []
+        self._calls: dict[uuid.UUID, tuple[HubClient, Any]] = {}
+        self._complaints = Complaints(logger)
+
+    def initialization(self) -> bool:
+        """Open the server, if the topics have not done so."""
+        self._hub.join()
+        self._hub.requests = self
+        return True
+
+    def finalization(self) -> bool:
+        """Send the last answers."""
+        self._hand_over()
+        self._hub.requests = None
+        self._hub.leave()
+        return True
+
+    def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
+        """See `RequestManager.post_registration`."""
+        self.paths = {**self.paths, path_of(component_name, service): (component_name, service)}
+        self._context.network.post(self._tell_changed)
+        return True
+
+    def unregister(self, component_name: str) -> None:
+        """See `RequestManager.unregister`."""
+        super().unregister(component_name)
+        self.paths = {path: known for path, known in self.paths.items() if known[0] != component_name}
+        self._context.network.post(self._tell_changed)
+
+    # -- in the network thread ---------------------------------------------------------------
+
+    def _tell_changed(self) -> None:
+        for client in list(self._hub.server.clients):
+            client.services_changed()
+
+    def call(self, client: HubClient, call: Any, path: str, arguments: Any) -> None:
+        """A client calls a service; `HubClient.answer` will be called.
+
+        Args:
+            client: who calls.
+            call: what the client wants to get back with the answer.
+            path: name of the service.
+            arguments: a list, or an object with names.
+        """
+        if client.calls >= MOST_CALLS:
+            client.answer(call, f"{MOST_CALLS} calls of this client go on: wait for their end", b"")
+            return
+        client.calls += 1
+        self._inbox.append((client, call, path, arguments))
+        self._context.wake()
+
+    def cancel(self, client: HubClient, call: Any) -> None:
+        """A client wants a call to end."""
+        self._cancelled.append((client, call))
+        self._context.wake()
+
+    def gone(self, client: HubClient) -> None:
+        """A client has left."""
+        self._gone.append(client)
+
+    @staticmethod
+    def _deliver(answers: list[_Answer]) -> None:
+        for client, call, error, value in answers:
+            client.calls -= 1
+            client.answer(call, error, value)
+
+    # -- in the simulation thread ------------------------------------------------------------
+
+    def update(self) -> None:
+        """One tick."""
+        super().update()
+        self._hand_over()
+
+    def main(self) -> None:
+        """Process the requests that have arrived, for a few milliseconds at most."""
+        begin = perf_counter()
+        while self._inbox:
+            self._handle(*self._inbox.popleft())
+            if perf_counter() - begin > _LONGEST:
+                self._context.wake()
+                break
+        while self._cancelled:
+            client, wanted = self._cancelled.popleft()
+            for number, (caller, call) in list(self._calls.items()):
+                if caller is client and call == wanted:
+                    self.abort_request(number)
+        while self._gone:
+            client = self._gone.popleft()
+            for number, (caller, _) in list(self._calls.items()):
+                if caller is client:
+                    self.abandon(number)
+
+    def _handle(self, client: HubClient, call: Any, path: str, arguments: Any) -> None:
+        component, service = self.paths.get(path, ("", ""))
+        try:
+            if not service:
+                raise MorseMethodNotFoundError(f"there is no service {short(path)}{nearest(path, self.paths)}")
+            values = self._listed(component, service, arguments)
+            done, outcome = self.on_incoming_request(component, service, values)
+        except MorseError as error:
+            self._outbox.append((client, call, str(error), b""))
+        except Exception as error:  # of the service, which may be the user's
+            self._outbox.append((client, call, self._report(path, error), b""))
+        else:
+            if done:
+                self._answer(client, call, outcome)
+            else:
+                self._calls[outcome] = (client, call)
+
+    def _listed(self, component: str, service: str, arguments: Any) -> list[Any]:
+        """The arguments in their order."""
+        if arguments is None:
+            return []
+        if isinstance(arguments, list):
+            return arguments
+        if not isinstance(arguments, dict):
+            raise MorseRPCNbArgsError(f"{service}: arguments are a list, or an object with their names")
+        offered = self.find(component, service)
+        assert offered is not None
+        parameters = signature_of(offered.callback).parameters
+        for name in arguments:
+            if name not in parameters:
+                raise MorseRPCNbArgsError(f"{service} has no argument {short(name)}{nearest(name, parameters)}")
+        values = []
+        last = max((list(parameters).index(name) for name in arguments), default=-1)
+        for name, parameter in list(parameters.items())[: last + 1]:
+            if name not in arguments and parameter.default is parameter.empty:
+                raise MorseRPCNbArgsError(f"{service}: the argument '{name}' is missing")
+            values.append(arguments.get(name, parameter.default))
+        return values
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """See `RequestManager.on_service_completion`."""
+        self._answer(*self._calls.pop(request_id), result)
+
+    def _answer(self, client: HubClient, call: Any, outcome: Outcome) -> None:
+        state, value = outcome
+        error, data = None, b""
+        if state == status.SUCCESS:
+            try:
+                data = _encoder.encode(value)
+            except (TypeError, ValueError, OverflowError, RecursionError) as failure:
+                error = f"the result cannot be written as JSON: {failure}"
+        else:
+            error = f"{state}: {value}" if value else state
+        self._outbox.append((client, call, error, data))
+
+    def _report(self, path: str, error: Exception) -> str:
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        text = f'the service {path} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self._complaints.log(logging.ERROR, path, text)
+        return what
+
+    def _hand_over(self) -> None:
+        if self._outbox:
+            answers, self._outbox = self._outbox, []
+            self._context.network.post(self._deliver, answers)
+
+
+def path_of(component: str, service: str) -> str:
+    """The name of a service."""
+
+    def words(text: str) -> str:
+        return re.sub(r"[^A-Za-z0-9_/]", "_", text)
+
+    return f"/{words(component.replace('.', '/'))}/{words(service)}"

@@ -1,0 +1,193 @@
+"""A WebSocket server, as the simulation sees it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from urllib.parse import quote
+
+from websockets.asyncio.server import serve
+from websockets.exceptions import ConnectionClosed
+
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.web_access import Access
+from morse.middleware.web.client import WebClient
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from websockets.asyncio.server import Server, ServerConnection
+    from websockets.http11 import Request, Response
+
+    from morse.core.context import Context
+
+_C = TypeVar("_C", bound=WebClient)
+
+logger = logging.getLogger(__name__)
+
+MAX_MESSAGE = 4 << 20
+"""Bytes of a message of a client."""
+
+_TRIES = 10
+#: s: for the handshake, for an answer to a ping, for a farewell
+_PATIENCE, _SILENCE, _FAREWELL = 20.0, 120.0, 1.0
+
+
+class WebServer(Generic[_C]):
+    """Accepts clients on one port.
+
+    Args:
+        context: the simulation.
+        name: how messages call it.
+        options: see `morse.middleware.web.options.server_options`.
+        make: makes the client of a connection.
+        subprotocols: of which a client has to know one; empty for none.
+
+    Attributes:
+        clients: those that are connected; changed in the network thread.
+        port: where it listens; set by `start`.
+        complaints: about what clients do.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        name: str,
+        options: Mapping[str, Any],
+        make: Callable[[ServerConnection], _C],
+        subprotocols: Sequence[str] = (),
+    ) -> None:
+        self._context, self._name, self._make = context, name, make
+        self._subprotocols = list(subprotocols)
+        self._wanted, self._most = options["port"], options["most_clients"]
+        self._access = Access(
+            context.host,
+            options["token"],
+            name=name,
+            elsewhere="start with --host 0.0.0.0",
+            origins=_texts(name, options["origins"]),
+        )
+        self.clients: set[_C] = set()
+        self.port = 0
+        self.complaints = Complaints(logger)
+        self._server: Server | None = None
+        self._quiet = logging.Logger("morse.middleware.web.connections", logging.CRITICAL + 1)  # garbage is no news
+
+    def start(self) -> None:
+        """Listen.
+
+        Raises:
+            MorseMiddlewareError: no port is free.
+        """
+        self._context.network.call(self._open())
+        if self._wanted not in (0, self.port):
+            logger.warning("%s: port %d is in use, it is on port %d", self._name, self._wanted, self.port)
+        logger.info("%s: %s", self._name, self.address)
+
+    def stop(self) -> None:
+        """Send what waits, and close."""
+        self._context.network.call(self._close())
+
+    @property
+    def address(self) -> str:
+        """What clients connect to, with the token if there is one."""
+        host = self._context.host
+        shown = f"[{host}]" if ":" in host else host
+        token = self._access.token
+        return f"ws://{shown}:{self.port}" + (f"/?token={quote(token, safe='')}" if token else "")
+
+    # -- in the network thread ---------------------------------------------------------------
+
+    async def _open(self) -> None:
+        failure: OSError | None = None
+        for port in _ports(self._wanted):
+            try:
+                self._server = await serve(
+                    self._serve,
+                    self._context.host,
+                    port,
+                    process_request=self._check,
+                    subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
+                    compression=None,
+                    max_size=MAX_MESSAGE,
+                    open_timeout=_PATIENCE,
+                    ping_timeout=_SILENCE,
+                    close_timeout=_FAREWELL,
+                    server_header=None,
+                    logger=self._quiet,
+                )
+            except OSError as error:
+                failure = error
+                continue
+            self.port = int(next(iter(self._server.sockets)).getsockname()[1])
+            return
+        raise MorseMiddlewareError(
+            f"{self._name}: no port from {self._wanted} on can be had on {self._context.host}: {failure}; "
+            f"say another: env.configure_stream_manager('{self._name}', port=0)"
+        )
+
+    async def _close(self) -> None:
+        if self._server is None:
+            return
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_FAREWELL):
+                while any(client.is_behind for client in self.clients):
+                    await asyncio.sleep(0.005)
+        self._server.close(reason="The simulation has ended")
+        try:
+            async with asyncio.timeout(_FAREWELL):
+                await self._server.wait_closed()
+        except TimeoutError:
+            for client in self.clients:
+                client.connection.transport.abort()
+
+    def _check(self, connection: ServerConnection, request: Request) -> Response | None:
+        try:
+            refusal = self._access.refusal(request.path, request.headers, secret=True, cookie="")
+        except LookupError:
+            return connection.respond(HTTPStatus.BAD_REQUEST, "A header that may come once came twice.\n")
+        if refusal is not None:
+            self.complaints.warn("refused", f"{self._name}: {refusal}")
+            return connection.respond(HTTPStatus.FORBIDDEN, refusal + "\n")
+        if len(self.clients) >= self._most:
+            text = f"{self._name}: there are {self._most} clients already (most_clients)"
+            self.complaints.warn("full", text)
+            return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, text + "\n")
+        return None
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        client = self._make(connection)
+        self.clients.add(client)
+        sender = asyncio.create_task(client.send_forever())
+        try:
+            client.begin()
+            await client.receive_forever()
+        except ConnectionClosed:
+            pass  # a client may leave at any time
+        except Exception as error:  # whatever a client sends, the others are served
+            self.complaints.warn("failed", f"{self._name}: {client.peer}: {type(error).__name__}: {error}")
+        finally:
+            sender.cancel()
+            self.clients.discard(client)
+            client.ended()
+
+    def complain(self, client: WebClient, kind: str, text: str) -> None:
+        """Say in the log what a client does wrong."""
+        self.complaints.warn(kind, f"{self._name}: {client.peer}: {text}")
+
+
+def _ports(first: int) -> Iterator[int]:
+    yield from range(first, min(first + _TRIES, 65536)) if first else (0,)
+
+
+def _texts(name: str, given: Sequence[Any]) -> list[str]:
+    wrong = [one for one in given if not (isinstance(one, str) and "://" in one)]
+    if wrong:
+        raise MorseMiddlewareError(
+            f"{name}: the option 'origins' has {wrong[0]!r:.80}, expected addresses such as 'http://localhost:8080'"
+        )
+    return list(given)

@@ -1,0 +1,203 @@
+"""Topics that clients of a WebSocket server read and write, as a backend of the topics of ROS 2."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.complaints import Complaints
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+
+if TYPE_CHECKING:
+    from morse.middleware.web.hub import Hub
+
+logger = logging.getLogger(__name__)
+
+#: messages of a topic, and their bytes, that wait for the next action of an actuator
+_MOST_ARRIVED, _MOST_BYTES = 64, 8 << 20
+#: ticks whose messages wait for the network thread
+_MOST_TICKS = 32
+
+
+class WebTopic(Publisher):
+    """A topic that the simulation publishes.
+
+    Attributes:
+        topic, type, qos: as it was offered.
+        number: never that of another topic.
+        readers: the clients that have subscribed, with what they asked for; changed in the network thread.
+        last: of a latched topic, the stamp and the data of its last message.
+    """
+
+    def __init__(self, topics: WebTopics, number: int, topic: str, type_name: str, qos: Qos) -> None:
+        self.topic, self.type, self.qos, self.number = topic, type_name, qos, number
+        self.readers: dict[Any, Any] = {}
+        self.last: tuple[int, bytes] | None = None
+        self._topics = topics
+
+    def publish(self, data: bytes) -> bool:
+        """See `Publisher.publish`."""
+        stamp = self._topics.stamp()
+        if self.qos.latched:
+            self.last = (stamp, data)
+        if self.readers:
+            self._topics.put(self, stamp, data)
+        return True
+
+    def wanted(self) -> bool:
+        """See `Publisher.wanted`."""
+        return bool(self.readers)
+
+    def close(self) -> None:
+        """See `Publisher.close`."""
+        self._topics.withdraw(self)
+
+
+class WebInlet(Subscription):
+    """A topic that a component hears."""
+
+    def __init__(self, topics: WebTopics, topic: str) -> None:
+        self._topics, self._topic = topics, topic
+        self._lock = threading.Lock()
+        self._arrived: deque[bytes] = deque()
+        self._size = 0
+
+    def put(self, data: bytes) -> None:
+        """A message has arrived; older ones are dropped if there are too many. In the network thread."""
+        with self._lock:
+            self._arrived.append(data)
+            self._size += len(data)
+            while len(self._arrived) > _MOST_ARRIVED or (self._size > _MOST_BYTES and len(self._arrived) > 1):
+                self._size -= len(self._arrived.popleft())
+
+    def take(self) -> list[bytes]:
+        """See `Subscription.take`."""
+        if not self._arrived:
+            return []
+        with self._lock:
+            found = list(self._arrived)
+            self._arrived.clear()
+            self._size = 0
+        return found
+
+    def close(self) -> None:
+        """See `Subscription.close`."""
+        self._topics.stop_hearing(self._topic, self)
+
+
+class Heard(NamedTuple):
+    """A topic by which components are commanded.
+
+    Attributes:
+        type: of its messages.
+        inlets: who hears it.
+    """
+
+    type: str
+    inlets: tuple[WebInlet, ...]
+
+
+class WebTopics(Backend):
+    """The topics of one middleware. Methods are called from the simulation thread unless they say otherwise.
+
+    Attributes:
+        offered: what the simulation publishes, by name. A table is replaced, never changed, so that the network thread
+            may read it at any time.
+        heard: by which topics components are commanded.
+    """
+
+    def __init__(self, hub: Hub) -> None:
+        self.name = hub.name
+        self._hub = hub
+        hub.join()
+        hub.topics = self
+        self.opens = hub.server.address
+        self.offered: dict[str, WebTopic] = {}
+        self.heard: dict[str, Heard] = {}
+        self._numbers = itertools.count(1)
+        self._outbox: list[tuple[WebTopic, int, bytes]] = []
+        self._parcels: deque[list[tuple[WebTopic, int, bytes]]] = deque(maxlen=_MOST_TICKS)
+        self._posted = False
+        self._complaints = Complaints(logger)
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """See `Backend.publisher`."""
+        made = WebTopic(self, next(self._numbers), topic, type_name, qos)
+        self.offered = {**self.offered, topic: made}
+        self._hub.context.network.post(self._tell_added, made)
+        return made
+
+    def withdraw(self, topic: WebTopic) -> None:
+        """A topic is not published any more."""
+        self.offered = {name: one for name, one in self.offered.items() if one is not topic}
+        self._hub.context.network.post(self._tell_removed, topic)
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
+        """See `Backend.subscription`."""
+        inlet = WebInlet(self, topic)
+        known = self.heard.get(topic)
+        inlets = known.inlets if known is not None and known.type == type_name else ()
+        self.heard = {**self.heard, topic: Heard(type_name, (*inlets, inlet))}
+        return inlet
+
+    def stop_hearing(self, topic: str, inlet: WebInlet) -> None:
+        """A component hears a topic no more."""
+        known = self.heard.get(topic)
+        if known is not None:
+            left = tuple(one for one in known.inlets if one is not inlet)
+            others = {name: one for name, one in self.heard.items() if name != topic}
+            self.heard = {**others, topic: Heard(known.type, left)} if left else others
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def stamp(self) -> int:
+        """Simulated time, ns."""
+        return self._hub.context.clock.stamp()
+
+    def put(self, topic: WebTopic, stamp: int, data: bytes) -> None:
+        """Have a message sent at the end of the tick."""
+        self._outbox.append((topic, stamp, data))
+
+    def flush(self) -> None:
+        """A tick ends: hand over what was published."""
+        if not self._outbox and not self._hub.server.clients:
+            return
+        if len(self._parcels) == _MOST_TICKS:
+            self._complaints.warn("late", f"{self.name}: ticks are faster than messages can be sent: some are lost")
+        self._parcels.append(self._outbox)
+        self._outbox = []
+        if not self._posted:
+            self._posted = True
+            self._hub.context.network.post(self._send)
+
+    def close(self) -> None:
+        """See `Backend.close`."""
+        self.flush()
+        self._hub.topics = None
+        self._hub.leave()
+
+    # -- in the network thread ---------------------------------------------------------------
+
+    def _tell_added(self, topic: WebTopic) -> None:
+        for client in list(self._hub.server.clients):
+            client.topic_added(topic)
+
+    def _tell_removed(self, topic: WebTopic) -> None:
+        topic.readers.clear()
+        for client in list(self._hub.server.clients):
+            client.topic_removed(topic)
+
+    def _send(self) -> None:
+        self._posted = False
+        while self._parcels:
+            for topic, stamp, data in self._parcels.popleft():
+                if topic.readers:
+                    frame = self._hub.frame(topic, stamp, data)
+                    for client in list(topic.readers):
+                        client.show(topic, frame)
+        stamp = self.stamp()
+        for client in list(self._hub.server.clients):
+            client.tick(stamp)

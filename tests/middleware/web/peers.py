@@ -1,0 +1,57 @@
+"""Programs on the other side, each in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_HERE = Path(__file__).parent
+LIMIT = 60.0
+"""Wall-clock seconds after which the other side counts as lost."""
+
+
+def need(module: str) -> None:
+    """Skip the test if there is no such module; in CI, the test has failed."""
+    try:
+        __import__(module)
+    except ImportError:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"there is no module {module}")
+
+
+def talk(program: str | Path, step: Callable[[], object], *arguments: object) -> Any:
+    """Let time pass until a program has ended; its output, which is JSON unless it is a text.
+
+    Args:
+        program: a file beside this one, or a path.
+        step: lets a tick pass.
+        arguments: of the program.
+    """
+    path = program if isinstance(program, Path) else _HERE / program
+    with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complaints:
+        # files, since a pipe that nobody reads would hold up the other side
+        command = [sys.executable, str(path), *map(str, arguments)]
+        with subprocess.Popen(command, stdout=said, stderr=complaints) as other:
+            end = time.monotonic() + LIMIT
+            while other.poll() is None and time.monotonic() < end:
+                step()
+                time.sleep(0.002)  # so that the other process gets its turn
+            other.kill()
+        said.seek(0)
+        complaints.seek(0)
+        text = said.read()
+        assert other.returncode == 0, text + complaints.read()
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
