@@ -6,13 +6,13 @@ import itertools
 import logging
 import threading
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 
 from morse.core.complaints import Complaints
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 
 if TYPE_CHECKING:
-    from morse.middleware.web.hub import Hub
+    from morse.core.context import Context
 
 logger = logging.getLogger(__name__)
 
@@ -20,6 +20,24 @@ logger = logging.getLogger(__name__)
 _MOST_ARRIVED, _MOST_BYTES = 64, 8 << 20
 #: ticks whose messages wait for the network thread
 _MOST_TICKS = 32
+
+
+class TopicHub(Protocol):
+    """The part of `morse.middleware.web.hub.Hub` that topics use."""
+
+    name: ClassVar[str]
+    context: Context
+    server: Any
+    topics: Any
+
+    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> Any:
+        """See `morse.middleware.web.hub.Hub.frame`."""
+
+    def join(self) -> None:
+        """See `morse.middleware.web.hub.Hub.join`."""
+
+    def leave(self) -> None:
+        """See `morse.middleware.web.hub.Hub.leave`."""
 
 
 class WebTopic(Publisher):
@@ -109,7 +127,7 @@ class WebTopics(Backend):
         heard: by which topics components are commanded.
     """
 
-    def __init__(self, hub: Hub) -> None:
+    def __init__(self, hub: TopicHub) -> None:
         self.name = hub.name
         self._hub = hub
         hub.join()
