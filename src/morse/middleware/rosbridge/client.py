@@ -72,8 +72,9 @@ class RosbridgeClient(HubClient):
         wishes = self._wishes[topic.topic].values()
         is_new = self not in topic.readers
         topic.readers[self] = _Wish(min(wish.interval for wish in wishes), max(wish.depth for wish in wishes))
-        if is_new and topic.last is not None:
-            self.offer(topic.topic, self.hub.frame(topic, *topic.last), topic.qos.depth)
+        if is_new:
+            for stamp, data in tuple(topic.kept):
+                self.offer(topic.topic, self.hub.frame(topic, stamp, data), topic.qos.depth)
 
     def _subscribe(self, operation: Operation) -> None:
         name = self._topic_of(operation)

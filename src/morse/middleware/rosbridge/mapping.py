@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from morse.middleware.registry import Middleware
-from morse.middleware.ros2.mapping import MANAGER_OPTIONS as ROS_OPTIONS
 from morse.middleware.ros2.mapping import MIDDLEWARE as ROS2
 from morse.middleware.web.options import TOPIC_OPTIONS, server_options
 
 PORT = 9090
 SERVER_OPTIONS = server_options(PORT)
-MANAGER_OPTIONS = {**SERVER_OPTIONS, **{name: ROS_OPTIONS[name] for name in TOPIC_OPTIONS}}
+MANAGER_OPTIONS = {**SERVER_OPTIONS, **TOPIC_OPTIONS}
 
 MIDDLEWARE = Middleware(
     name="rosbridge",

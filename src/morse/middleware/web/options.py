@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from morse.core.declarations import Option
+from morse.middleware.ros2.mapping import MANAGER_OPTIONS
 
 LAST_PORT = 65535
 
@@ -21,5 +22,6 @@ def server_options(port: int) -> dict[str, Option]:
     }
 
 
-#: of the topics; see `morse.middleware.ros2.mapping`
-TOPIC_OPTIONS = ("clock", "tf", "localization", "namespace", "frame_prefix")
+#: options of ROS 2 that are about what carries its topics
+_OF_ROS_2 = ("backend", "domain_id", "interface")
+TOPIC_OPTIONS = {name: option for name, option in MANAGER_OPTIONS.items() if name not in _OF_ROS_2}

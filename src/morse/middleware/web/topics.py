@@ -47,20 +47,19 @@ class WebTopic(Publisher):
         topic, type, qos: as it was offered.
         number: never that of another topic.
         readers: the clients that have subscribed, with what they asked for; changed in the network thread.
-        last: of a latched topic, the stamp and the data of its last message.
+        kept: stamp and data of the last messages, for those who come later; empty unless the topic is latched.
     """
 
     def __init__(self, topics: WebTopics, number: int, topic: str, type_name: str, qos: Qos) -> None:
         self.topic, self.type, self.qos, self.number = topic, type_name, qos, number
         self.readers: dict[Any, Any] = {}
-        self.last: tuple[int, bytes] | None = None
+        self.kept: deque[tuple[int, bytes]] = deque(maxlen=qos.depth if qos.latched else 0)
         self._topics = topics
 
     def publish(self, data: bytes) -> bool:
         """See `Publisher.publish`."""
         stamp = self._topics.stamp()
-        if self.qos.latched:
-            self.last = (stamp, data)
+        self.kept.append((stamp, data))
         if self.readers:
             self._topics.put(self, stamp, data)
         return True
