@@ -34,6 +34,7 @@ class Clock:
         "_rate",
         "_samples",
         "_square",
+        "_stamped",
         "_start",
         "_wall",
         "frequency",
@@ -51,6 +52,7 @@ class Clock:
         self._origin = time.time() if absolute else 0.0
         self.tick = 0
         self.time = self._origin
+        self._stamped = (-1, 0)
         self._wall: float | None = None
         self._start: float | None = None
         self._samples = 0
@@ -69,11 +71,19 @@ class Clock:
             seconds: an earlier value of `time`; None for the present time.
         """
         tick = self.tick
+        if seconds is None or seconds == self.time:
+            # asked for by every component in every tick
+            if self._stamped[0] != tick:
+                self._stamped = (tick, self._stamp_of(tick))
+            return self._stamped[1]
         if isinstance(seconds, (int, float)) and math.isfinite(seconds):
             ticks = (seconds - self._origin) * self.frequency
             tick = round(ticks)
             if abs(ticks - tick) > _SAME_TICK:  # not a time of this clock
                 return round(seconds * 1e9)
+        return self._stamp_of(tick)
+
+    def _stamp_of(self, tick: int) -> int:
         nanoseconds = tick * 10**9 * self._rate.denominator
         return round(self._origin * 1e9) + (nanoseconds + self._rate.numerator // 2) // self._rate.numerator
 

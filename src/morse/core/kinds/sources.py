@@ -320,7 +320,11 @@ def as_slot(slot: Slot, value: Any) -> Any:
     import numpy as np
 
     given = getattr(value, "dtype", None)
-    dtype = str(given) if given is not None and str(given) in slot.dtypes else slot.dtype
+    if given is None:
+        made = np.array(value, dtype=slot.dtype, order="C")
+        made.flags.writeable = False
+        return made
+    dtype = str(given) if str(given) in slot.dtypes else slot.dtype
     array = np.ascontiguousarray(value, dtype=dtype).view()
     array.flags.writeable = False
     return array

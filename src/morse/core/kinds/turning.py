@@ -11,7 +11,6 @@ from morse.mathutils.rotations import (
     nine,
     product,
     quaternion_from_rotation,
-    rotation_from_euler,
     rotation_from_quaternion,
 )
 
@@ -27,7 +26,11 @@ _SHORTEST = 1e-9
 
 def quaternion_of(roll: float, pitch: float, yaw: float) -> Quaternion4:
     """The rotation about X by roll, then about Y by pitch, then about Z by yaw (fixed axes), rad."""
-    return quaternion_from_rotation(rotation_from_euler((roll, pitch, yaw), "XYZ"))
+    a, b, c = 0.5 * roll, 0.5 * pitch, 0.5 * yaw
+    cr, sr, cp, sp, cy, sy = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(c), math.sin(c)
+    w = cr * cp * cy + sr * sp * sy
+    x, y, z = sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy
+    return (w, x, y, z) if w >= 0.0 else (-w, -x, -y, -z)
 
 
 def angles_of(quaternion: Sequence[float]) -> tuple[float, float, float]:

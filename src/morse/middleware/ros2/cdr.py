@@ -7,7 +7,8 @@ sequences may be numpy arrays, ``uint8[]`` may be bytes.
 from __future__ import annotations
 
 import struct
-from functools import cache
+from functools import cache, lru_cache
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -63,6 +64,8 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 def _struct_writer(type_name: str) -> Write:
     if _letters(type_name) is not None:
         return _plain_writer(type_name)
+    if type_name == "std_msgs/msg/Header":
+        return _write_header
     parts = [(field.name, _writer(field)) for field in fields_of(type_name)]
     known = frozenset(name for name, _ in parts)
 
@@ -72,6 +75,28 @@ def _struct_writer(type_name: str) -> Write:
         _check_names(type_name, known, value)
 
     return write
+
+
+def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
+    """Begins most messages; the frames of a simulation are few."""
+    _check_names("std_msgs/msg/Header", _HEADER_FIELDS, value)
+    stamp = value.get("stamp") or {}
+    _align(buffer, 4)
+    buffer += _STAMP(stamp.get("sec", 0), stamp.get("nanosec", 0))
+    buffer += _string_bytes(value.get("frame_id") or "")
+
+
+#: letters of a string that may be a name
+_NAME = 100
+_HEADER_FIELDS = frozenset(("stamp", "frame_id"))
+_STAMP = struct.Struct("<iI").pack
+
+
+@lru_cache(maxsize=4096)
+def _string_bytes(text: str) -> bytes:
+    """A string with its length, at a place that is a multiple of 4."""
+    data = text.encode("utf-8", "replace").replace(b"\0", b"?")  # 0 ends a string
+    return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
 
 
 def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, Any]) -> None:
@@ -119,28 +144,47 @@ def _padded(letters: str, begin: int) -> Callable[..., bytes]:
 @cache
 def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]:
     """Appends the numbers of a message of fixed length to a list."""
+    fields = fields_of(type_name)
     parts = [
-        (field, None if field.type in PRIMITIVES else _collector(field.type), _default(field))
-        for field in fields_of(type_name)
+        (field.name, field.size, None if field.type in PRIMITIVES else _collector(field.type), _default(field))
+        for field in fields
     ]
-    known = frozenset(field.name for field, _, _ in parts)
+    known = frozenset(name for name, _, _, _ in parts)
 
     def collect(value: Mapping[str, Any], numbers: list[Any]) -> None:
         _check_names(type_name, known, value)
-        for field, inner, default in parts:
-            given = value.get(field.name)
+        for name, size, inner, default in parts:
+            given = value.get(name)
             if inner is not None:
                 inner(given or {}, numbers)
-            elif field.size == SINGLE:
+            elif size == SINGLE:
                 numbers.append(default if given is None else given)
             elif given is None:
-                numbers += [default] * field.size
+                numbers += [default] * size
             else:
-                if len(given) != field.size:
-                    raise ValueError(f"field '{field.name}' has {field.size} items, not {len(given)}")
+                if len(given) != size:
+                    raise ValueError(f"field '{name}' has {size} items, not {len(given)}")
                 numbers += given.tolist() if hasattr(given, "tolist") else given
 
-    return collect
+    if len(fields) < 2 or any(field.size != SINGLE or field.type not in PRIMITIVES for field in fields):
+        return collect
+    all_of = itemgetter(*(field.name for field in fields))
+
+    def collect_all(value: Mapping[str, Any], numbers: list[Any]) -> None:
+        """Vectors and quaternions, which usually have all of their numbers."""
+        if len(value) != len(fields):
+            collect(value, numbers)
+            return
+        try:
+            given = all_of(value)
+        except KeyError:
+            given = (None,)
+        if None in given:
+            collect(value, numbers)
+        else:
+            numbers += given
+
+    return collect_all
 
 
 def _default(field: MessageField) -> float:
@@ -218,9 +262,9 @@ def _write_count(buffer: bytearray, count: int) -> None:
 
 def _write_string(buffer: bytearray, value: Any) -> None:
     text = "" if value is None else value
-    data = text.encode("utf-8", "replace").replace(b"\0", b"?")  # 0 ends a string
-    _write_count(buffer, len(data) + 1)
-    buffer += data + b"\0"
+    _align(buffer, 4)
+    # names of frames and joints come again and again, texts do not
+    buffer += _string_bytes(text) if len(text) < _NAME else _string_bytes.__wrapped__(text)
 
 
 # -- reading -----------------------------------------------------------------------------------

@@ -27,22 +27,29 @@ def header(message: Message, frame: str) -> dict[str, Any]:
     return {"stamp": time(message.stamp), "frame_id": frame}
 
 
+def _floats(numbers: Any) -> list[float]:
+    given: list[float] = numbers.tolist() if type(numbers) is np.ndarray else [float(number) for number in numbers]
+    return given
+
+
 def xyz(vector: Sequence[float] | None) -> dict[str, float]:
     """``Vector3`` or ``Point``; zero for None."""
     if vector is None:
         return {}
-    x, y, z = vector
-    return {"x": float(x), "y": float(y), "z": float(z)}
+    x, y, z = _floats(vector)
+    return {"x": x, "y": y, "z": z}
 
 
 def quaternion(wxyz: Sequence[float] | None) -> dict[str, float]:
     """``Quaternion`` of length 1; no rotation for None, or for one without length."""
     if wxyz is None:
         return {}
-    w, x, y, z = (float(number) for number in wxyz)
+    w, x, y, z = _floats(wxyz)
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if not 0.0 < length < math.inf:
         return {}
+    if length == 1.0:
+        return {"x": x, "y": y, "z": z, "w": w}
     return {"x": x / length, "y": y / length, "z": z / length, "w": w / length}
 
 

@@ -51,6 +51,7 @@ class Ros2Stream(KindStream):
         """
         super().initialize()
         self.robot = robot_of(self.component_instance)
+        self._frame_ids: dict[str, str] = {}
         self._sending: list[tuple[BoundKind, list[_Sending]]] = []
         self._hearing: list[_Hearing] = []
         for bound in self.kinds:
@@ -66,6 +67,8 @@ class Ros2Stream(KindStream):
                 ]
             else:
                 self._sending.append((bound, self._offered(bound, ports)))
+        odometry = [bound for bound in self.kinds if bound.kind.name == "odometry"]
+        self._odometry = odometry[0] if odometry and self.gives_transform else None
         if self.direction == "OUT":
             self._offer_fields()
             self.manager.robots.add(self)
@@ -86,6 +89,12 @@ class Ros2Stream(KindStream):
 
     def frame_id(self, frame: str) -> str:
         """The name of a frame of the component; that of its messages may be an option of the stream."""
+        known = self._frame_ids.get(frame)
+        if known is None:
+            known = self._frame_ids[frame] = self._find_frame_id(frame)
+        return known
+
+    def _find_frame_id(self, frame: str) -> str:
         given = self.kwargs["frame_id"]
         if given and (not self.kinds or frame == self.kinds[0].frame):
             return str(given)
@@ -137,7 +146,7 @@ class Ros2Stream(KindStream):
             return super().default(ci)
         for bound, lines in self._sending:
             wanted = [line for line in lines if line.publisher.wanted()]
-            moves = self.gives_transform and bound.kind.name == "odometry" and self.manager.wants_transforms()
+            moves = bound is self._odometry and self.manager.wants_transforms()
             if not wanted and not moves:
                 continue
             message = bound.gather()

@@ -110,10 +110,11 @@ def _qos(qos: Qos) -> DdsQos:
 
 class _Writer(Publisher):
     def __init__(self, participant: DomainParticipant, topic: Any, qos: Qos) -> None:
-        self._topic, self._writer = topic, DataWriter(participant, topic, qos=_qos(qos))
+        self._writer = DataWriter(participant, topic, qos=_qos(qos))
+        self._sample = topic.data_type()
 
     def publish(self, data: bytes) -> bool:
-        sample = self._topic.data_type()
+        sample = self._sample
         sample.data = data
         try:
             self._writer.write(sample)
@@ -125,7 +126,7 @@ class _Writer(Publisher):
         return bool(self._writer.get_publication_matched_status().current_count)
 
     def close(self) -> None:
-        self._writer = self._topic = None
+        self._writer = None
 
 
 class _Reader(Subscription):
