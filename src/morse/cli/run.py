@@ -86,6 +86,14 @@ def command(
             show_default=False,
         ),
     ] = None,
+    record: Annotated[
+        str | None,
+        typer.Option("--record", metavar="FILE.mcap", help="Record the run: sensors, frames, log, inputs."),
+    ] = None,
+    record_only: Annotated[
+        str | None,
+        typer.Option("--record-only", metavar="NAME[,NAME]", help="The sensors to record (default: all)."),
+    ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
 ) -> int:
     """Run a simulation scene.
@@ -113,6 +121,8 @@ def command(
         profile=profile,
         strict=strict,
         interfaces=["ros2"] if ros2 else [],
+        record=_record(record),
+        record_only=_names(record_only, record),
     )
     options.watch = options.view == "web" if watch is None else watch
     if view_port is not None:
@@ -212,6 +222,29 @@ def _port(port: int) -> int:
     if not 0 <= port <= 65535:
         raise CommandError(f"--view-port is a number from 1 to 65535, or 0 for any free port; got {port}.", status=2)
     return port
+
+
+def _record(path: str | None) -> str | None:
+    if path is None:
+        return None
+    if os.path.isfile(path):
+        raise CommandError(
+            f"--record: {path} exists already, and recordings overwrite nothing: choose another name.", 2
+        )
+    folder = os.path.dirname(os.path.abspath(path))
+    if not path or os.path.isdir(path) or not os.path.isdir(folder):
+        raise CommandError(
+            f"--record takes the path of a file in a folder that exists, e.g. run.mcap; got '{path}'.", 2
+        )
+    return path
+
+
+def _names(names: str | None, record: str | None) -> list[str]:
+    if names is None:
+        return []
+    if record is None:
+        raise CommandError("--record-only says which sensors --record writes: give both.", 2)
+    return [name.strip() for name in names.split(",") if name.strip()]
 
 
 def _token(token: str | None) -> str | None:

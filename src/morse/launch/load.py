@@ -157,10 +157,11 @@ def resolve(scene: Scene) -> None:
 
 
 def complete(simulation: Simulation) -> None:
-    """Make the components, open the live view and watch the files, as the options ask for.
+    """Make the components, open the live view, watch the files and record, as the options ask for.
 
     Raises:
         LoadError: a component cannot be made.
+        RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
     from morse.physics.overlaps import overlaps
@@ -177,3 +178,5 @@ def complete(simulation: Simulation) -> None:
         from morse.simulation.watching.watch import Watch
 
         simulation.observers.append(Watch(simulation))
+    if simulation.options.record is not None:
+        simulation.record(simulation.options.record, simulation.options.record_only or None)

@@ -135,6 +135,8 @@ def _start(scene: Scene, options: RunOptions) -> Simulation | None:
     managers = list(simulation.context.stream_managers)
     for line in summary(simulation.context, simulation.loaded.modifiers, managers):
         logger.info("%s", line)
+    for recorder in simulation.recorders:
+        logger.info("the run is recorded in %s", recorder.path)
     if simulation.view is not None:
         simulation.view.announce()
     endsection("SCENE INITIALIZED")
@@ -204,6 +206,7 @@ def _write_trace(profile: Profile) -> None:
 def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None:
     if simulation is None or simulation.finished:
         return
+    simulation.end_recordings()
     section("COMPONENTS FINALIZATION")
     simulation.finalize_components()
     section("CLOSING REQUEST MANAGERS...")

@@ -140,6 +140,44 @@ class _NoReferences:
         raise StateError(f"an input cannot hold {name!r:.60}")
 
 
+def entry_to_bytes(entry: Entry) -> bytes:
+    """One input, for a file.
+
+    Raises:
+        ValueError: a robot was spawned by a function of the process, which a file cannot hold.
+    """
+    return _encoder.encode(_packed(entry))
+
+
+def entry_from_bytes(data: bytes) -> Entry:
+    """The input in the bytes that `entry_to_bytes` gave.
+
+    Raises:
+        StateError: they are damaged.
+    """
+    try:
+        return _unpacked(msgspec.msgpack.decode(data))
+    except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
+        raise StateError(f"an input is damaged: {error}") from None
+
+
+def waiting_to_bytes(waiting: dict[str, dict[str, Any]]) -> bytes:
+    """Commands that are not taken yet, for a file."""
+    return _encoder.encode(Writer(_NoReferences()).value(waiting))
+
+
+def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
+    """The commands in the bytes that `waiting_to_bytes` gave.
+
+    Raises:
+        StateError: they are damaged.
+    """
+    try:
+        return dict(Reader(_NoReferences()).value(msgspec.msgpack.decode(data)))
+    except (ValueError, TypeError, LookupError, RecursionError, ArithmeticError) as error:
+        raise StateError(f"the commands at the end are damaged: {error}") from None
+
+
 def _packed(entry: Entry) -> list[Any]:
     content: Any = entry.content
     if entry.kind == RESTORE:

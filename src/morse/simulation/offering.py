@@ -9,6 +9,7 @@ from morse.services.communication_services import CommunicationServices
 from morse.services.lockstep_services import LockstepServices
 from morse.services.population_services import PopulationServices
 from morse.services.pull_services import PullServices
+from morse.services.recording_services import RecordingServices
 from morse.services.state_services import StateServices
 from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
@@ -33,6 +34,7 @@ def offer_services(simulation: Running) -> None:
         Supervision(context, simulation.stop),
         LockstepServices(simulation),
         StateServices(simulation),
+        RecordingServices(simulation),
         PopulationServices(simulation),
         ViewpointServices(scene.settings.view, simulation.viewpoint_changed),
         pull,

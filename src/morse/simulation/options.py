@@ -28,6 +28,8 @@ class RunOptions:
         profile: measure what takes the time.
         watch: follow models and components that are saved while the simulation runs.
         strict: an unknown or ill-typed field in a message is an error.
+        record: path of the file in which the run is recorded; None for no recording.
+        record_only: full names of the sensors that are recorded; empty for all.
     """
 
     script: str = ""
@@ -48,3 +50,5 @@ class RunOptions:
     profile: bool = False
     watch: bool = False
     strict: bool = False
+    record: str | None = None
+    record_only: list[str] = field(default_factory=list)

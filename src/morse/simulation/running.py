@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.physics import World
+    from morse.recording.recorder import Recorder
     from morse.scene import Scene
     from morse.simulation.futures import LocalFuture
     from morse.simulation.loader import Loaded
@@ -57,6 +58,7 @@ class Running(Protocol):
     options: RunOptions
     pacer: Pacer
     loaded: Loaded
+    recorders: list[Recorder]
 
     @property
     def population(self) -> Populated:
@@ -84,6 +86,9 @@ class Running(Protocol):
 
     def seed(self) -> int:
         """The seed of all random numbers."""
+
+    def _check_open(self) -> None:
+        """Refuse to go on if the simulation is closed."""
 
     def schedule(self) -> None:
         """The components are other ones."""
@@ -126,6 +131,9 @@ class Running(Protocol):
 
     def save(self, path: str | os.PathLike[str] | None = None) -> State:
         """All that determines the future."""
+
+    def record(self, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
+        """Record the run in a file."""
 
     def restore(self, state: State | str | os.PathLike[str]) -> None:
         """Go on from a state."""

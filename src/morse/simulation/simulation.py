@@ -16,14 +16,13 @@ from morse.physics import World
 from morse.simulation.component_handles import normalized
 from morse.simulation.faults import describe
 from morse.simulation.handles import Handles
-from morse.simulation.input_recording import InputRecorder
 from morse.simulation.loader import Loaded, LoadError, connect, load_components, make_stream_manager
 from morse.simulation.loop import Loop
 from morse.simulation.offering import offer_services
 from morse.simulation.ownership import Ownership
 from morse.simulation.population import Population, check_newcomer
 from morse.simulation.profile import Profile
-from morse.simulation.replaying import Replay
+from morse.simulation.recorded import Recorded
 from morse.simulation.saving import Saving
 from morse.simulation.state import State
 from morse.simulation.stepping import Stepping
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
     from morse.core.journal import Journal
     from morse.core.observer import Observer
     from morse.scene import Scene
-    from morse.simulation.input_recording import InputRecording
     from morse.simulation.options import RunOptions
 
 
@@ -48,7 +46,7 @@ def _nobody(_outcome: tuple[str, Any]) -> None:
     """Nobody waits for the end of the steps."""
 
 
-class Simulation(Handles):
+class Simulation(Recorded, Handles):
     """A loaded scene that can be run; `morse.load` makes one.
 
     Robots are attributes, and their components are attributes of them, with the words of `pymorse.Morse`: see
@@ -245,23 +243,6 @@ class Simulation(Handles):
         if controls != self.context.controls:
             self.context.controls = controls
             self.journal.note(CONTROLS, "", (sorted(keys), list(axes), robot))
-
-    def record_inputs(self) -> InputRecorder:
-        """Record everything that comes in from now on; see `replay`."""
-        return InputRecorder(self)
-
-    def replay(self, recording: InputRecording, each_tick: Callable[[], object] | None = None) -> None:
-        """Run again what was recorded, from the beginning of the recording to its end: the same to the bit.
-
-        Args:
-            recording: of a simulation of the same scene.
-            each_tick: called after every tick.
-
-        Raises:
-            StateError: the recording belongs to another scene.
-        """
-        self._check_open()
-        Replay(self, recording).run(each_tick)
 
     # -- those who look on -----------------------------------------------------------------
 
@@ -465,6 +446,7 @@ class Simulation(Handles):
         if self.finished:
             return
         self._time.take_over(self.context.wake)
+        self.end_recordings()
         with acting(self.context):
             self.finalize_components()
             self.finalize_services()

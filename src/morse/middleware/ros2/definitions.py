@@ -24,9 +24,9 @@ std_msgs/MultiArrayLayout: std_msgs/MultiArrayDimension[] dim, uint32 data_offse
 std_msgs/Float32MultiArray: std_msgs/MultiArrayLayout layout, float32[] data
 std_msgs/Float64MultiArray: std_msgs/MultiArrayLayout layout, float64[] data
 std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a
+rosgraph_msgs/Clock: builtin_interfaces/Time clock
 rcl_interfaces/Log: builtin_interfaces/Time stamp, uint8 level, string name, string msg,
     string file, string function, uint32 line
-rosgraph_msgs/Clock: builtin_interfaces/Time clock
 geometry_msgs/Vector3: float64 x, float64 y, float64 z
 geometry_msgs/Point: float64 x, float64 y, float64 z
 geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w = 1
@@ -160,3 +160,34 @@ def fields_of(type_name: str) -> tuple[MessageField, ...]:
         return messages()[type_name]
     except KeyError:
         raise MorseMiddlewareError(f"the ROS message {type_name} is not known") from None
+
+
+def definition(type_name: str) -> str:
+    """A message and all that it contains, in the language of ``.msg`` files with separators, as bags hold it.
+
+    Raises:
+        MorseMiddlewareError: there is no such message.
+    """
+    needed, waiting = [type_name], [type_name]
+    while waiting:
+        inner = [field.type for field in fields_of(waiting.pop(0)) if "/" in field.type]
+        new = [name for name in dict.fromkeys(inner) if name not in needed]
+        needed += new
+        waiting += new
+    return _SEPARATOR.join(
+        (f"MSG: {_short(name)}\n" if name != type_name else "") + "\n".join(map(_line, fields_of(name)))
+        for name in needed
+    )
+
+
+_SEPARATOR = "\n" + 80 * "=" + "\n"
+
+
+def _short(name: str) -> str:
+    return name.replace("/msg/", "/")
+
+
+def _line(field: MessageField) -> str:
+    bracket = "" if field.size == SINGLE else f"[{field.size or ''}]"
+    default = f" {field.default:g}" if field.default else ""
+    return f"{_short(field.type)}{bracket} {field.name}{default}"

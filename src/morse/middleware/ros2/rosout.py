@@ -36,6 +36,11 @@ class LogTopic(logging.Handler):
         if self._publisher is not None:
             logging.getLogger("morse").addHandler(self)
 
+    @property
+    def waiting(self) -> bool:
+        """Whether there are lines that are not sent yet."""
+        return bool(self._lines)
+
     def emit(self, record: logging.LogRecord) -> None:
         """See `logging.Handler.emit`."""
         self._lines.append(record)

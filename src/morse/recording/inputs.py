@@ -1,0 +1,78 @@
+"""The journal of inputs as a topic: readable for people, and exact for whoever simulates the run again."""
+
+from __future__ import annotations
+
+import base64
+import json
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.middleware.ros2.backends.backend import Qos
+from morse.middleware.ros2.cdr import CdrError, decode, encode
+from morse.recording.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.journal import Entry, Journal
+    from morse.recording.streams import Tape
+
+logger = logging.getLogger(__name__)
+
+TOPIC = "/morse/inputs"
+_TYPE = "std_msgs/msg/String"
+_LENGTH = 2000
+
+
+class Inputs:
+    """Writes everything that comes in.
+
+    Args:
+        journal: of the simulation.
+        tape: takes the messages.
+        pack: an entry as bytes; raises ValueError for what bytes cannot hold.
+    """
+
+    def __init__(self, journal: Journal, tape: Tape, pack: Callable[[Entry], bytes]) -> None:
+        self._journal, self._pack = journal, pack
+        self._topic = tape.topic(TOPIC, _TYPE, Qos(1000))
+        journal.sinks.append(self._take)
+
+    def _take(self, entry: Entry) -> None:
+        exact: str | None = None
+        try:
+            exact = base64.b64encode(self._pack(entry)).decode()
+        except ValueError as error:
+            logger.warning("the recording cannot be simulated again: %s", error)
+        shown = repr(entry.content)
+        said = {
+            "tick": entry.tick,
+            "kind": entry.kind,
+            "name": entry.name,
+            "content": shown if len(shown) <= _LENGTH else f"{shown[:_LENGTH]}…",
+            "exact": exact,
+        }
+        self._topic.publish(encode(_TYPE, {"data": json.dumps(said)}))
+
+    def close(self) -> None:
+        """Take no more."""
+        if self._take in self._journal.sinks:
+            self._journal.sinks.remove(self._take)
+
+
+def exact_entry(data: bytes) -> bytes:
+    """The bytes of an entry in a message of the topic.
+
+    Raises:
+        RecordingError: the message is damaged, or was not exact.
+    """
+    try:
+        said: Any = json.loads(decode(_TYPE, data)["data"])
+        exact = said["exact"]
+        if exact is None:
+            raise RecordingError(
+                f"the recording cannot be simulated again: '{said['name']}' was made by a function of a program"
+            )
+        return base64.b64decode(exact, validate=True)
+    except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
+        raise RecordingError(f"an input of the recording is damaged: {error}") from None

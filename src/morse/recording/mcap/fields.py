@@ -1,0 +1,70 @@
+"""Takes the fields of a record apart; whatever the bytes are, it reads no more than there are."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any
+
+from morse.recording.errors import RecordingError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class Fields:
+    """The content of one record.
+
+    Args:
+        data: the bytes.
+        what: the record, for errors.
+    """
+
+    def __init__(self, data: bytes | memoryview, what: str) -> None:
+        self._data = memoryview(data)
+        self._what = what
+        self._at = 0
+
+    @property
+    def left(self) -> int:
+        """Bytes that are not read yet."""
+        return len(self._data) - self._at
+
+    def bytes(self, count: int) -> memoryview:
+        """So many bytes.
+
+        Raises:
+            RecordingError: there are fewer.
+        """
+        if count > self.left:
+            raise RecordingError(f"{self._what} is damaged: {count} bytes are announced, {self.left} are there")
+        begin, self._at = self._at, self._at + count
+        return self._data[begin : self._at]
+
+    def numbers(self, form: str) -> tuple[Any, ...]:
+        """Numbers, as `struct` describes them."""
+        made = struct.Struct(form)
+        return made.unpack(self.bytes(made.size))
+
+    def text(self) -> str:
+        """A string."""
+        (size,) = self.numbers("<I")
+        try:
+            return str(self.bytes(size), "utf-8", "surrogateescape")
+        except ValueError as error:
+            raise RecordingError(f"{self._what} is damaged: {error}") from None
+
+    def table(self) -> dict[str, str]:
+        """A map of strings."""
+        (size,) = self.numbers("<I")
+        inner = Fields(self.bytes(size), self._what)
+        found = {}
+        while inner.left:
+            key = inner.text()
+            found[key] = inner.text()
+        return found
+
+    def records(self) -> Iterator[tuple[int, memoryview]]:
+        """The records that are in these bytes: opcode and content."""
+        while self.left:
+            opcode, size = self.numbers("<BQ")
+            yield opcode, self.bytes(size)

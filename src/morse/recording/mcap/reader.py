@@ -1,0 +1,246 @@
+"""Reads MCAP files from front to back, also those that break off; hostile ones cost no memory."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from typing import TYPE_CHECKING, NamedTuple
+
+import zstandard
+
+from morse.recording.errors import RecordingError
+from morse.recording.mcap import records
+from morse.recording.mcap.fields import Fields
+from morse.recording.mcap.records import Message
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+#: bytes of a record, and of a chunk without compression: more is damage
+LARGEST = 256 << 20
+#: of all schemas, channels and metadata of a file
+_LARGEST_TABLES = 64 << 20
+_NAMES = {records.HEADER: "the header", records.CHUNK: "a chunk", records.ATTACHMENT: "an attachment"}
+
+
+class Channel(NamedTuple):
+    """A topic of a file.
+
+    Attributes:
+        number: in the file.
+        topic: ``/robot/pose``.
+        type: name of the schema, ``geometry_msgs/msg/PoseStamped``; empty if it has none.
+        definition: of the schema.
+        encoding: of the messages, ``cdr``.
+        schema_encoding: ``ros2msg``.
+    """
+
+    number: int
+    topic: str
+    type: str
+    definition: str
+    encoding: str
+    schema_encoding: str
+
+
+class _Place(NamedTuple):
+    offset: int
+    size: int
+    start: int
+    end: int
+
+
+class McapFile:
+    """A file, of which the positions of the chunks are known; messages are read when somebody asks for them.
+
+    Attributes:
+        path: of the file.
+        profile, library: of the header.
+        channels: by number.
+        metadata: named tables of strings; of several with one name the last.
+        complete: whether the file ends as it should; else what was written last may be missing.
+
+    Raises:
+        OSError: the file cannot be read.
+        RecordingError: it is no MCAP file, or damaged at its beginning.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.fspath(path)
+        self.profile = self.library = ""
+        self.channels: dict[int, Channel] = {}
+        self.metadata: dict[str, dict[str, str]] = {}
+        self.complete = False
+        self._schemas: dict[int, tuple[str, str, str]] = {}
+        self._chunks: list[_Place] = []
+        self._attachments: dict[str, tuple[int, int]] = {}
+        self._tables = 0
+        self._file = open(self.path, "rb")  # noqa: SIM115 (closed by `close`)
+        try:
+            self._scan(os.fstat(self._file.fileno()).st_size)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Read no more."""
+        self._file.close()
+
+    def __enter__(self) -> McapFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # -- what there is -----------------------------------------------------------------------
+
+    def _damaged(self, why: str) -> RecordingError:
+        return RecordingError(f"{self.path}: {why}")
+
+    def _scan(self, size: int) -> None:
+        """Find out where everything is; what is incomplete at the end counts as not there."""
+        magic = self._file.read(len(records.MAGIC))
+        if magic != records.MAGIC:
+            what = "it is empty" if not magic else f"it begins with {magic[:8].hex(' ')}, an MCAP file with 89 4d 43 41"
+            raise self._damaged(f"this is no recording: {what}")
+        at = len(records.MAGIC)
+        while at + records.PREFIX.size <= size:
+            self._file.seek(at)
+            opcode, length = records.PREFIX.unpack(self._file.read(records.PREFIX.size))
+            at += records.PREFIX.size
+            if at + length > size:
+                return
+            if opcode == records.DATA_END:
+                self.complete = self._ends_well(size)
+                return
+            if not opcode:
+                raise self._damaged(f"damaged at byte {at - records.PREFIX.size}: no record has the opcode 0")
+            self._take(opcode, at, length)
+            at += length
+
+    def _ends_well(self, size: int) -> bool:
+        self._file.seek(size - len(records.MAGIC))
+        return self._file.read() == records.MAGIC
+
+    def _take(self, opcode: int, at: int, length: int) -> None:
+        if opcode == records.CHUNK:
+            fields = self._content(opcode, min(length, records.CHUNK_HEAD.size))
+            start, end, _, _ = fields.numbers("<QQQI")
+            self._chunks.append(_Place(at, length, start, end))
+        elif opcode == records.ATTACHMENT:
+            fields = self._content(opcode, min(length, 1 << 16))
+            fields.numbers("<QQ")
+            self._attachments[fields.text()] = (at, length)
+        elif opcode in (records.HEADER, records.SCHEMA, records.CHANNEL, records.METADATA):
+            self._tables += length
+            if self._tables > _LARGEST_TABLES:
+                raise self._damaged(f"its tables have more than {_LARGEST_TABLES >> 20} MiB")
+            fields = self._content(opcode, length)
+            if opcode == records.HEADER:
+                self.profile, self.library = fields.text(), fields.text()
+            elif opcode == records.METADATA:
+                name = fields.text()
+                self.metadata[name] = fields.table()
+            else:
+                self._describe(opcode, fields)
+        elif opcode == records.MESSAGE:
+            raise self._damaged("its messages are not in chunks; `morse` reads files with chunks alone")
+
+    def _describe(self, opcode: int, fields: Fields) -> None:
+        if opcode == records.SCHEMA:
+            (number,) = fields.numbers("<H")
+            name, encoding = fields.text(), fields.text()
+            (size,) = fields.numbers("<I")
+            definition = str(fields.bytes(size), "utf-8", "replace")
+            self._schemas[number] = (name, definition, encoding)
+        else:
+            number, schema = fields.numbers("<HH")
+            topic, encoding = fields.text(), fields.text()
+            name, definition, schema_encoding = self._schemas.get(schema, ("", "", ""))
+            self.channels[number] = Channel(number, topic, name, definition, encoding, schema_encoding)
+
+    def _content(self, opcode: int, length: int) -> Fields:
+        what = f"{self.path}: {_NAMES.get(opcode, 'a record')}"
+        if length > LARGEST:
+            raise RecordingError(f"{what} has {length} bytes; more than {LARGEST >> 20} MiB are not read")
+        return Fields(self._file.read(length), what)
+
+    # -- messages ----------------------------------------------------------------------------
+
+    def __iter__(self) -> Iterator[Message]:
+        """All messages, in the order in which they were written."""
+        return self.messages()
+
+    def messages(self, channels: Collection[int] | None = None) -> Iterator[Message]:
+        """Messages, in the order in which they were written.
+
+        Args:
+            channels: numbers of the channels that are wanted; None for all.
+
+        Raises:
+            RecordingError: a chunk is damaged.
+        """
+        for place in self._chunks:
+            for opcode, content in self._plain(place).records():
+                if opcode in (records.SCHEMA, records.CHANNEL):
+                    self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
+                if opcode != records.MESSAGE:
+                    continue
+                fields = Fields(content, f"{self.path}: a message")
+                number, sequence, log_time, publish_time = fields.numbers("<HIQQ")
+                if channels is None or number in channels:
+                    yield Message(number, sequence, log_time, publish_time, bytes(fields.bytes(fields.left)))
+
+    def _plain(self, place: _Place) -> Fields:
+        self._file.seek(place.offset)
+        fields = self._content(records.CHUNK, place.size)
+        _, _, size, checksum = fields.numbers("<QQQI")
+        compression = fields.text()
+        (compressed,) = fields.numbers("<Q")
+        data = fields.bytes(compressed)
+        if size > LARGEST:
+            raise self._damaged(f"a chunk says it has {size} bytes; more than {LARGEST >> 20} MiB are not read")
+        if compression == "zstd":
+            plain = self._decompressed(data, size)
+        elif compression:
+            raise self._damaged(f"a chunk is compressed by {compression[:20]!r}, expected zstd or nothing")
+        else:
+            plain = bytes(data)
+        if len(plain) != size or (checksum and zlib.crc32(plain) != checksum):
+            raise self._damaged(f"the chunk at byte {place.offset} is damaged")
+        return Fields(plain, f"{self.path}: the chunk at byte {place.offset}")
+
+    def _decompressed(self, data: memoryview, size: int) -> bytes:
+        # the frame may lie about its size: never more than the chunk has announced is taken
+        reader = zstandard.ZstdDecompressor(max_window_size=LARGEST).stream_reader(bytes(data))
+        parts, left = [], size + 1
+        try:
+            while left and (part := reader.read(min(left, 1 << 20))):
+                parts.append(part)
+                left -= len(part)
+        except (zstandard.ZstdError, MemoryError) as error:
+            raise self._damaged(f"a chunk cannot be decompressed: {error}") from None
+        return b"".join(parts)
+
+    # -- other content -----------------------------------------------------------------------
+
+    @property
+    def attachments(self) -> list[str]:
+        """The names of the files within the file."""
+        return list(self._attachments)
+
+    def attachment(self, name: str) -> bytes | None:
+        """A file within the file; None if there is none of that name.
+
+        Raises:
+            RecordingError: it is damaged.
+        """
+        if name not in self._attachments:
+            return None
+        at, length = self._attachments[name]
+        self._file.seek(at)
+        fields = self._content(records.ATTACHMENT, length)
+        fields.numbers("<QQ")
+        fields.text(), fields.text()
+        (size,) = fields.numbers("<Q")
+        return bytes(fields.bytes(size))

@@ -1,0 +1,148 @@
+"""Writes MCAP files that can be read up to the last complete chunk, however the writing ends."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from typing import TYPE_CHECKING, NamedTuple
+
+import zstandard
+
+from morse.recording.mcap import records
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from io import FileIO
+
+    from morse.recording.mcap.records import Message
+
+_COMPRESSION = "zstd"
+#: fast: the simulation waits for a recording that cannot keep up
+_LEVEL = 1
+
+
+class _Named(NamedTuple):
+    offset: int
+    length: int
+    log_time: int
+    name: str
+    media_type: str
+    size: int
+
+
+class McapWriter:
+    """Writes one file. Each call writes whole records, and hands them to the operating system at once.
+
+    Args:
+        file: opened for writing without a buffer (``open(path, "wb", buffering=0)``).
+        profile: of the header.
+
+    Raises:
+        OSError: the file cannot be written. What was there before the call is still there, and can be read.
+    """
+
+    def __init__(self, file: FileIO, profile: str = "ros2") -> None:
+        self._file = file
+        self._offset = 0
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._repeated: list[bytes] = []
+        self._counts: dict[int, int] = {}
+        self._chunks: list[records.ChunkPlace] = []
+        self._attachments: list[_Named] = []
+        self._metadata: list[_Named] = []
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
+        self._write(records.MAGIC + records.header(profile, f"morse {__version__}"))
+
+    def _write(self, data: bytes) -> int:
+        """Append data; returns their offset."""
+        begin, view = self._offset, memoryview(data)
+        try:
+            while view:
+                view = view[self._file.write(view) :]
+        except BaseException:
+            with contextlib.suppress(OSError):  # not everything that can be written can be cut
+                self._file.seek(begin)
+                self._file.truncate()
+            raise
+        self._offset += len(data)
+        return begin
+
+    def schema(self, name: str, definition: str) -> int:
+        """A type of message: its name, and its definition as ROS 2 writes it; returns its number."""
+        key = (name, definition)
+        if key not in self._schemas:
+            number = len(self._schemas) + 1
+            made = records.schema(number, name, "ros2msg", definition.encode())
+            self._write(made)
+            self._schemas[key] = number
+            self._repeated.append(made)
+        return self._schemas[key]
+
+    def channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
+        """A topic of messages in CDR; returns its number."""
+        number = len(self._counts) + 1
+        made = records.channel(number, schema, topic, "cdr", metadata)
+        self._write(made)
+        self._counts[number] = 0
+        self._repeated.append(made)
+        return number
+
+    def chunk(self, messages: Sequence[Message]) -> None:
+        """Write messages, compressed and with an index."""
+        if not messages:
+            return
+        plain = bytearray()
+        entries: dict[int, list[tuple[int, int]]] = {}
+        for one in messages:
+            entries.setdefault(one.channel, []).append((one.log_time, len(plain)))
+            plain += records.message(one)
+        start = min(one.log_time for one in messages)
+        end = max(one.log_time for one in messages)
+        compressed = self._compressor.compress(plain)
+        made = records.chunk(start, end, bytes(plain), _COMPRESSION, compressed)
+        parts, indexes, place = [made], {}, self._offset + len(made)
+        for number, entry in entries.items():
+            index = records.message_index(number, entry)
+            indexes[number] = place
+            place += len(index)
+            parts.append(index)
+        offset = self._write(b"".join(parts))
+        length = len(made)
+        self._chunks.append(
+            records.ChunkPlace(
+                start, end, offset, length, indexes, place - offset - length, _COMPRESSION, len(compressed), len(plain)
+            )
+        )
+        for number, entry in entries.items():
+            self._counts[number] += len(entry)
+
+    def attachment(self, name: str, media_type: str, data: bytes, log_time: int = 0) -> None:
+        """A file within the file."""
+        made = records.attachment(log_time, name, media_type, data)
+        offset = self._write(made)
+        self._attachments.append(_Named(offset, len(made), log_time, name, media_type, len(data)))
+
+    def metadata(self, name: str, entries: Mapping[str, str]) -> None:
+        """Named strings."""
+        made = records.metadata(name, entries)
+        self._metadata.append(_Named(self._write(made), len(made), 0, name, "", 0))
+
+    def finish(self) -> None:
+        """Write the summary, by which readers find everything without reading all; nothing may follow."""
+        start = min((place.start for place in self._chunks), default=0)
+        end = max((place.end for place in self._chunks), default=0)
+        counts = self._counts
+        summary = [
+            *self._repeated,
+            records.statistics(
+                counts, len(self._schemas), len(self._attachments), len(self._metadata), len(self._chunks), start, end
+            ),
+            *(records.chunk_index(place) for place in self._chunks),
+            *(records.attachment_index(*one) for one in self._attachments),
+            *(records.metadata_index(one.offset, one.length, one.name) for one in self._metadata),
+        ]
+        end_of_data = records.record(records.DATA_END, struct.pack("<I", 0))
+        content = b"".join(summary)
+        footer = records.footer(self._offset + len(end_of_data), content)
+        self._write(end_of_data + content + footer + records.MAGIC)

@@ -1,0 +1,194 @@
+"""Records a run."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.core.observer import Observer
+from morse.recording.disk import Disk
+from morse.recording.errors import RecordingError
+from morse.recording.inputs import Inputs
+from morse.recording.mcap.writer import McapWriter
+from morse.recording.streams import RecordedStreams, Tape
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping
+    from io import FileIO
+
+    from morse.core.context import Context
+    from morse.core.journal import Entry
+
+logger = logging.getLogger(__name__)
+
+#: names of tables of metadata
+BEGINNING, END = "morse", "morse end"
+_MEDIA_TYPE = "application/octet-stream"
+
+
+class Beginning(NamedTuple):
+    """What determines a run, beside its inputs.
+
+    Attributes:
+        facts: versions, seed, script, ...
+        files: by name: the scene script, modules of the project, the state when the recording began.
+        pack: an entry of the journal as bytes.
+        ending: facts about the end, asked for when the recording stops.
+    """
+
+    facts: Mapping[str, str]
+    files: Mapping[str, bytes]
+    pack: Callable[[Entry], bytes]
+    ending: Callable[[], Mapping[str, str]]
+
+
+class Recorder(Observer):
+    """Writes the messages of the sensors, the frames, the log and all inputs until `stop` or the end of the run.
+
+    It is an observer: the simulation goes on as it would without it, to the bit. When the disk is full or fails, the
+    recording ends, and the simulation continues. While the disk is slow, the simulation waits.
+
+    Args:
+        context: of the simulation.
+        path: of the file, which must not exist.
+        beginning: see `Beginning`.
+        sensors: names of those that are recorded; None for all.
+
+    Attributes:
+        path: of the file.
+        error: why the recording ended before it was told to; None if it did not.
+
+    Raises:
+        RecordingError: the file exists or cannot be written.
+    """
+
+    def __init__(
+        self, context: Context, path: str | os.PathLike[str], beginning: Beginning, sensors: Collection[str] | None
+    ) -> None:
+        self.path = os.path.abspath(path)
+        self.error: str | None = None
+        self._context = context
+        self._ending = beginning.ending
+        #: called when the recording is over, however it ends
+        self.on_end: Callable[[], object] = _nothing
+        try:
+            self._disk = Disk(_created(self.path))
+        except OSError as error:
+            raise RecordingError(f"{self.path} cannot be written: {error.strerror or error}") from None
+        self._open = True
+        self._flushed = -1
+        self._warned = False
+        try:
+            self._start(beginning, sensors)
+        except BaseException:
+            self._disk.close()
+            raise
+
+    def _start(self, beginning: Beginning, sensors: Collection[str] | None) -> None:
+        disk, context = self._disk, self._context
+        disk.other(lambda file: file.metadata(BEGINNING, beginning.facts))
+        for name, data in beginning.files.items():
+            disk.other(partial(McapWriter.attachment, name=name, media_type=_MEDIA_TYPE, data=data))
+        self._tape = Tape(context, disk)
+        self._inputs = Inputs(context.journal, self._tape, beginning.pack)
+        self._streams = RecordedStreams(context, self._tape, sensors)
+
+    @property
+    def running(self) -> bool:
+        """Whether it still records."""
+        return self._open
+
+    def after_tick(self) -> None:
+        """Write what belongs to the tick as a whole."""
+        if not self._open:
+            return
+        tick = self._context.clock.tick
+        if tick != self._flushed:  # while the simulation is paused no tick ends
+            self._flushed = tick
+            self._streams.flush()
+        if self._disk.waits and not self._warned:
+            self._warned = True
+            logger.warning("the disk is slower than the simulation, which waits for the recording %s", self.path)
+        if self._disk.error is not None:
+            self._fail(self._disk.error)
+
+    def restarted(self) -> None:
+        """The components are new ones."""
+        self._flushed = -1
+        self._streams.follow()
+
+    def rearranged(self) -> None:
+        """Components have come or gone, or another state was restored."""
+        self._flushed = -1
+        self._streams.follow()
+
+    def stop(self) -> None:
+        """Record no longer: write what is left and the index, and close the file.
+
+        Raises:
+            RecordingError: the end could not be written.
+        """
+        if not self._open:
+            return
+        self._streams.write_log()
+        ending = dict(self._ending())
+        self._disk.other(lambda file: file.metadata(END, ending))
+        self._let_go()
+        if self._disk.error is not None:
+            self.error = self._refusal(self._disk.error)
+            raise RecordingError(self.error)
+
+    def close(self) -> None:
+        """The simulation ends."""
+        with contextlib.suppress(RecordingError):
+            self.stop()
+        if self.error is not None:
+            logger.error("[ERROR][MORSE] %s", self.error)
+
+    def _refusal(self, error: OSError) -> str:
+        return (
+            f"the recording {self.path} ends at {self._context.clock.time:.3f} s: {error.strerror or error}; "
+            "the file holds what was written before"
+        )
+
+    def _fail(self, error: OSError) -> None:
+        self.error = self._refusal(error)
+        self._let_go()
+        logger.error("[ERROR][MORSE] %s. The simulation continues.", self.error)
+
+    def _let_go(self) -> None:
+        self._open = False
+        self._inputs.close()
+        self._streams.finalize()
+        self._disk.close()
+        self.on_end()
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+
+def _created(path: str) -> FileIO:
+    """A new file.
+
+    Raises:
+        RecordingError: there is one of that name already.
+        OSError: it cannot be made.
+    """
+    # devices and pipes may be there already
+    is_device = os.path.exists(path) and not os.path.isfile(path)
+    try:
+        return open(path, "wb", buffering=0) if is_device else open(path, "xb", buffering=0)
+    except FileExistsError:
+        raise RecordingError(
+            f"{path} exists already: remove it, or give the recording another name; recordings overwrite nothing"
+        ) from None
+
+
+def _nothing() -> None:
+    """Nobody wants to know."""

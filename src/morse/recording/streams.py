@@ -1,0 +1,189 @@
+"""All sensors as topics of ROS 2 that go into a recording."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseError
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.middleware.ros2.definitions import definition
+from morse.recording.mcap.records import Message
+from morse.scene import StreamDeclaration
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from morse.core.context import Context
+    from morse.recording.disk import Disk
+
+logger = logging.getLogger(__name__)
+
+_STREAM = "morse.middleware.ros2.stream.Ros2Stream"
+_ROS2 = Ros2DatastreamManager.classpath
+#: options of ros2 that hold for recordings, whatever the scene says for topics
+_ALWAYS = {"clock": True, "tf": True, "rosout": True}
+#: pictures are recorded as they are; a second, compressed form of them would be a loss and take time
+_LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
+
+
+class _Topic(Publisher):
+    """Gives the messages of a topic to whoever writes them."""
+
+    def __init__(self, keep: Callable[[bytes], object]) -> None:
+        self._keep = keep
+
+    def publish(self, data: bytes) -> bool:
+        self._keep(data)
+        return True
+
+    def wanted(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        """A topic of a file stays."""
+
+
+class Tape(Backend):
+    """Topics that end in a file, with the time of the simulation.
+
+    Args:
+        context: of the simulation.
+        disk: takes the messages.
+    """
+
+    name, opens = "recording", "a file"
+
+    def __init__(self, context: Context, disk: Disk) -> None:
+        self._clock = context.clock
+        self._disk = disk
+        self._topics: dict[tuple[str, str], _Topic] = {}
+        self._log_time = self._stamp = self._clock.stamp()
+        self._back = 0
+
+    def now(self) -> tuple[int, int, int]:
+        """Number of ticks (32 bits), log time, simulated time, both in ns; log time never falls."""
+        stamp = self._clock.stamp()
+        if stamp != self._stamp:
+            if stamp < self._stamp:  # started anew, or another state was restored: time goes on from where it was
+                self._back += self._stamp - stamp
+            self._stamp = stamp
+            self._log_time = stamp + self._back
+        return self._clock.tick & 0xFFFFFFFF, self._log_time, stamp
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        """See `Backend.publisher`."""
+        return None if type_name in _LEFT_OUT else self.topic(topic, type_name, qos)
+
+    def topic(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """A topic of the file."""
+        key = (topic, type_name)
+        if key not in self._topics:
+            number, message = len(self._topics) + 1, self._disk.message
+            metadata = {"offered_qos_profiles": _profile(qos)}
+            text = definition(type_name)
+            self._disk.other(lambda file: file.channel(topic, file.schema(type_name, text), metadata))
+            self._topics[key] = _Topic(lambda data: message(Message(number, *self.now(), data)))
+        return self._topics[key]
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
+        """Nothing comes in from a file."""
+        return None
+
+    def close(self) -> None:
+        """The file is closed by whoever has opened it."""
+
+
+def _profile(qos: Qos) -> str:
+    """The quality of service as ROS 2 bags hold it, in YAML."""
+    return "\n".join(
+        (
+            "- history: 1",
+            f"  depth: {qos.depth}",
+            f"  reliability: {1 if qos.reliable else 2}",
+            f"  durability: {1 if qos.latched else 2}",
+            *(
+                f"  {name}:\n    sec: 9223372036\n    nsec: 854775807"
+                for name in ("deadline", "lifespan", "liveliness_lease_duration")
+            ),
+            "  liveliness: 1",
+            "  avoid_ros_namespace_conventions: false",
+        )
+    )
+
+
+class RecordedStreams(Ros2DatastreamManager):
+    """The messages of all sensors, simulated time and the tree of frames, as the middleware ros2 publishes them.
+
+    A sensor that has a stream of ros2 in the scene has its topic in the recording as well.
+
+    Args:
+        context: of the simulation.
+        tape: takes the messages.
+        names: of the sensors that are recorded; None for all.
+    """
+
+    classpath = "morse.recording.streams.RecordedStreams"
+    title = "recording"
+
+    def __init__(self, context: Context, tape: Backend, names: Collection[str] | None = None) -> None:
+        self._tape = tape
+        self._names = names
+        self._refused: set[str] = set()
+        super().__init__({**context.scene.manager_options.get(_ROS2, {}), **_ALWAYS}, context)
+        self.follow()
+
+    def _make_backend(self) -> Backend:
+        return self._tape
+
+    def follow(self) -> None:
+        """Record the sensors that are there now, and no others."""
+        sensors = {
+            declared.name: declared
+            for declared in self.context.scene.components
+            if declared.kind == "sensor" and (self._names is None or declared.name in self._names)
+        }
+        components = self.context.components
+        for name in [name for name in self.streams if name not in sensors or name not in components]:
+            self.disconnect(name)
+        for name, declared in sensors.items():
+            known = self.streams.get(name)
+            component = components.get(name)
+            if component is None or (known and known[0].component_instance is component):
+                continue
+            options = next((dict(s.options) for s in declared.streams if s.manager == _ROS2), {})
+            self._add(component, options)
+
+    def _add(self, component: Any, options: dict[str, Any]) -> None:
+        refusal: MorseError | None = None
+        # of two sensors that could move a robot in the tree of frames, one does
+        for more in ({}, {"tf": False}):
+            before = len(component.output_functions)
+            try:
+                self.connect(component, StreamDeclaration(_ROS2, _STREAM, "OUT", {**options, **more}))
+                return
+            except MorseError as error:
+                refusal = error
+                del component.output_functions[before:]
+                for stream in self.streams.pop(component.name(), ()):
+                    if hasattr(stream, "robot"):  # it was refused after it had taken topics
+                        self.closed(stream)
+        if component.name() not in self._refused:
+            self._refused.add(component.name())
+            logger.warning("%s is not recorded: %s", component.name(), refusal)
+
+    def write_log(self) -> None:
+        """Write what was logged since the last tick."""
+        if self._log is not None:
+            while self._log.waiting:
+                self._log.publish(self.context.clock.stamp())
+
+    def finalize(self) -> None:
+        """Let go of the sensors."""
+        for streams in self.streams.values():
+            for stream in streams:
+                functions = stream.component_instance.output_functions
+                if stream.default in functions:
+                    functions.remove(stream.default)
+        super().finalize()

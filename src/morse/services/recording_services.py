@@ -1,0 +1,74 @@
+"""Services that record the run; part of the pseudo component ``simulation``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any, Protocol
+
+from morse.core.abstractobject import AbstractObject
+from morse.core.exceptions import MorseError, MorseRPCInvokationError
+from morse.core.services import service
+
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+_SUFFIX = ".mcap"
+
+
+class Recordable(Protocol):
+    """What the services need of a simulation."""
+
+    def record(self, path: Path) -> Any:
+        """Record the run in a file."""
+
+
+class RecordingServices(AbstractObject):
+    """Starts and stops one recording, in the folder in which the simulation was started."""
+
+    def __init__(self, simulation: Recordable) -> None:
+        super().__init__()
+        self._simulation = simulation
+        self._recorder: Any = None
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @service(changes=False)
+    def start_recording(self, name: str = "recording") -> str:
+        """Record sensors, frames, log and inputs from now on.
+
+        Args:
+            name: of the file without ``.mcap``: letters, digits, ``_``, ``-`` and dots. If there is such a file, a
+                number is added: recordings overwrite nothing.
+
+        Returns:
+            The path of the file.
+        """
+        if not _NAME.fullmatch(name):
+            raise MorseRPCInvokationError(
+                f"the name of a recording is made of up to 64 letters, digits, '_', '-' and dots, not {name[:80]!r}"
+            )
+        if self._recorder is not None and self._recorder.running:
+            raise MorseRPCInvokationError(f"{self._recorder.path} is being recorded already: call stop_recording first")
+        stem = name.removesuffix(_SUFFIX)
+        path, number = Path(stem + _SUFFIX).absolute(), 1
+        while path.exists():
+            number += 1
+            path = path.with_name(f"{stem}-{number}{_SUFFIX}")
+        try:
+            self._recorder = self._simulation.record(path)
+        except MorseError as error:
+            raise MorseRPCInvokationError(str(error)) from None
+        return str(path)
+
+    @service(changes=False)
+    def stop_recording(self) -> str:
+        """Complete the recording that `start_recording` began, and return the path of its file."""
+        recorder, self._recorder = self._recorder, None
+        if recorder is None:
+            raise MorseRPCInvokationError("nothing is being recorded: call start_recording first")
+        try:
+            recorder.stop()
+        except MorseError as error:
+            raise MorseRPCInvokationError(str(error)) from None
+        return str(recorder.path)

@@ -1,0 +1,69 @@
+"""Recordings of a simulation: its inputs in memory, the whole run in files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.core.context import acting
+from morse.simulation.input_recording import InputRecorder
+from morse.simulation.replaying import Replay
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Callable, Sequence
+
+    from morse.recording.recorder import Recorder
+    from morse.simulation.input_recording import InputRecording
+    from morse.simulation.running import Running
+
+
+class Recorded:
+    """The part of `morse.simulation.simulation.Simulation` that records and replays.
+
+    Attributes:
+        recorders: the recordings in files that are under way.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.recorders: list[Recorder] = []
+
+    def record(self: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
+        """Record the run in an MCAP file: sensors, frames, log, and all inputs.
+
+        The recording goes on until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
+
+        Args:
+            path: of the file, which must not exist.
+            sensors: full names of those that are recorded; None for all.
+
+        Raises:
+            RecordingError: the file exists or cannot be written, or there is no such sensor.
+        """
+        from morse.simulation.recorders import start_recording
+
+        self._check_open()
+        with acting(self.context):
+            return start_recording(self, path, sensors)
+
+    def end_recordings(self) -> None:
+        """Complete the files of all recordings; what cannot be written is logged."""
+        for recorder in list(self.recorders):
+            recorder.close()
+
+    def record_inputs(self: Running) -> InputRecorder:
+        """Record everything that comes in from now on; see `replay`."""
+        return InputRecorder(self)
+
+    def replay(self: Running, recording: InputRecording, each_tick: Callable[[], object] | None = None) -> None:
+        """Run again what was recorded, from the beginning of the recording to its end: the same to the bit.
+
+        Args:
+            recording: of a simulation of the same scene.
+            each_tick: called after every tick.
+
+        Raises:
+            StateError: the recording belongs to another scene.
+        """
+        self._check_open()
+        Replay(self, recording).run(each_tick)

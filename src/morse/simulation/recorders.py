@@ -1,0 +1,106 @@
+"""Starts recordings of a simulation, and says what determines the run."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.core.hints import nearest
+from morse.core.project_imports import ProjectImports
+from morse.recording.errors import RecordingError
+from morse.recording.recorder import Beginning, Recorder
+from morse.simulation.input_recording import entry_to_bytes, waiting_to_bytes
+from morse.simulation.own_state import InputsState
+from morse.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.simulation.running import Running
+
+#: names of files in a recording; modules of the project have this before their path
+SCRIPT, STATE, MODULES = "scene.py", "start.morse-state", "modules/"
+#: bytes of a script or a module; larger ones are no source code
+_LARGEST = 4 << 20
+
+
+def start_recording(
+    simulation: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None
+) -> Recorder:
+    """Record from now on.
+
+    Raises:
+        RecordingError: the file exists or cannot be written, or there is no such sensor.
+    """
+    known = [declared.name for declared in simulation.scene.components if declared.kind == "sensor"]
+    for name in sensors or ():
+        if name not in known:
+            raise RecordingError(f"there is no sensor '{name}' to record{nearest(name, known)}")
+    recorder = Recorder(simulation.context, path, _beginning(simulation), sensors)
+
+    def ended() -> None:
+        simulation.recorders.remove(recorder)
+        simulation.observers.remove(recorder)
+
+    recorder.on_end = ended
+    simulation.recorders.append(recorder)
+    simulation.observers.append(recorder)
+    return recorder
+
+
+def _beginning(simulation: Running) -> Beginning:
+    options, scene = simulation.options, simulation.scene
+    facts = {
+        "morse": __version__,
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        **{name: _version(name) for name in ("mujoco-core", "numpy")},
+        "seed": str(simulation.seed()),
+        "frequency": repr(simulation.clock.frequency),
+        "environment": scene.environment,
+        "tick": str(simulation.ticks),
+        "script": options.script,
+        "arguments": json.dumps(options.arguments),
+        "source_paths": json.dumps([os.path.abspath(path) for path in options.source_paths]),
+        "resource_paths": json.dumps([os.path.abspath(path) for path in options.resource_paths]),
+        "strict": str(options.strict),
+    }
+    files: dict[str, bytes] = {}
+    if options.script.endswith(".py"):
+        files |= _source(SCRIPT, options.script)
+    if isinstance(scene.project, ProjectImports):
+        for module, file in sorted(scene.project.sources().items()):
+            files |= _source(f"{MODULES}{module}.py", file)
+    if simulation.ticks:
+        files[STATE] = simulation.save().to_bytes()
+    return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation))
+
+
+def _ending(simulation: Running) -> dict[str, str]:
+    waiting = waiting_to_bytes(InputsState(simulation).get_state())
+    return {
+        "tick": str(simulation.ticks),
+        "state": simulation.state_hash(),
+        "waiting": base64.b64encode(waiting).decode(),
+    }
+
+
+def _source(name: str, path: str) -> dict[str, bytes]:
+    """A file by its name in the recording; nothing if it cannot be read any more."""
+    file = Path(path)
+    try:
+        return {name: file.read_bytes()} if file.stat().st_size <= _LARGEST else {}
+    except OSError:
+        return {}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""

@@ -1,0 +1,71 @@
+"""run --record: what is asked for, and what is refused."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+SCENE = """
+from morse.builder import *
+
+robot = ATRV()
+motion, pose = MotionVW(), Pose()
+robot.append(motion)
+robot.append(pose)
+Environment("empty")
+"""
+
+
+@pytest.fixture
+def script(tmp_path, monkeypatch):
+    path = tmp_path / "scene.py"
+    path.write_text(SCENE)
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+def run_morse(*words, expected=0):
+    done = subprocess.run([sys.executable, "-m", "morse", *words], capture_output=True, text=True, timeout=100)
+    assert done.returncode == expected, done.stdout + done.stderr
+    return done.stdout, done.stderr
+
+
+def run(*words, expected=0):
+    return run_morse("run", "--headless", "--speed", "max", "--duration", "0.5", *words, "scene.py", expected=expected)
+
+
+def test_a_run_is_recorded(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    out, _ = run("--record", "run.mcap")
+    assert f"the run is recorded in {tmp_path / 'run.mcap'}" in out
+    from morse.recording.mcap.reader import McapFile
+
+    with McapFile(tmp_path / "run.mcap") as file:
+        assert file.complete
+        assert file.metadata["morse end"]["tick"] == "30"
+        topics = {channel.topic: number for number, channel in file.channels.items()}
+        assert sum(1 for _ in file.messages([topics["/robot/pose"]])) == 30
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--record", "scene.py"], "exists already"),
+        (["--record", "nowhere/run.mcap"], "a folder that exists"),
+        (["--record", "."], "takes the path of a file"),
+        (["--record-only", "robot.pose"], "give both"),
+    ],
+)
+def test_mistakes_on_the_command_line_are_told_at_once(script, words, said):
+    _, error = run(*words, expected=2)
+    assert said in error
+    assert script.read_text() == SCENE
+
+
+def test_a_sensor_that_is_not_there_is_named_with_the_nearest(script, monkeypatch, tmp_path):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    out, _ = run("--record", "run.mcap", "--record-only", "robot.pos", expected=1)
+    assert "there is no sensor 'robot.pos' to record; did you mean 'robot.pose'?" in out
+    assert not (tmp_path / "run.mcap").exists()
