@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 #: ticks that a robot which was disturbed waits before it glides again: at first, and at most
 FIRST_WAIT, LONGEST_WAIT = 4, 256
+#: ticks that robots which have room around them drift after one look for contacts
+FORESIGHT = 8
 
 
 @dataclass(slots=True)
@@ -43,7 +45,7 @@ class Glide:
         look: tick at which it could be near an edge.
         speed: m/s at which that was worked out.
         since: tick at which it began.
-        margin: metres that it and another robot as fast may come nearer in a tick.
+        margin: metres, at least twice as far as any part of it moves in a tick.
     """
 
     slot: Slot

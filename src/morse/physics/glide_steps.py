@@ -3,6 +3,7 @@
 If nothing else is awake, there is nothing to solve at all: one step as long as the tick does the same as
 several short ones, as long as nothing comes near enough to be met within the tick. And if nothing was done to other
 bodies either, the robots *drift*: that step is no more than a look for contacts, and positions moved by velocities.
+Where there is room around all of them, one look for contacts serves for several ticks.
 
 Should anything touch a robot within a tick, or should anything try to lift, turn over or push it down,
 the tick is taken back and done again with its feet on the floor.
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from morse.physics.glide import FIRST_WAIT, LONGEST_WAIT
+from morse.physics.glide import FIRST_WAIT, FORESIGHT, LONGEST_WAIT
 
 if TYPE_CHECKING:
     from morse.physics.engine_state import EngineState
@@ -44,16 +45,26 @@ class GlideSteps:
         self.reset()
 
     def reset(self) -> None:
-        """No long step has failed yet."""
+        """No long step, and no look far ahead, has failed yet."""
         self._stride_at, self._stride_wait = 0, FIRST_WAIT
+        self._far_at, self._far_wait = 0, FIRST_WAIT
 
     def get_state(self) -> dict[str, int]:
         """See `morse.physics.saved.SavedGliding`."""
-        return {"stride_at": self._stride_at, "stride_wait": self._stride_wait}
+        return {
+            "stride_at": self._stride_at,
+            "stride_wait": self._stride_wait,
+            "far_at": self._far_at,
+            "far_wait": self._far_wait,
+        }
 
     def set_state(self, state: SavedGliding) -> None:
         """Take over a state that was checked."""
         self._stride_at, self._stride_wait = state.stride_at, state.stride_wait
+        self._far_at, self._far_wait = state.far_at, state.far_wait
+        if state.tick < state.clear_until:
+            # what the engine has found just now is far away
+            self._state.data.ncon = 0
 
     def step(self) -> None:
         """Let the engine take the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
@@ -61,8 +72,11 @@ class GlideSteps:
         Raises:
             UnstableError: the simulation diverges even after every body has been put back.
         """
-        if self._gliding.glides and self._can_stride() and self._drift():
-            return
+        if self._gliding.glides and self._can_stride():
+            if self._drift():
+                return
+            # what the other steps are to notice is what is near within this tick
+            self._gliding.look_ahead(1)
         mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
         np.copyto(self._asleep, self._tree_asleep)
         self._run()
@@ -92,8 +106,8 @@ class GlideSteps:
             and gliding.tick > gliding.newest
             and not gliding.lopsided
         )
-        if can != gliding.strides:
-            gliding.set_strides(can)
+        if can != (gliding.foresight > 0):
+            gliding.look_ahead(int(can))
         return can
 
     def _drift(self) -> bool:
@@ -102,15 +116,32 @@ class GlideSteps:
         The engine's step is also what wakes sleeping bodies that were pushed or moved, so that it must not be left out
         after anything was done to a body that does not glide.
         """
-        state, period = self._state, self._step * self._state.steps
+        state, gliding = self._state, self._gliding
         if state.is_stirred or state.has_forces or not self._rescue.all_is_well():
             return False
-        model, data = state.model, state.data
-        mujoco.mj_collision(model, data)
+        if gliding.tick >= gliding.clear_until and not self._is_clear():
+            return False
+        period = self._step * state.steps
+        mujoco.mj_integratePos(state.model, self._qpos, self._qvel, period)
+        state.data.time += period
+        return True
+
+    def _is_clear(self) -> bool:
+        """Look for what the robots could meet, far ahead if there is room, else within this tick."""
+        gliding, data = self._gliding, self._state.data
+        tick, far = gliding.tick, gliding.tick >= self._far_at
+        gliding.look_ahead(FORESIGHT if far else 1)
+        mujoco.mj_collision(self._state.model, data)
+        if far and data.ncon:
+            if tick - self._far_at > LONGEST_WAIT:
+                self._far_wait = FIRST_WAIT
+            self._far_at = tick + self._far_wait
+            self._far_wait = min(2 * self._far_wait, LONGEST_WAIT)
+            gliding.look_ahead(1)
+            mujoco.mj_collision(self._state.model, data)
         if data.ncon:
             return False
-        mujoco.mj_integratePos(model, self._qpos, self._qvel, period)
-        data.time += period
+        gliding.clear_until = tick + gliding.foresight
         return True
 
     def _stride(self) -> bool:
@@ -128,7 +159,7 @@ class GlideSteps:
             return True
         mujoco.mj_setState(model, data, self._saved, _STATE)
         data.maxuse_con = 0
-        gliding.set_strides(False)
+        gliding.look_ahead(0)
         if gliding.tick - self._stride_at > LONGEST_WAIT:
             self._stride_wait = FIRST_WAIT
         self._stride_at = gliding.tick + self._stride_wait

@@ -56,7 +56,8 @@ class Gliding:
         newest: tick at which the last robot began to glide.
         speeds, margins: (K,) of `Glide`, by slot; a negative speed for slots that do not glide.
         extents: (K,) metres from the origin of a robot to its outermost point, by slot.
-        strides: whether the margins are those of long steps.
+        foresight: ticks within which the engine notices what the robots could meet; 0: only what they meet.
+        clear_until: before that tick no robot can meet anything.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -107,7 +108,7 @@ class Gliding:
         self._look = 0
         self.newest = 0
         self.lopsided: set[int] = set()
-        self.strides = False
+        self.foresight = self.clear_until = 0
         self.speeds[:] = -1.0
         self.margins[:] = 0.0
 
@@ -193,7 +194,7 @@ class Gliding:
         self._lift(slot, floor)
         self.glides[index] = glide = Glide(slot, floor, self._state.rotations[index][6:9], 0, 0.0, self.tick)
         self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))
-        self.strides = False
+        self.look_ahead(0)
         # how far it gets in a tick is known from the next command on
         self.newest = self.tick
         if not self._extent[index]:
@@ -241,11 +242,17 @@ class Gliding:
         model.geom_margin[geoms] = model.geom_gap[geoms] = margin
         model.body_margin[slot.body] = margin
 
-    def set_strides(self, strides: bool) -> None:
-        """Have the engine notice what the robots could meet within a long step, or only what they meet."""
-        self.strides = strides
-        for glide in self.glides.values():
-            self._set_margin(glide.slot, glide.margin if strides else 0.0)
+    def look_ahead(self, ticks: int) -> None:
+        """Have the engine notice what the robots could meet within so many ticks; 0: only what they meet."""
+        self.clear_until = 0
+        if ticks != self.foresight:
+            self.foresight = ticks
+            for glide in self.glides.values():
+                self._set_margin(glide.slot, self._reach_of(glide))
+
+    def _reach_of(self, glide: Glide) -> float:
+        # in a tick, a robot uses up half of its margin at most
+        return 0.5 * (self.foresight + 1) * glide.margin if self.foresight else 0.0
 
     def leave_all(self) -> None:
         """Stand on the feet again: a floor may have moved."""
@@ -269,8 +276,9 @@ class Gliding:
         nearer = 2.0 * (speed + abs(wz) * self._extent[index]) * self._state.period
         if nearer > glide.margin:
             glide.margin = self.margins[index] = 1.5 * nearer
-            if self.strides:
-                self._set_margin(glide.slot, glide.margin)
+            self.clear_until = 0
+            if self.foresight:
+                self._set_margin(glide.slot, self._reach_of(glide))
         return True
 
     def look(self) -> None:
@@ -312,13 +320,14 @@ class Gliding:
 
     def lift_all(self) -> None:
         """Restore the gliding of all gliding robots in a model that was compiled again."""
+        self.clear_until = 0
         for glide in self.glides.values():
             self._lift(glide.slot, glide.floor)
 
     # -- saving ------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """See `morse.physics.saved.SavedGliding`; without the long steps."""
+        """See `morse.physics.saved.SavedGliding`; without what `GlideSteps` holds."""
         names = self._state.names
         return {
             "glides": [
@@ -347,7 +356,8 @@ class Gliding:
             "tick": self.tick,
             "look": self._look,
             "newest": self.newest,
-            "strides": self.strides,
+            "foresight": self.foresight,
+            "clear_until": self.clear_until,
         }
 
     def check_state(self, state: SavedGliding) -> None:
@@ -377,7 +387,7 @@ class Gliding:
         for stand in state.stands:
             self.stands[named[stand.slot]] = Stand(stand.tick, stand.height, stand.up, stand.wait, stand.until)
         self.tick, self._look, self.newest = state.tick, state.look, state.newest
-        self.strides = state.strides
+        self.foresight, self.clear_until = state.foresight, state.clear_until
 
 
 def _is_flat(command: Command) -> bool:

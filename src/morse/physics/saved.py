@@ -8,8 +8,10 @@ import msgspec
 import numpy as np
 from msgspec import Meta, Struct
 
+from morse.physics.glide import FORESIGHT
+
 #: number of the format; states of another one are refused
-VERSION = 1
+VERSION = 2
 
 Vector3 = tuple[float, float, float]
 Quaternion4 = tuple[float, float, float, float]
@@ -112,16 +114,22 @@ class SavedStand(_Part):
 
 
 class SavedGliding(_Part):
-    """The gliding robots and the ticks of their next checks; ``stride_at`` and ``stride_wait`` belong to long steps."""
+    """The gliding robots and the ticks of their next checks.
+
+    ``stride_at`` and ``stride_wait`` belong to long steps, ``far_at`` and ``far_wait`` to looks far ahead.
+    """
 
     glides: list[SavedGlide]
     stands: list[SavedStand]
     tick: _Ticks
     look: _Ticks
     newest: _Ticks
-    strides: bool
+    foresight: Annotated[int, Meta(ge=0, le=FORESIGHT)]
+    clear_until: _Ticks
     stride_at: _Ticks
     stride_wait: _Ticks
+    far_at: _Ticks
+    far_wait: _Ticks
 
 
 class SavedObject(_Part, omit_defaults=True):
