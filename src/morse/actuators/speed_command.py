@@ -1,17 +1,21 @@
 """What actuators that take a forward speed and a yaw rate have in common."""
 
-from morse.core.actuator import Actuator
+from morse.actuators.limited_motion import LimitedMotion
 from morse.core.limits import SPEED, TURN_RATE, Speed, TurnRate
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind
 
 
-class SpeedCommand(Actuator):
+class SpeedCommand(LimitedMotion):
     """Holds a linear speed along X and an angular speed about Z."""
 
     add_data("v", 0.0, "float", "Linear speed along the X axis", frame="robot", **SPEED)
     add_data("w", 0.0, "float", "Turning rate about the Z axis", frame="robot", **TURN_RATE)
     add_kind("twist", linear=("v", None, None), angular=(None, None, "w"))
+
+    def commanded(self) -> tuple[tuple[float], float]:
+        """See `LimitedMotion.commanded`."""
+        return (self.local_data["v"],), self.local_data["w"]
 
     @service
     def set_speed(self, v: Speed, w: TurnRate) -> None:

@@ -31,8 +31,8 @@ class MotionVW(SpeedCommand):
 
     def default_action(self) -> None:
         """Apply the speeds."""
-        data = self.local_data
-        self.robot_parent.apply_speed(self._type, (data["v"], 0.0, 0.0), (0.0, 0.0, data["w"]))
+        (v,), w = self.speeds()
+        self.robot_parent.apply_speed(self._type, (v, 0.0, 0.0), (0.0, 0.0, w))
 
     @classmethod
     def act_together(cls, group: Group) -> None:
@@ -40,5 +40,5 @@ class MotionVW(SpeedCommand):
         group.drive(group.attributes("_type"), group.read("v"), None, group.read("w"))
 
     def may_act_together(self) -> bool:
-        """Only with a robot that is driven as one body."""
-        return drives_body(self.robot_parent)
+        """Only with a robot that is driven as one body, and without limits."""
+        return drives_body(self.robot_parent) and not self.is_limited()

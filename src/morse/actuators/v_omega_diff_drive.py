@@ -22,4 +22,5 @@ class MotionVWDiff(SpeedCommand):
 
     def default_action(self) -> None:
         """Turn the wheels."""
-        self.robot_parent.apply_vw_wheels(self.local_data["v"], self.local_data["w"])
+        (v,), w = self.speeds()
+        self.robot_parent.apply_vw_wheels(v, w)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.core.actuator import Actuator
+from morse.actuators.limited_motion import LimitedMotion
 from morse.core.limits import SPEED, TURN_RATE
 from morse.core.robot import drives_body
 from morse.helpers.components import add_data, add_kind, add_property
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from morse.core.group import Group
 
 
-class MotionXYW(Actuator):
+class MotionXYW(LimitedMotion):
     """Applies linear speeds along X and Y and an angular speed about Z to the robot."""
 
     _name = "Linear and angular speed (Vx, Vy, W) actuator"
@@ -32,12 +32,17 @@ class MotionXYW(Actuator):
         choices=("Velocity", "Position"),
     )
 
+    linear_axes = 2
     _type: str
 
     def default_action(self) -> None:
         """Apply the speeds."""
-        data = self.local_data
-        self.robot_parent.apply_speed(self._type, (data["x"], data["y"], 0.0), (0.0, 0.0, data["w"]))
+        (x, y), w = self.speeds()
+        self.robot_parent.apply_speed(self._type, (x, y, 0.0), (0.0, 0.0, w))
+
+    def commanded(self) -> tuple[tuple[float, float], float]:
+        """See `LimitedMotion.commanded`."""
+        return (self.local_data["x"], self.local_data["y"]), self.local_data["w"]
 
     @classmethod
     def act_together(cls, group: Group) -> None:
@@ -45,5 +50,5 @@ class MotionXYW(Actuator):
         group.drive(group.attributes("_type"), group.read("x"), group.read("y"), group.read("w"))
 
     def may_act_together(self) -> bool:
-        """Only with a robot that is driven as one body."""
-        return drives_body(self.robot_parent)
+        """Only with a robot that is driven as one body, and without limits."""
+        return drives_body(self.robot_parent) and not self.is_limited()

@@ -79,14 +79,47 @@ class Keyboard(ActuatorCreator):
 
 class MotionVW(ActuatorCreator):
     """Motion controller using linear and angular speeds"""
-    def properties(self, *, ControlType: Literal["Velocity", "Position"] = ..., **kwargs: Any) -> None: ...
+    def properties(
+        self,
+        *,
+        MaxSpeed: float = ...,
+        MaxAcceleration: float = ...,
+        MaxJerk: float = ...,
+        MaxAngularSpeed: float = ...,
+        MaxAngularAcceleration: float = ...,
+        MaxAngularJerk: float = ...,
+        ControlType: Literal["Velocity", "Position"] = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class MotionVWDiff(ActuatorCreator):
     """Motion controller using linear and angular speeds, by the wheels"""
+    def properties(
+        self,
+        *,
+        MaxSpeed: float = ...,
+        MaxAcceleration: float = ...,
+        MaxJerk: float = ...,
+        MaxAngularSpeed: float = ...,
+        MaxAngularAcceleration: float = ...,
+        MaxAngularJerk: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class MotionXYW(ActuatorCreator):
     """Motion controller using linear (Vx, Vy) and angular speeds"""
-    def properties(self, *, ControlType: Literal["Velocity", "Position"] = ..., **kwargs: Any) -> None: ...
+    def properties(
+        self,
+        *,
+        MaxSpeed: float = ...,
+        MaxAcceleration: float = ...,
+        MaxJerk: float = ...,
+        MaxAngularSpeed: float = ...,
+        MaxAngularAcceleration: float = ...,
+        MaxAngularJerk: float = ...,
+        ControlType: Literal["Velocity", "Position"] = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class Orientation(ActuatorCreator):
     """Motion controller which changes the orientation of the robot"""

@@ -228,6 +228,8 @@ class Object(Requesting, AbstractObject):
 
         python_name, checked = checked_property(self, name, value)
         setattr(self, python_name, checked)
+        if self.group is not None:
+            self.group.is_changed = True  # it may depend on a property whether the component acts together
 
     @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:

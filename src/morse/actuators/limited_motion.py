@@ -1,0 +1,85 @@
+"""Optional limits of the speeds that an actuator gives to a robot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.services import service
+from morse.helpers.components import add_property
+from morse.helpers.ramp import Ramp
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class LimitedMotion(Actuator):
+    """Follows the commanded speeds within limits of speed, acceleration and jerk; a limit of 0 stands for none.
+
+    Attributes:
+        linear_axes: components of the linear speed.
+    """
+
+    add_property("_max_v", 0.0, "MaxSpeed", "float", "Largest linear speed; 0: no limit", unit="m/s", low=0.0, high=1e4)
+    add_property(
+        "_max_a", 0.0, "MaxAcceleration", "float", "Of the linear speed; 0: no limit", unit="m/s²", low=0.0, high=1e6
+    )
+    add_property("_max_j", 0.0, "MaxJerk", "float", "Of the linear speed; 0: no limit", unit="m/s³", low=0.0, high=1e8)
+    add_property(
+        "_max_w", 0.0, "MaxAngularSpeed", "float", "Largest turning rate; 0: no limit", unit="rad/s", low=0.0, high=1e4
+    )
+    add_property(
+        "_max_dw",
+        0.0,
+        "MaxAngularAcceleration",
+        "float",
+        "Of the turning rate; 0: no limit",
+        unit="rad/s²",
+        low=0.0,
+        high=1e6,
+    )
+    add_property(
+        "_max_ddw", 0.0, "MaxAngularJerk", "float", "Of the turning rate; 0: no limit", unit="rad/s³", low=0.0, high=1e8
+    )
+
+    linear_axes = 1
+
+    _max_v: float
+    _max_a: float
+    _max_j: float
+    _max_w: float
+    _max_dw: float
+    _max_ddw: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._linear = Ramp(self.linear_axes)
+        self._angular = Ramp()
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs; speeds that were not limited before go on from the command."""
+        were = self.is_limited()
+        super().set_property(name, value)
+        if self.is_limited() and not were:
+            linear, angular = self.commanded()
+            self._linear.speed, self._angular.speed = list(linear), [angular]
+
+    def is_limited(self) -> bool:
+        """Whether there is any limit."""
+        return any((self._max_v, self._max_a, self._max_j, self._max_w, self._max_dw, self._max_ddw))
+
+    def commanded(self) -> tuple[Sequence[float], float]:
+        """Linear speed, m/s, and turning rate, rad/s, of the last command. Override it."""
+        raise NotImplementedError
+
+    def speeds(self) -> tuple[Sequence[float], float]:
+        """Linear speed, m/s, and turning rate, rad/s, of this tick."""
+        linear, angular = self.commanded()
+        if not self.is_limited():
+            return linear, angular
+        dt = 1.0 / self.frequency
+        return (
+            self._linear.follow(linear, dt, (self._max_v, self._max_a, self._max_j)),
+            self._angular.follow([angular], dt, (self._max_w, self._max_dw, self._max_ddw))[0],
+        )

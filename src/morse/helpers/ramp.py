@@ -1,0 +1,66 @@
+"""A speed that follows a wanted one within limits of speed, acceleration and jerk."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Vector = list[float]
+
+
+class Ramp:
+    """The speed of one moving part, along one axis or several at once.
+
+    A limit holds for the length of the vector. The acceleration is built up and taken back at the rate of the jerk, so
+    that it is zero when the wanted speed is reached.
+
+    Args:
+        axes: number of components of the speed.
+
+    Attributes:
+        speed: of the last tick, m/s or rad/s.
+        acceleration: of the last tick, m/s² or rad/s².
+    """
+
+    def __init__(self, axes: int = 1) -> None:
+        self.speed: Vector = [0.0] * axes
+        self.acceleration: Vector = [0.0] * axes
+
+    def follow(self, wanted: Sequence[float], dt: float, limits: Sequence[float]) -> Vector:
+        """The speed after a tick.
+
+        Args:
+            wanted: the speed to reach.
+            dt: length of the tick, s.
+            limits: largest speed, acceleration and jerk; 0 for none.
+        """
+        most_speed, most_acceleration, most_jerk = limits
+        goal = _shortened(wanted, most_speed)
+        missing = [there - here for there, here in zip(goal, self.speed, strict=True)]
+        distance = math.hypot(*missing)
+        size = distance / dt
+        if most_jerk:
+            # the largest acceleration that can still be taken back, one step of the jerk a tick, before the goal:
+            # the speed changes by size * (1 + size / step) / 2 * dt in these ticks
+            step = most_jerk * dt
+            size = min(size, (math.sqrt(step * step + 8.0 * step * distance / dt) - step) / 2.0)
+        if most_acceleration:
+            size = min(size, most_acceleration)
+        change = [part * size / distance if distance else 0.0 for part in missing]
+        if most_jerk:
+            turn = _shortened([a - b for a, b in zip(change, self.acceleration, strict=True)], most_jerk * dt)
+            change = [a + b for a, b in zip(self.acceleration, turn, strict=True)]
+        self.acceleration = change
+        self.speed = _shortened([v + a * dt for v, a in zip(self.speed, change, strict=True)], most_speed)
+        return self.speed
+
+
+def _shortened(vector: Sequence[float], most: float) -> Vector:
+    """A vector of at most that length; 0 for any."""
+    length = math.hypot(*vector)
+    if not most or length <= most:
+        return list(vector)
+    return [part * (most / length) for part in vector]
