@@ -22,6 +22,10 @@ SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 1
 TICKS_PER_SCAN = TICK // SCAN_RATE
 PANORAMA_ROWS, PANORAMA_COLUMNS = 16, 1800
 PANORAMA_VIEW, PANORAMA_RANGE, PANORAMA_HEIGHT = math.radians(30), 100.0, 0.5
+# pictures: where a camera is, what it looks at, its focal length on a sensor 32 mm wide, and how far it sees
+PICTURE_EYE, PICTURE_TARGET = (6.0, -7.0, 4.0), (0.0, 0.0, 0.5)
+PICTURE_FOCAL, PICTURE_NEAR, PICTURE_FAR = 25.0, 0.1, 100.0
+PICTURE_GRID = 16  # columns of depths that are compared, and 3/4 as many rows
 
 Block = tuple[float, float, float, float, float, float]
 Pose = tuple[float, float, float]
@@ -183,3 +187,24 @@ def panorama_errors(ranges: list[float], pose: Pose, every: int = 97) -> tuple[f
     if len(ranges) != PANORAMA_ROWS * PANORAMA_COLUMNS:
         return math.inf, 1.0
     return _errors(ranges[::every], panorama(pose, every))
+
+
+# pictures -----------------------------------------------------------------------------------
+
+
+def depth_grid(depths: list[list[float]]) -> list[float]:
+    """Some of the depths of a picture, evenly spread; 0 for nothing, or nothing nearer than the far plane."""
+    rows, columns = PICTURE_GRID * 3 // 4, PICTURE_GRID
+    chosen = [
+        depths[(2 * j + 1) * len(depths) // (2 * rows)][(2 * i + 1) * len(depths[0]) // (2 * columns)]
+        for j in range(rows)
+        for i in range(columns)
+    ]
+    return [depth if depth < 0.99 * PICTURE_FAR else 0.0 for depth in chosen]
+
+
+def depth_disagreement(one: list[float], other: list[float]) -> float:
+    """The share of depths that differ by more than 1 %."""
+    if len(one) != len(other):
+        return 1.0
+    return sum(abs(a - b) > 0.01 * max(a, b) for a, b in zip(one, other, strict=True)) / len(one)

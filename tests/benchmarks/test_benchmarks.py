@@ -142,6 +142,23 @@ def test_values_are_held_to_what_is_wanted() -> None:
     assert Result("b", "c", 0.6, "x").is_good is None
 
 
+# pictures -----------------------------------------------------------------------------------
+
+
+def test_depths_are_taken_evenly_and_what_is_too_far_is_nothing() -> None:
+    # a plane that gets farther to the right, by a metre a column
+    depths = [[float(column + 1) for column in range(160)] for _ in range(120)]
+    grid = work.depth_grid(depths)
+    assert grid[:4] == [6.0, 16.0, 26.0, 36.0]
+    assert grid[12:16] == [0.0] * 4
+    assert len(grid) == 16 * 12
+
+
+def test_pictures_that_differ_are_found_out() -> None:
+    assert work.depth_disagreement([1.0, 2.0, 0.0, 4.0], [1.001, 2.0, 0.0, 4.5]) == 0.25
+    assert work.depth_disagreement([1.0], [1.0, 2.0]) == 1.0
+
+
 # the picture --------------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from morse.viewer.feeds.id_colors import draw_boxes
 from morse.viewer.feeds.pictures import PicturesFeed, as_pixels
 from morse.viewer.hub import Wishes
 
@@ -86,3 +87,25 @@ def test_what_is_no_picture_is_not_sent(image: Any) -> None:
     server.wishes = Wishes(images=frozenset({"eye"}))
     pictures.update()
     assert server.sent == []
+
+
+def test_ids_have_a_colour_each_and_nothing_is_black():
+    ids = np.arange(40, dtype=np.uint16).reshape(5, 8)
+    colors = as_pixels(ids)
+    assert colors.shape == (5, 8, 3)
+    assert (colors[0, 0] == 0).all()
+    assert len({tuple(color) for color in colors.reshape(-1, 3).tolist()}) == 40
+    # the colour of an id does not depend on what else is in sight
+    np.testing.assert_array_equal(as_pixels(ids[:1, :4]), colors[:1, :4])
+
+
+def test_boxes_of_things_are_drawn_where_they_are():
+    plain = np.zeros((40, 60, 3), np.uint8)
+    drawn = draw_boxes(plain, [{"box": [10, 5, 50, 35], "name": "a b\u2603"}, {"box": [1, 2]}, "nothing"])
+    white = (drawn == 255).all(axis=2)
+    assert white[5, 10:50].all()
+    assert white[34, 10:50].all()
+    assert white[5:35, 49].all()
+    assert not drawn[:5].any()
+    assert not drawn[35:].any()
+    assert not plain.any()

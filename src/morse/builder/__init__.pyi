@@ -99,6 +99,7 @@ from morse.builder.sensors import RadarAltimeter as RadarAltimeter
 from morse.builder.sensors import RangeFinder as RangeFinder
 from morse.builder.sensors import RawImage as RawImage
 from morse.builder.sensors import SearchAndRescue as SearchAndRescue
+from morse.builder.sensors import SegmentationCamera as SegmentationCamera
 from morse.builder.sensors import SemanticCamera as SemanticCamera
 from morse.builder.sensors import Sick as Sick
 from morse.builder.sensors import SickLDMRS as SickLDMRS
@@ -231,6 +232,7 @@ __all__ = [
     "RotorcraftVelocity",
     "RotorcraftWaypoint",
     "SearchAndRescue",
+    "SegmentationCamera",
     "SegwayRMP400",
     "SemanticCamera",
     "SensorCreator",

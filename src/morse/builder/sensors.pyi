@@ -41,6 +41,7 @@ __all__ = [
     "RangeFinder",
     "RawImage",
     "SearchAndRescue",
+    "SegmentationCamera",
     "SemanticCamera",
     "SensorCreator",
     "Sick",
@@ -329,6 +330,29 @@ class SearchAndRescue(SensorCreator):
         Angle: float = ...,
         Distance: float = ...,
         Freq: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class SegmentationCamera(CameraCreator):
+    """A camera that gives the id and the class of what each pixel shows"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        capturing: bool = ...,
+        tag: str = ...,
+        class_tag: str = ...,
+        class_names: str = ...,
+        relative: bool = ...,
+        fewest_pixels: int = ...,
         **kwargs: Any,
     ) -> None: ...
 

@@ -72,15 +72,16 @@ class Contents:
         self._shown = np.array([is_shown(node, True) for node in self.nodes], dtype=bool)
         self._stretches, self.placed = np.zeros((len(self.nodes), 3, 3)), np.zeros((len(self.nodes), 3, 4))
         self._offsets = np.zeros((len(self.nodes), 3, 4))
+        surfaces_of = [slot_materials(node, node.mesh) for node in self.nodes if node.mesh is not None]
+        textures.read_ahead(m.image for surfaces in surfaces_of for m in surfaces if m.image is not None)
         slots: list[int] = []
         parts: list[tuple[int, int, int, int]] = []
-        for number, node in enumerate(self.nodes):
+        for number, (node, surfaces) in enumerate(zip(self.nodes, surfaces_of, strict=True)):
             assert node.mesh is not None
             frame = rigid_frame(node)
             self._stretches[number] = [list(row) for row in frame.stretch]
             rotation = np.array([list(row) for row in frame.rotation])
             self.placed[number, :, :3], self.placed[number, :, 3] = rotation @ self._stretches[number], frame.position
-            surfaces = slot_materials(node, node.mesh)
             flags = MIRRORED * int(np.linalg.det(self._stretches[number]) < 0.0)
             flags |= MOVES * int(not world.is_fixed(self._groups[number]))
             parts += [(c, number, len(slots), flags) for c in self._clusters(meshes.clusters(node.mesh, len(surfaces)))]

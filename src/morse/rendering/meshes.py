@@ -92,8 +92,7 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     mixed = words * factors[:8]
     mixed ^= mixed >> np.uint64(29)
     key = (mixed.sum(axis=1, dtype=np.uint64) & np.uint64(0xFFFFFFFF)) | (owner.astype(np.uint64) << np.uint64(32))
-    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-    inverse = inverse.reshape(-1)
+    first, inverse = _grouped(key)
     if count and not np.array_equal(flat[first][inverse], flat):
         first = inverse = np.arange(len(flat))  # never seen: two corners in one number
     firsts = np.searchsorted(owner[first], np.arange(cluster[-1] + 1 if count else 0))
@@ -105,6 +104,20 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     vertices = flat[first].view(VERTEX).reshape(-1)
     numbers = np.column_stack([firsts, sizes, starts, np.diff(np.append(starts, count))]).astype(np.int32)
     return Clusters(vertices, triangles, numbers.reshape(-1, 4), _spheres(vertices["p"], firsts))
+
+
+def _grouped(key: NDArray[np.uint64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """One member of each group of equal keys, and the number of the group of each member.
+
+    ``np.unique`` does the same by sorts that keep the order of members, which take three times as long.
+    """
+    order = np.argsort(key)
+    ordered = key[order]
+    begins = np.ones(len(key), bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=begins[1:])
+    group = np.empty(len(key), np.intp)
+    group[order] = np.cumsum(begins) - 1
+    return order[begins], group
 
 
 def _spheres(points: NDArray[np.float32], firsts: NDArray[np.intp]) -> NDArray[np.float32]:

@@ -27,7 +27,13 @@ _MOST_PIXELS = 1 << 25
 
 
 class Renderer:
-    """Draws what cameras see; all cameras that are due in a tick are drawn in one call."""
+    """Draws what cameras see; all cameras that are due in a tick are drawn in one call.
+
+    Attributes:
+        contents: what there is to see; from the first picture on.
+    """
+
+    contents: Contents
 
     def __init__(self, world: World, samples: int = _SAMPLES) -> None:
         self._world = world
@@ -57,7 +63,7 @@ class Renderer:
 
     def _draw(self, requests: Sequence[CameraRequest]) -> None:
         self._look()
-        contents = self._contents
+        contents = self.contents
         poses = contents.poses()
         cameras = np.zeros(len(requests), CAMERA)
         for row, request in zip(cameras, requests, strict=True):
@@ -83,27 +89,27 @@ class Renderer:
         world = self._world
         if self._arrangement == world.arrangement and not self._is_repainted():
             return
-        self._contents = Contents(world, self._meshes, self._textures)
-        self._drawer = drawer(self._contents.drawing)
+        self.contents = Contents(world, self._meshes, self._textures)
+        self._drawer = drawer(self.contents.drawing)
         self._light_nodes = light_nodes(world.scene)
         self._shadows = None
         lamps, sunny = lamps_of(self._light_nodes, world)
         self._light = Light(lamps, sky_of(world.scene.settings.view, sunny), np.zeros(16, np.float32), None)
         self._arrangement, self._repaints = world.arrangement, world.repaints
-        self._colors = [node.color for node in self._contents.nodes]
+        self._colors = [node.color for node in self.contents.nodes]
 
     def _is_repainted(self) -> bool:
         """Whether a colour has changed; shown and hidden things need no new drawing."""
         if self._repaints == self._world.repaints:
             return False
         self._repaints = self._world.repaints
-        return self._colors != [node.color for node in self._contents.nodes]
+        return self._colors != [node.color for node in self.contents.nodes]
 
     def _lit(self) -> Light:
         """The lamps as they are now, with the shadows of the sun."""
         lamps, sunny = lamps_of(self._light_nodes, self._world)
         if self._shadows is None or not np.array_equal(self._shadows.sunny, sunny):
-            self._shadows = Shadows(self._contents, self._drawer, sunny, self._light)
+            self._shadows = Shadows(self.contents, self._drawer, sunny, self._light)
         sky = sky_of(self._world.scene.settings.view, sunny)
         self._shadows.light = self._shadows.light._replace(lamps=lamps, sky=sky)
         return self._shadows.light

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,9 @@ import numpy as np
 from morse.kernel.drawing.arrays import TEXTURE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from concurrent.futures import Future
+
     from numpy.typing import NDArray
 
     from morse.scene import Image
@@ -24,6 +28,10 @@ _MOST_PIXELS = 1 << 27
 _codes = np.arange(256) / 255
 #: (256,) linear light of the codes of sRGB
 LINEAR = np.where(_codes <= 0.04045, _codes / 12.92, ((_codes + 0.055) / 1.055) ** 2.4)
+#: the same in single precision, and as texels hold it; opacity as texels hold it
+_LINEAR = LINEAR.astype(np.float32)
+_ROOTS = (np.sqrt(LINEAR) * 1023 + 0.5).astype(np.uint32)
+_ALPHAS = (_codes * 3 + 0.5).astype(np.uint32) << np.uint32(30)
 
 
 class TextureStore:
@@ -36,6 +44,15 @@ class TextureStore:
         self._texels: list[NDArray[np.int32]] = []
         self._masked: list[bool] = []
         self._size = 0
+        self._ahead: dict[int, Future[NDArray[np.uint8]]] = {}
+
+    def read_ahead(self, images: Iterable[Image]) -> None:
+        """Decode pictures that will be asked for, in a thread of their own."""
+        if found := {id(image): image for image in images if id(image) not in self._numbers}:
+            # the decoders of Pillow run without the GIL
+            pool = ThreadPoolExecutor(1, thread_name_prefix="morse-textures")
+            self._ahead = {key: pool.submit(_pixels, image) for key, image in found.items()}
+            pool.shutdown(wait=False)
 
     def number(self, image: Image) -> int:
         """The number of the texture of a picture."""
@@ -44,7 +61,8 @@ class TextureStore:
             found = self._numbers[id(image)] = len(self._images)
             # kept, so that no other picture gets its id
             self._images.append(image)
-            self._add(_pixels(image))
+            ahead = self._ahead.pop(id(image), None)
+            self._add(_pixels(image) if ahead is None else ahead.result())
         return found
 
     def has_holes(self, number: int) -> bool:
@@ -61,25 +79,44 @@ class TextureStore:
 
     def _add(self, pixels: NDArray[np.uint8]) -> None:
         self._masked.append(bool((pixels[..., 3] < 255).any()))
-        level = np.concatenate([LINEAR[pixels[..., :3]], pixels[..., 3:] / 255], axis=2)
-        firsts = []
-        while True:
-            firsts.append(self._size)
-            self._texels.append(_packed(level).ravel())
-            self._size += level.shape[0] * level.shape[1]
-            if level.shape[:2] == (1, 1):
-                break
-            level = (level[0::2] + level[1::2]) / 2 if level.shape[0] > 1 else level
-            level = (level[:, 0::2] + level[:, 1::2]) / 2 if level.shape[1] > 1 else level
+        firsts = [self._keep(_coded(pixels))]
+        level = np.empty((4, *pixels.shape[:2]), np.float32)
+        for channel in range(3):
+            np.take(_LINEAR, pixels[..., channel], out=level[channel])
+        np.multiply(pixels[..., 3], np.float32(1 / 255), out=level[3])
+        while level.shape[1:] != (1, 1):
+            level = (level[:, 0::2] + level[:, 1::2]) * np.float32(0.5) if level.shape[1] > 1 else level
+            level = (level[..., 0::2] + level[..., 1::2]) * np.float32(0.5) if level.shape[2] > 1 else level
+            firsts.append(self._keep(_packed(level)))
         self._rows.append((pixels.shape[1], pixels.shape[0], *firsts))
 
+    def _keep(self, texels: NDArray[np.uint32]) -> int:
+        """Append a level of a texture; returns the number of its first texel."""
+        first = self._size
+        self._texels.append(texels.view(np.int32).ravel())
+        self._size += texels.size
+        return first
 
-def _packed(level: NDArray[np.float64]) -> NDArray[np.int32]:
-    """Square roots of linear light, 10 bits each, and 2 bits of alpha on top: precise in the dark, quick to read."""
-    r, g, b = (np.sqrt(level[..., :3]) * 1023 + 0.5).astype(np.uint32).transpose(2, 0, 1)
-    alpha = (level[..., 3] * 3 + 0.5).astype(np.uint32)
-    packed: NDArray[np.int32] = (r | g << 10 | b << 20 | alpha << 30).astype(np.uint32).view(np.int32)
-    return packed
+
+# Texels are square roots of linear light, 10 bits each, and 2 bits of alpha on top: precise in the dark, quick to read.
+
+
+def _coded(pixels: NDArray[np.uint8]) -> NDArray[np.uint32]:
+    """The texels of a picture."""
+    r, g, b = (_ROOTS[pixels[..., channel]] for channel in range(3))
+    return _joined(r, g, b, _ALPHAS[pixels[..., 3]])
+
+
+def _packed(level: NDArray[np.float32]) -> NDArray[np.uint32]:
+    """The texels of linear light and opacity (4, H, W)."""
+    r, g, b = ((np.sqrt(channel) * np.float32(1023) + np.float32(0.5)).astype(np.uint32) for channel in level[:3])
+    return _joined(r, g, b, (level[3] * 3 + np.float32(0.5)).astype(np.uint32) << np.uint32(30))
+
+
+def _joined(
+    r: NDArray[np.uint32], g: NDArray[np.uint32], b: NDArray[np.uint32], alpha: NDArray[np.uint32]
+) -> NDArray[np.uint32]:
+    return np.asarray(r | g << np.uint32(10) | b << np.uint32(20) | alpha, np.uint32)
 
 
 def _pixels(image: Image) -> NDArray[np.uint8]:

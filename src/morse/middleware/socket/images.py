@@ -21,13 +21,13 @@ _LUMA = (0.2126, 0.7152, 0.0722)
 def image_json(stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None = None) -> bytes | None:
     """``{timestamp, height, width, image, intrinsic_matrix}``; the image is RGBA, 8 bits each, in base64.
 
-    None while the camera does not capture.
+    Other fields of the component follow, arrays of them in base64, too. None while the camera does not capture.
 
     Args:
         stream: of a component with the fields ``image`` and ``intrinsic_matrix``.
         pixels: makes the bytes of the image of the field; RGBA if not given.
     """
-    return _json(stream, "image", pixels or as_bytes)
+    return _json(stream, "image", pixels or as_bytes, others=True)
 
 
 def cloud_json(stream: AbstractDatastream) -> bytes | None:
@@ -40,7 +40,9 @@ def cloud_json(stream: AbstractDatastream) -> bytes | None:
     return _json(stream, "points", points_as_bytes)
 
 
-def _json(stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes]) -> bytes | None:
+def _json(
+    stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes], *, others: bool = False
+) -> bytes | None:
     camera: Any = stream.component_instance
     data = stream.data
     # None: no camera of its own, but it has a cloud
@@ -55,6 +57,11 @@ def _json(stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes]
     }
     if "intrinsic_matrix" in data:
         message["intrinsic_matrix"] = data["intrinsic_matrix"]
+    if others:
+        for name in data:
+            if name not in message:
+                value = data[name]
+                message[name] = as_bytes(value) if isinstance(value, np.ndarray) else value
     return to_json(message)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
+from morse.viewer.feeds.id_colors import as_colors, draw_boxes
 from morse.viewer.view_messages import Picture
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ class PicturesFeed:
                 continue
             self._sent[name] = image
             pixels = as_pixels(image if getattr(component, "vertical_flip", True) else image[::-1])
+            if image.dtype == np.uint16 and pixels.ndim == 3:
+                pixels = draw_boxes(pixels, component.local_data.get("objects", ()))
             height, width = pixels.shape[:2]
             time = float(component.local_data.get("timestamp", 0.0))
             self._server.send(Picture(as_jpeg(pixels), name, width, height, "image/jpeg", time))
@@ -48,9 +51,14 @@ def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
 
 
 def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
-    """Pixels (H, W) or (H, W, 3) to look at: colours as they are, distances from white, which is near, to black."""
+    """Pixels (H, W) or (H, W, 3) to look at.
+
+    Colours stay as they are, ids (H, W) uint16 get a colour each, distances go from white, which is near, to black.
+    """
     if image.dtype == np.uint8:
         return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
+    if image.dtype == np.uint16 and image.ndim == 2:
+        return as_colors(image)
     values = np.asarray(image, dtype=np.float64)
     known = values[np.isfinite(values)]
     if not known.size:

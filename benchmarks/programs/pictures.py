@@ -1,0 +1,135 @@
+"""Pictures of the sandbox in MORSE.
+
+``draw`` draws them as fast as it can; ``export FILE`` writes what is drawn, for another renderer; ``first`` takes
+the first picture after loading; ``share`` compares a simulation with a camera at 30 Hz with one without.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from benchmarks import stopwatch, work
+from benchmarks.programs.loading import prepare
+from morse.rendering import Lens, Renderer
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.rendering import CameraRequest
+
+_CHUNK = 10
+_WARM = 3
+
+
+class Tripod:
+    """Something to put a camera on, that looks at the middle of the sandbox: X to the right, Y down."""
+
+    def __init__(self) -> None:
+        eye, target = np.array(work.PICTURE_EYE), np.array(work.PICTURE_TARGET)
+        forward = (target - eye) / np.linalg.norm(target - eye)
+        right = np.cross(forward, (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right)
+        self.axes = np.column_stack([right, np.cross(forward, right), forward])
+
+    def world_pose(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Position and rotation, row by row."""
+        return tuple(work.PICTURE_EYE), tuple(self.axes.ravel())
+
+
+def draw(width: int, height: int, cameras: int, samples: int, color: bool) -> None:
+    """Draw as fast as possible."""
+    renderer = Renderer(_world(), samples)
+    requests = [_request(renderer, width, height, color) for _ in range(cameras)]
+    for _ in range(_WARM):
+        renderer.serve(requests)
+    cost = stopwatch.cost_of(lambda: renderer.serve(requests), _CHUNK)
+    picture = requests[0].picture
+    assert picture is not None
+    stopwatch.report(
+        ms=1e3 * cost.wall, processor_ms=1e3 * cost.processor, depths=work.depth_grid(picture.depth.tolist())
+    )
+
+
+def export(path: Path) -> None:
+    """Write all triangles in the frame of the world, one mesh for each instance, and their colours."""
+    renderer = Renderer(_world())
+    renderer.serve([_request(renderer, 8, 8, False)])
+    poses, drawing = renderer.contents.poses(), renderer.contents.drawing
+    arrays: dict[str, Any] = {}
+    shown = 0
+    for instance, node in enumerate(renderer.contents.nodes):
+        model = poses.models[instance].reshape(3, 4).astype(np.float64)
+        if node.mesh is None or not model.any():
+            continue
+        number, shown = shown, shown + 1
+        triangles = np.asarray(node.mesh.triangles).reshape(-1, 3)
+        arrays[f"v{number}"] = np.asarray(node.mesh.vertices) @ model[:, :3].T + model[:, 3]
+        arrays[f"t{number}"] = triangles[:, ::-1] if np.linalg.det(model[:, :3]) < 0 else triangles
+        part = int(np.flatnonzero(drawing.parts[:, 1] == instance)[0])
+        arrays[f"c{number}"] = drawing.materials["color"][drawing.slots[drawing.parts[part, 2]]]
+    np.savez(path, count=shown, **arrays)
+    stopwatch.report(instances=shown)
+
+
+def first() -> None:
+    """The first picture of a camera."""
+    simulation = prepare("pictures")
+    wall, processor = time.perf_counter(), time.process_time()
+    simulation.tick()
+    wall, processor = time.perf_counter() - wall, time.process_time() - processor
+    if not simulation.robot.camera.data["image"].any():
+        raise RuntimeError("the camera took no picture")
+    stopwatch.report(s=wall, processor_s=processor)
+
+
+def share(secs: float) -> None:
+    """How much of real time a camera takes."""
+    costs = []
+    for rate in (30, 0):
+        simulation = prepare("pictures", rate=rate)
+        for _ in range(2 * work.TICKS_PER_SCAN):
+            simulation.tick()
+        pace, _ = stopwatch.measure(simulation.tick, secs)
+        costs.append(1 / pace.processor)
+        simulation.close()
+    stopwatch.report(share=costs[0] - costs[1], processor_share=costs[0] - costs[1], without=costs[1])
+
+
+def _world() -> Any:
+    simulation = prepare("pictures", rate=0)
+    simulation.tick()
+    return simulation.world
+
+
+def _request(renderer: Renderer, width: int, height: int, color: bool) -> CameraRequest:
+    lens = Lens.of_focal_length(width, height, work.PICTURE_FOCAL, work.PICTURE_NEAR, work.PICTURE_FAR)
+    return renderer.request(Tripod(), lens, color=color)  # type: ignore[arg-type]  # a camera without an object
+
+
+def main() -> None:
+    """Do what the first argument says."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("what", choices=["draw", "export", "first", "share"])
+    parser.add_argument("file", nargs="?")
+    parser.add_argument("--width", type=int, default=640)
+    parser.add_argument("--cameras", type=int, default=1)
+    parser.add_argument("--samples", type=int, default=5)
+    parser.add_argument("--secs", type=float, default=2.0)
+    parser.add_argument("--no-color", action="store_true")
+    given = parser.parse_args()
+    if given.what == "draw":
+        draw(given.width, given.width * 3 // 4, given.cameras, given.samples, not given.no_color)
+    elif given.what == "export":
+        export(given.file)
+    elif given.what == "first":
+        first()
+    else:
+        share(given.secs)
+
+
+if __name__ == "__main__":
+    main()

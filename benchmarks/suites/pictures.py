@@ -1,0 +1,76 @@
+"""W2: pictures of the sandbox, beside OpenGL."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchmarks import work
+from benchmarks.result import Result, at_least, at_most, failure, skipped
+from benchmarks.trial import Program, TrialFailed, interleave
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from benchmarks.plan import Plan
+    from benchmarks.trial import Trial
+
+_OWN, _PEER = "benchmarks.programs.pictures", "benchmarks.peers.mujoco_pictures"
+#: what is drawn, the words for it, and how many times as fast as OpenGL it should be
+_CASES = (
+    ("320 x 240, 1 sample", ("--width", "320", "--samples", "1"), 4.0),
+    ("640 x 480, 1 sample", ("--samples", "1"), 3.0),
+    ("640 x 480, 5 samples", (), 1.7),
+    ("640 x 480, depth and ids alone", ("--no-color",), 8.0),
+)
+#: of the depths, some lie on edges, where renderers may differ
+_MOST_APART = 0.02
+
+
+def pictures(plan: Plan) -> Iterator[Result]:
+    """RGB, depth and ids; four cameras; a camera at 30 Hz; the first picture."""
+    key = plan.clock("ms")
+    with tempfile.TemporaryDirectory() as folder:
+        triangles = str(Path(folder) / "triangles.npz")
+        try:
+            Program("morse", _OWN, ("export", triangles)).run()
+        except TrialFailed as error:
+            yield failure("W2", "pictures", str(error))
+            return
+        for case, words, wanted in _CASES[: len(plan.counts(*_CASES))]:
+            yield _beside_opengl(plan, case, words, wanted, triangles)
+        yield _beside_opengl(plan, "640 x 480, 5 samples, OpenGL without shadows", (), 0.5, triangles, "--no-shadows")
+    try:
+        one, four = (_own(plan, "draw", "--width", "320", "--cameras", n).median(key) for n in ("1", "4"))
+        yield Result("W2", "four cameras, of four times one", four / one / 4, "x", at_most(1.0), {}, {"morse": four})
+        share = _own(plan, "share", "--secs", str(plan.seconds(2.0))).median(plan.clock("share"))
+        yield Result("W2", "a camera at 30 Hz, 320 x 240, of real time", 100 * share, "% of a core", at_most(15.0))
+        first = _own(plan, "first").median(plan.clock("s"))
+        yield Result("W2", "first picture after loading the sandbox", first, "s", at_most(0.5))
+    except TrialFailed as error:
+        yield failure("W2", "pictures", str(error))
+
+
+def _own(plan: Plan, *words: str) -> Trial:
+    return interleave([Program("morse", _OWN, words)], plan.repeats)["morse"]
+
+
+def _beside_opengl(plan: Plan, case: str, words: tuple[str, ...], wanted: float, triangles: str, *more: str) -> Result:
+    key = plan.clock("ms")
+    own = Program("morse", _OWN, ("draw", *words))
+    peer = Program("opengl", _PEER, (triangles, *words, *more), needs="OpenGL", is_optional=True)
+    if not peer.is_installed:
+        return skipped("W2", case, "PyOpenGL is not installed: pip install pyopengl")
+    try:
+        trials = interleave([own, peer], plan.repeats)
+    except TrialFailed as error:
+        return failure("W2", case, str(error))
+    mine, theirs = trials["morse"], trials["opengl"]
+    if theirs.trouble:
+        return Result("W2", case, mine.median(key), "ms", left_out={"opengl": theirs.trouble})
+    apart = work.depth_disagreement(mine.records[0]["depths"], theirs.records[0]["depths"])
+    if apart > _MOST_APART:
+        return failure("W2", case, f"{apart:.1%} of the depths differ from those of OpenGL")
+    ours, others = mine.median(key), theirs.median(key)
+    return Result("W2", case, others / ours, "x OpenGL", at_least(wanted), {"opengl": others}, {"morse": ours})

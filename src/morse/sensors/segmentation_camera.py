@@ -1,0 +1,203 @@
+"""Tells for each pixel which thing it shows."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults
+from morse.core.mathutils import Matrix
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.rendering import Picture
+    from morse.rendering.things import Things
+    from morse.scene import Node
+
+logger = logging.getLogger(__name__)
+
+#: ids have 16 bits, as pixels of the encoding 16UC1
+_MOST = 65535
+#: the class of robots
+_ROBOT = "robot"
+
+
+def _ids(camera: SegmentationCamera) -> NDArray[np.uint16]:
+    """(H, W), the top row first."""
+    return camera.top_first(camera.local_data["image"])
+
+
+def _records(camera: SegmentationCamera) -> list[dict[str, Any]]:
+    """The things in sight as messages have them."""
+    kept = ("position", "orientation", "size", "box")
+    return [
+        {"id": seen["name"], "label": seen["class"], **{key: seen[key] for key in kept if key in seen}}
+        for seen in camera.local_data["objects"]
+    ]
+
+
+class SegmentationCamera(Camera):
+    """Tells for each pixel which thing it shows, and of which class the thing is.
+
+    A thing is an object with the property that ``tag`` names, with everything that is part of it; a robot with all its
+    components; or, of what is left, a tree of objects of the environment. The id of a thing stays the same as long as
+    the simulation runs. Its class is the property that ``class_tag`` names; robots without it are of the class
+    ``robot``, and other things without it have the class id 0.
+    """
+
+    _name = "Segmentation camera"
+    _short_desc = "A camera that gives the id and the class of what each pixel shows"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data(
+        "image",
+        np.zeros((0, 0), np.uint16),
+        "buffer",
+        "The id of the thing that each pixel shows; 0 for none",
+        frame="optical",
+        shape=(None, None),
+        dtype="uint16",
+        low=0,
+        high=_MOST,
+    )
+    add_data(
+        "classes",
+        np.zeros((0, 0), np.uint16),
+        "buffer",
+        "The id of its class; 0 for none",
+        frame="optical",
+        shape=(None, None),
+        dtype="uint16",
+        low=0,
+        high=_MOST,
+    )
+    add_data("labels", [], "list<objects>", "All things of the scene: id, name, class_id, class")
+    add_data(
+        "objects",
+        [],
+        "list<objects>",
+        "What it sees: id, name, class, number of pixels, box (x0, y0, x1, y1) around them in px; and the box in "
+        "space: position of its middle and size in m, orientation",
+    )
+    add_data("intrinsic_matrix", **INTRINSIC)
+
+    add_property("tag", "Object", "tag", "string", "The property that makes a thing of an object")
+    add_property("class_tag", "Type", "class_tag", "string", "The property that names the class of a thing")
+    add_property(
+        "class_names", "", "class_names", "string", "Classes with the ids 1, 2, ...: 'robot, wall'; others follow"
+    )
+    add_property("relative", False, "relative", "bool", "Boxes are in the frame of the camera, not of the world")
+    add_property("fewest_pixels", 1, "fewest_pixels", "integer", "Things of fewer pixels are no objects", low=1)
+
+    add_kind("image", pixels=_ids, encoding="16UC1")
+    add_kind("camera_info", **CAMERA_INFO)
+    add_kind("detections", topic="detections", records=_records)
+
+    color = False
+    not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
+
+    tag: str
+    class_tag: str
+    class_names: str
+    relative: bool
+    fewest_pixels: int
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        names = dict.fromkeys(name.strip() for name in str(self.class_names).split(",") if name.strip())
+        #: ids by names; kept, so that they stay when things come and go
+        self._class_ids = {name: number for number, name in enumerate(names, 1)}
+        self._thing_ids: dict[str, int] = {}
+        self._things: Things | None = None
+        self._of_nodes: list[Node] | None = None
+        self._table: list[dict[str, Any]] = []
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Take a state; the labels follow from it."""
+        super().set_state(state)
+        self._of_nodes = None
+
+    def take(self, picture: Picture) -> None:
+        """Find what the pixels show."""
+        from morse.rendering.things import patches
+
+        things = self._known(picture.nodes)
+        ids = np.array([row["id"] for row in self._table], np.uint16)
+        classes = np.zeros(int(ids.max(initial=0)) + 1, np.uint16)
+        classes[ids] = [row["class_id"] for row in self._table]
+        classes[0] = 0
+        # one more: -1 stands for nothing
+        image = np.append(ids[things.numbers], np.uint16(0))[picture.ids]
+        rows = {row["id"]: (number, row) for number, row in enumerate(self._table) if row["id"]}
+        self.local_data["objects"] = [
+            {
+                "id": patch.number,
+                "name": rows[patch.number][1]["name"],
+                "class": rows[patch.number][1]["class"],
+                "pixels": patch.pixels,
+                "box": list(patch.box),
+                **self._in_space(rows[patch.number][0]),
+            }
+            for patch in patches(image)
+            if patch.pixels >= self.fewest_pixels
+        ]
+        self.local_data["image"], self.local_data["classes"] = self.ordered(image), self.ordered(classes[image])
+        self.local_data["labels"] = [dict(row) for row in self._table]
+
+    def _known(self, nodes: list[Node]) -> Things:
+        """The things that there are."""
+        if self._things is None or self._of_nodes is not nodes:
+            from morse.rendering.things import Things
+
+            robots = {robot.bge_object.node for robot in self.context.robots.values()}
+            self._things = Things(self.context.world, nodes, robots, self.tag)
+            self._of_nodes = nodes
+            self._table = [self._label(node, node in robots) for node in self._things.nodes]
+        return self._things
+
+    def _label(self, node: Node, is_robot: bool) -> dict[str, Any]:
+        obj = self.context.world.object_of(node)
+        kind = str(obj.get(self.class_tag, _ROBOT if is_robot else ""))
+        return {
+            "id": self._number(self._thing_ids, node.name),
+            "name": str(obj.get("Label", node.name)),
+            "class_id": self._number(self._class_ids, kind) if kind else 0,
+            "class": kind,
+        }
+
+    def _number(self, known: dict[str, int], name: str) -> int:
+        if name not in known and len(known) >= _MOST:
+            logger.warning("%s: there is no id left for '%s': it is seen as 0", self.name(), name)
+            return 0
+        return known.setdefault(name, len(known) + 1)
+
+    def _in_space(self, number: int) -> dict[str, Any]:
+        """The box around a thing in the frame that ``relative`` says."""
+        assert self._things is not None
+        box = self._things.box(number)
+        if box is None:
+            return {}
+        position, rotation = box.position, box.rotation
+        if self.relative:
+            here, turned = self.bge_object.world_pose()
+            frame = np.reshape(turned, (3, 3))
+            position, rotation = frame.T @ (position - here), frame.T @ rotation
+        return {
+            "position": position.tolist(),
+            "orientation": Matrix(rotation.tolist()).to_quaternion(),
+            "size": box.size.tolist(),
+        }
+
+    def noisy_fields(self) -> tuple[str, ...]:
+        """None: ids are not measured."""
+        return ()

@@ -1,0 +1,53 @@
+"""Ids as colours, and boxes around things."""
+
+from __future__ import annotations
+
+import colorsys
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+#: hues that follow each other are far apart: the golden ratio
+_STEP = 0.6180339887
+_FRAME, _INK = (255, 255, 255), (20, 20, 20)
+
+
+@cache
+def _palette(size: int) -> NDArray[np.uint8]:
+    colors = [
+        colorsys.hsv_to_rgb(i * _STEP % 1.0, (0.75, 0.5)[i // 8 % 2], (0.95, 0.7)[i // 16 % 2]) for i in range(size)
+    ]
+    found = np.round(np.array(colors) * 255).astype(np.uint8)
+    found[0] = 0
+    return found
+
+
+def as_colors(ids: NDArray[np.integer]) -> NDArray[np.uint8]:
+    """(H, W, 3) a colour for each id, black for 0."""
+    size = 1 << int(ids.max(initial=0)).bit_length()
+    return np.asarray(_palette(size)[ids], np.uint8)
+
+
+def draw_boxes(pixels: NDArray[np.uint8], objects: Iterable[Any]) -> NDArray[np.uint8]:
+    """A copy of pixels (H, W, 3), with the ``box`` of each object and its name."""
+    from PIL import Image, ImageDraw
+
+    picture = Image.fromarray(pixels)
+    draw = ImageDraw.Draw(picture)
+    for thing in objects:
+        if not isinstance(thing, dict) or len(box := thing.get("box", ())) != 4:
+            continue
+        x0, y0, x1, y1 = (int(edge) for edge in box)
+        draw.rectangle((x0, y0, max(x1 - 1, x0), max(y1 - 1, y0)), outline=_FRAME)
+        name = str(thing.get("name", ""))[:40].encode("latin-1", "replace").decode("latin-1")
+        place = draw.textbbox((x0 + 1, y0 + 1), name)
+        if place[2] - x0 <= x1 - x0 and place[3] - y0 <= y1 - y0:
+            draw.rectangle(place, fill=_FRAME)
+            draw.text((x0 + 1, y0 + 1), name, fill=_INK)
+    return np.asarray(picture)
