@@ -1,0 +1,1 @@
+"""Topics and services for Foxglove, over its WebSocket protocol."""

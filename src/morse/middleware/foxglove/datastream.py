@@ -1,0 +1,43 @@
+"""Carries data streams to Foxglove."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from morse.middleware.foxglove.hub import FoxgloveHub
+from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
+from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.middleware.rosbridge import json_form
+from morse.middleware.web.hub import hub_of
+from morse.middleware.web.topics import WebTopics
+
+
+class FoxgloveTopics(WebTopics):
+    """Topics whose messages are CDR; clients may also send JSON."""
+
+    def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
+        """See `morse.middleware.ros2.backends.backend.Backend.decode`."""
+        # CDR begins with 0, and JSON never does
+        if data[:1] == b"\0":
+            return super().decode(type_name, data)
+        return json_form.decode(type_name, data)
+
+
+class FoxgloveDatastreamManager(Ros2DatastreamManager):
+    """The topics, messages and frames of ROS 2, for Foxglove.
+
+    Options of ``env.configure_stream_manager('foxglove', ...)`` are in `morse.middleware.foxglove.mapping`.
+    """
+
+    classpath = "morse.middleware.foxglove.datastream.FoxgloveDatastreamManager"
+    manager_options = MANAGER_OPTIONS
+    title = "foxglove"
+    backend: FoxgloveTopics
+
+    def _make_backend(self) -> FoxgloveTopics:
+        return FoxgloveTopics(hub_of(self.context, FoxgloveHub))
+
+    def flush(self) -> None:
+        """A tick ends: time and frames, and all that was published."""
+        super().flush()
+        self.backend.flush()

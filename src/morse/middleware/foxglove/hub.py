@@ -1,0 +1,53 @@
+"""The server of Foxglove, and how its messages look."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+from morse.core.services import signature_of
+from morse.middleware.foxglove.client import FoxgloveClient
+from morse.middleware.foxglove.mapping import MANAGER_OPTIONS
+from morse.middleware.web.hub import Hub
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.middleware.web.topics import WebTopic
+
+
+class FoxgloveHub(Hub):
+    """See `morse.middleware.web.hub.Hub`."""
+
+    name = "foxglove"
+    manager = "morse.middleware.foxglove.datastream.FoxgloveDatastreamManager"
+    options = MANAGER_OPTIONS
+    client = FoxgloveClient
+    subprotocols = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._numbers = itertools.count(1)
+        self._of_path: dict[str, int] = {}
+
+    def frame(self, topic: WebTopic, stamp: int, data: bytes) -> bytes:
+        """What follows the number of the subscription: the time, ns, and the message."""
+        return max(0, stamp).to_bytes(8, "little") + data
+
+    def services(self) -> dict[int, str]:
+        """The names of the services by their numbers; a service keeps its number. In the network thread."""
+        paths = self.requests.paths if self.requests is not None else {}
+        for path in paths:
+            if path not in self._of_path:
+                self._of_path[path] = next(self._numbers)
+        return {self._of_path[path]: path for path in paths}
+
+    def arguments_of(self, path: str) -> dict[str, Any]:
+        """The arguments of a service as JSON schema."""
+        offered = None
+        if self.requests is not None and path in self.requests.paths:
+            offered = self.requests.find(*self.requests.paths[path])
+        parameters = signature_of(offered.callback).parameters if offered is not None else {}
+        needed = [
+            name for name, one in parameters.items() if one.default is one.empty and one.kind < one.VAR_POSITIONAL
+        ]
+        return {"type": "object", "properties": {name: {} for name in parameters}, "required": needed}
