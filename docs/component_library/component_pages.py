@@ -13,6 +13,7 @@ from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.names.classes import load_class
 from morse.core.declarations import data_fields
+from morse.core.object import Object
 from morse.middleware import registry
 
 _NAMED = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
@@ -50,14 +51,14 @@ def _sample(builder: type[ComponentCreator]) -> ComponentCreator | None:
     """A component as the builder makes it, or None if that needs arguments."""
     needed = [p for p in inspect.signature(builder).parameters.values() if p.default is p.empty and p.kind in _NAMED]
     workspace.reset()
-    return None if needed else builder()
+    return None if needed else builder(**scenes.ARGUMENTS.get(builder.__name__, {}))
 
 
 def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
     cls = component_class(builder)
     sample = _sample(builder)
     sensor = kind == "sensors"
-    fields = bool(data_fields(cls))
+    fields = bool(data_fields(cls)) or cls.own_fields is not Object.own_fields
     interfaces = _interfaces(cls, "OUT" if sensor else "IN") if fields else ""
     facts = [["in scene scripts", code(f"{name}{_signature(builder.__init__) if sample is None else '()'}")]]
     facts.append(["runs", code(builder._classpath)])
@@ -74,7 +75,9 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
         _more(cls),
         table(["", ""], facts),
         section("Use", *use),
-        section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls)) if fields else "",
+        section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls))
+        if data_fields(cls)
+        else "",
         section("Messages", kind_table(cls)),
         section("Properties", property_table(cls, changed)),
         section("Levels", level_table(cls)),

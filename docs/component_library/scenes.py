@@ -18,7 +18,11 @@ _CARRIERS = {
     "WheelEncoders": "Pioneer3DX",
 }
 #: components that are appended to another component, which is on the robot
-_HOLDERS = {"PTUPosture": "PTU"}
+_HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
+#: what components are made with
+ARGUMENTS = {"Armature": {"armature_name": "kuka_armature", "model_name": "kuka_lwr"}}
+#: fields that follow from the model
+_OWN_FIELDS = {"morse.actuators.armature.Armature": {"kuka_2": 0.0, "kuka_4": 0.0}}
 #: components that need to know where on the earth they are
 _ON_THE_EARTH = ("Magnetometer",)
 
@@ -32,7 +36,8 @@ def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
     if name in _HOLDERS:
         holder = variable_of(_HOLDERS[name])
         lines += [f"{holder} = {_HOLDERS[name]}()", f"robot.append({holder})", ""]
-    lines.append(f"{variable} = {name}()")
+    given = ", ".join(f"{key}={value!r}" for key, value in ARGUMENTS.get(name, {}).items())
+    lines.append(f"{variable} = {name}({given})")
     if sensor and holder == "robot":
         lines.append(f"{variable}.translate(x=0.3, z=0.8)")
     lines += [f"{holder}.append({variable})", ""]
@@ -70,6 +75,7 @@ def client(name: str, cls: type, *, sensor: bool) -> str:
     if sensor:
         return f"from pymorse import Morse\n\nwith Morse() as simu:\n    print({component}.get())"
     fields = {field: value.default for field, value in data_fields(cls).items()}
+    fields |= _OWN_FIELDS.get(f"{cls.__module__}.{cls.__name__}", {})
     values = ", ".join(f'"{field}": {_example(value)}' for field, value in fields.items())
     return f"from pymorse import Morse\n\nwith Morse() as simu:\n    {component}.publish({{{values}}})"
 

@@ -17,6 +17,7 @@ from morse.builder.actuators import MotionVW as MotionVW
 from morse.builder.actuators import MotionVWDiff as MotionVWDiff
 from morse.builder.actuators import MotionXYW as MotionXYW
 from morse.builder.actuators import Orientation as Orientation
+from morse.builder.actuators import PA10 as PA10
 from morse.builder.actuators import QuadrotorDynamicControl as QuadrotorDynamicControl
 from morse.builder.actuators import RotorcraftAttitude as RotorcraftAttitude
 from morse.builder.actuators import RotorcraftVelocity as RotorcraftVelocity
@@ -37,6 +38,8 @@ from morse.builder.blenderobjects import Plane as Plane
 from morse.builder.blenderobjects import Sphere as Sphere
 from morse.builder.blenderobjects import Spot as Spot
 from morse.builder.blenderobjects import Torus as Torus
+from morse.builder.components.armatures import Armature as Armature
+from morse.builder.components.armatures import KukaLWR as KukaLWR
 from morse.builder.components.cameras import Kinect as Kinect
 from morse.builder.components.cameras import VLP16_180 as VLP16_180
 from morse.builder.components.component import Component as Component
@@ -73,6 +76,7 @@ from morse.builder.robots import Victim as Victim
 from morse.builder.sensors import ADIS16448 as ADIS16448
 from morse.builder.sensors import Accelerometer as Accelerometer
 from morse.builder.sensors import Airspeed as Airspeed
+from morse.builder.sensors import ArmaturePose as ArmaturePose
 from morse.builder.sensors import Attitude as Attitude
 from morse.builder.sensors import BMI088 as BMI088
 from morse.builder.sensors import Barometer as Barometer
@@ -143,6 +147,8 @@ __all__ = [
     "Accelerometer",
     "ActuatorCreator",
     "Airspeed",
+    "Armature",
+    "ArmaturePose",
     "Arucomarker",
     "Attitude",
     "B21",
@@ -185,6 +191,7 @@ __all__ = [
     "Joystick",
     "Keyboard",
     "Kinect",
+    "KukaLWR",
     "LaserScanner",
     "LedArray",
     "Light",
@@ -212,6 +219,7 @@ __all__ = [
     "MotionXYW",
     "Odometry",
     "Orientation",
+    "PA10",
     "PTU",
     "PTUPosture",
     "PassiveObject",

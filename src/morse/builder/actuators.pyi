@@ -1,6 +1,8 @@
 # Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.
 
 from typing import Any, Literal
+from morse.builder.components.armatures import Armature as Armature
+from morse.builder.components.armatures import KukaLWR as KukaLWR
 from morse.builder.components.furnished import LedArray as LedArray
 from morse.builder.components.furnished import Light as Light
 from morse.builder.components.furnished import PTU as PTU
@@ -10,6 +12,7 @@ from morse.builder.creator import ActuatorCreator as ActuatorCreator
 
 __all__ = [
     "ActuatorCreator",
+    "Armature",
     "Arucomarker",
     "Destination",
     "Drag",
@@ -18,12 +21,14 @@ __all__ = [
     "Gripper",
     "Joystick",
     "Keyboard",
+    "KukaLWR",
     "LedArray",
     "Light",
     "MotionVW",
     "MotionVWDiff",
     "MotionXYW",
     "Orientation",
+    "PA10",
     "PTU",
     "QuadrotorDynamicControl",
     "RotorcraftAttitude",
@@ -131,6 +136,10 @@ class Orientation(ActuatorCreator):
         ControlType: Literal["Velocity", "Position"] = ...,
         **kwargs: Any,
     ) -> None: ...
+
+class PA10(ActuatorCreator):
+    """Turns the segments of a Mitsubishi PA-10 arm"""
+    def properties(self, *, Speed: float = ..., Tolerance: float = ..., **kwargs: Any) -> None: ...
 
 class QuadrotorDynamicControl(ActuatorCreator):
     """Motion controller using the speeds of the rotors of a quadrotor"""

@@ -6,7 +6,7 @@ import inspect
 import logging
 from typing import TYPE_CHECKING, Any
 
-from morse.builder.components import furnished
+from morse.builder.components import armatures, furnished
 from morse.builder.components.cameras import VLP16_180, CameraCreator, Kinect
 from morse.builder.components.compound import CompoundSensor
 from morse.builder.components.contact_sensors import ContactSensor
@@ -53,8 +53,10 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
 }
 
-#: builder classes that are written by hand
+#: builder classes that are written by hand; the name of a product follows the class that runs
 _BY_HAND: Mapping[str, type[Component]] = {
+    "morse.actuators.armature.Armature": armatures.Armature,
+    "morse.actuators.armature.Armature KukaLWR": armatures.KukaLWR,
     "morse.actuators.joystick.Joystick": Joystick,
     "morse.actuators.led_array.LedArray": furnished.LedArray,
     "morse.actuators.light.Light": furnished.Light,
@@ -108,8 +110,9 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
         kind: ``sensors``, ``actuators`` or ``robots``.
         module: where the class will live.
     """
-    if entry.classpath in _BY_HAND:
-        return _BY_HAND[entry.classpath]
+    by_hand = _BY_HAND.get(_with_product(entry.classpath, entry.product))
+    if by_hand is not None:
+        return by_hand
     bases: tuple[type[Component], ...]
     if kind == "robots":
         bases = (DeclaredRobot, DRIVES[(entry.defaults or {}).get("drive", "ground")])
@@ -138,8 +141,9 @@ def builder_class(cls: type[Any], product: str | None = None, module: str | None
         raise MorseBuilderNoComponentError(
             f"{paths[0]} is not a component: its base has to be Sensor, Actuator or Robot"
         )
-    if paths[0] in _BY_HAND and product is None:
-        return _BY_HAND[paths[0]]
+    by_hand = _BY_HAND.get(_with_product(paths[0], product))
+    if by_hand is not None:
+        return by_hand
     declared = cls.__dict__.get("_builder")
     name = product or getattr(declared, "name", None) or cls.__name__
     doc = builder_defaults(cls, product).doc or cls.__dict__.get("_short_desc") or inspect.getdoc(cls) or ""
@@ -150,3 +154,7 @@ def builder_class(cls: type[Any], product: str | None = None, module: str | None
         bases = (next((_WITH_METHODS[path] for path in paths if path in _WITH_METHODS), _CREATORS[kind]),)
     body = {"_classpath": paths[0], "_product": product, "__doc__": doc, "__module__": module or cls.__module__}
     return type(name, bases, body)
+
+
+def _with_product(classpath: str, product: str | None) -> str:
+    return classpath if product is None else f"{classpath} {product}"

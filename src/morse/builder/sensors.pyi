@@ -13,6 +13,7 @@ __all__ = [
     "ADIS16448",
     "Accelerometer",
     "Airspeed",
+    "ArmaturePose",
     "Attitude",
     "BMI088",
     "Barometer",
@@ -86,6 +87,9 @@ class Airspeed(SensorCreator):
     def properties(
         self, *, ComputationMode: Literal["Automatic", "Velocity", "Position"] = ..., **kwargs: Any
     ) -> None: ...
+
+class ArmaturePose(SensorCreator):
+    """Measures where the joints of an armature are"""
 
 class Attitude(SensorCreator):
     """A sensor returning the absolute attitude and the angular velocity of the robot"""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from morse.core.context import Context
+    from morse.core.declarations import DataField
     from morse.core.group import Group
     from morse.core.moving_parts import MovingPart
 
@@ -100,6 +101,14 @@ class Object(Requesting, AbstractObject):
 
         For example ``{"x": {"frame": "enu"}}``; ``stddev`` is the standard deviation of noise that the component itself
         adds.
+        """
+        return {}
+
+    @property
+    def own_fields(self) -> Mapping[str, DataField]:
+        """Fields of ``local_data`` that follow from the model beside those declared: one for each joint, for instance.
+
+        The component puts them into ``local_data`` when it is made.
         """
         return {}
 

@@ -6,7 +6,7 @@ from collections import deque
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import data_fields
+from morse.core.declarations import fields_of_component
 from morse.core.local_data import LocalData
 from morse.core.noise import Noise
 
@@ -33,7 +33,7 @@ class Realism:
         fields: dict[str, NoiseModel] = {}
         for name, noise in model.noise.items():
             fields.update(dict.fromkeys([name] if name else sensor.noisy_fields(), noise))
-        declared = data_fields(type(sensor))
+        declared = fields_of_component(sensor)
         self._noises = {
             name: Noise(noise, random(f"{sensor.name()}/noise/{name}"), declared.get(name))
             for name, noise in fields.items()

@@ -1,6 +1,7 @@
 """A world as plain data: built by a script, run by the simulation, shown by the view."""
 
 from morse.scene.appearance import Camera, Image, Light, Material
+from morse.scene.armature import Bone, JointKind
 from morse.scene.body import BodySettings, Bounds, PhysicsType
 from morse.scene.component import (
     ComponentDeclaration,
@@ -20,12 +21,14 @@ from morse.scene.shapes import CollisionShape, ShapeKind
 
 __all__ = [
     "BodySettings",
+    "Bone",
     "Bounds",
     "Camera",
     "Choice",
     "CollisionShape",
     "ComponentDeclaration",
     "Image",
+    "JointKind",
     "Library",
     "Light",
     "Material",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from morse.scene.appearance import Camera, Light, Material
+    from morse.scene.armature import Bone
     from morse.scene.mesh import Mesh
     from morse.scene.shapes import CollisionShape
 
@@ -49,6 +50,8 @@ class Node:
         shapes: collision shapes in the rigid frame of the node, or None until they are worked out
             (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
+        bones: those of an armature, each after the one it hangs on.
+        bone: name of the bone of its parent that the node hangs on; empty for the parent as such.
     """
 
     name: str
@@ -70,6 +73,8 @@ class Node:
     color: tuple[float, float, float, float] | None = None
     source_name: str | None = None
     shapes: list[CollisionShape] | None = None
+    bones: tuple[Bone, ...] = ()
+    bone: str = ""
 
     @property
     def plain_name(self) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets import rules
+from morse.assets.blend.armatures import bones
 from morse.assets.blend.bodies import debug_properties, game_properties, game_settings, rigid_body
 from morse.assets.blend.errors import Damage
 from morse.assets.blend.id_properties import id_properties
 from morse.assets.blend.lamps import camera, light
-from morse.assets.blend.parents import parent_frame
+from morse.assets.blend.parents import BONE, parent_frame, parent_kind
 from morse.assets.blend.record import datablock_name
 from morse.assets.blend.transforms import is_identity, matrix, pose
 from morse.assets.blend.unevaluated import crease_angle
@@ -77,7 +78,7 @@ class Objects:
         return node
 
     def _fill(self, node: Node, kind: int, record: Record) -> None:
-        """Add the mesh, the light or the camera."""
+        """Add the mesh, the light, the camera or the bones."""
         if kind == MESH:
             data = record.follow("data", "Mesh")
             node.mesh = None if data is None else self._meshes.mesh(data, crease_angle(record))
@@ -91,6 +92,8 @@ class Objects:
         elif kind == CAMERA:
             data = record.follow("data", "Camera")
             node.camera = None if data is None else camera(data)
+        elif kind == ARMATURE:
+            node.bones = bones(record)
 
     def slots(self, record: Record) -> list[Material | None]:
         """The materials that an object shows: its own where a slot belongs to it, else those of its mesh."""
@@ -116,6 +119,8 @@ class Objects:
             if frame is not None:
                 inverse = frame @ inverse
             node.parent_inverse = None if is_identity(inverse) else inverse
+            if parent.bones and parent_kind(record) == BONE:
+                node.bone = record.text("parsubstr")
         for node in self.nodes.values():
             if node.parent is None:
                 self._check_poses(node)

@@ -18,14 +18,15 @@ of the live view are derived from them. An invalid declaration raises an error w
 from morse.core.builder_defaults import BuilderDefaults, RobotDefaults, Visual
 from morse.core.declarations.fields import DataField, KindUse, Level, Option, Property
 from morse.core.declarations.functions import add_data, add_kind, add_level, add_property
-from morse.core.declarations.merged import data_fields, kinds, levels, properties, says_nothing
+from morse.core.declarations.merged import data_fields, fields_of_component, kinds, levels, properties, says_nothing
 from morse.core.declarations.refused import FRAMES
-from morse.core.declarations.sources import Euler, Mapped, Prop, Scaled, euler, mapped, prop, scaled
+from morse.core.declarations.sources import Each, Euler, Mapped, Prop, Scaled, each, euler, mapped, prop, scaled
 
 __all__ = [
     "FRAMES",
     "BuilderDefaults",
     "DataField",
+    "Each",
     "Euler",
     "KindUse",
     "Level",
@@ -41,7 +42,9 @@ __all__ = [
     "add_level",
     "add_property",
     "data_fields",
+    "each",
     "euler",
+    "fields_of_component",
     "kinds",
     "levels",
     "mapped",

@@ -20,6 +20,11 @@ def data_fields(cls: type) -> dict[str, DataField]:
     return _merged(cls, "_data_fields")
 
 
+def fields_of_component(component: Any) -> dict[str, DataField]:
+    """The data fields of a component: those of its class, and those that follow from its model."""
+    return {**data_fields(type(component)), **getattr(component, "own_fields", {})}
+
+
 def properties(cls: type) -> dict[str, Property]:
     """Return the properties of a class and its bases: Python name to declaration."""
     return _merged(cls, "_properties")

@@ -42,6 +42,16 @@ class Scaled(NamedTuple):
     factor: float
 
 
+class Each(NamedTuple):
+    """The fields that an attribute of the component lists: one for each joint of its model, for instance.
+
+    Attributes:
+        attribute: the name of the attribute, which holds a sequence of names of fields.
+    """
+
+    attribute: str
+
+
 class Mapped(NamedTuple):
     """Translation between the words of a field and the words of a slot, in both directions.
 
@@ -72,6 +82,11 @@ def prop(name: str, scale: float = 1.0) -> Prop:
 def scaled(field: str, factor: float) -> Scaled:
     """Return a source for a field times a factor: ``scaled("colours", 255.0)`` maps 0..1 to 0..255 and back."""
     return Scaled(field, factor)
+
+
+def each(attribute: str) -> Each:
+    """The fields whose names an attribute of the component lists, side by side; as words, these names."""
+    return Each(attribute)
 
 
 def mapped(field: str, **words: str) -> Mapped:

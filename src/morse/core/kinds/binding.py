@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import data_fields, kinds, properties
+from morse.core.declarations import fields_of_component, kinds, properties
+from morse.core.declarations.sources import Each
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.hints import nearest
 from morse.core.kinds.covariance import covariances
@@ -62,9 +63,11 @@ class BoundKind:
         self.topic, self.on_request = use.topic, use.on_request
         self._sources: list[tuple[Slot, Source]] = []
         findings = []
-        declared = data_fields(type(component))
+        declared = fields_of_component(component)
         for name, given in use.slots.items():
             slot = self.kind.slots[name]
+            if isinstance(given, Each):
+                given = tuple(getattr(component, given.attribute))
             if slot.optional and _names(given) - fields.keys() and _names(given) <= declared.keys():
                 continue  # another level has the field
             try:
@@ -204,7 +207,7 @@ def stamp_of(component: Any) -> int:
 
 def fields_of(component: Any) -> dict[str, DataField]:
     """Return the declarations of the fields of a component, as changed by its properties and modifiers."""
-    fields = {name: f for name, f in data_fields(type(component)).items() if name in component.local_data}
+    fields = {name: f for name, f in fields_of_component(component).items() if name in component.local_data}
     modifiers = [*component.output_modifiers, *component.input_modifiers]
     for changes in [component.field_changes, *(getattr(modifier, "changes", {}) for modifier in modifiers)]:
         for name, change in changes.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from morse.core.declarations import data_fields
+from morse.core.declarations import fields_of_component
 from morse.core.hints import nearest
 from morse.core.quoting import shown
 from morse.core.validation.errors import CommandError
@@ -35,7 +35,7 @@ class Commands:
 
     def __init__(self, component: Checked) -> None:
         self._component = component
-        declared = data_fields(type(component))
+        declared = fields_of_component(component)
         self._checks: dict[str, Callable[[Any], Any]] = {
             name: spec_of_field(declared.get(name), value).check() for name, value in component.local_data.items()
         }

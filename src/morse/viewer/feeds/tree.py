@@ -6,7 +6,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
-from morse.core.declarations import data_fields, properties
+from morse.core.declarations import fields_of_component, properties
 from morse.core.services import signature_of
 from morse.viewer.view_messages import (
     ArgumentDescription,
@@ -72,7 +72,7 @@ def _component(component: Object, kind: str, robot: str) -> ComponentDescription
         active=component.active,
         data=[
             FieldDescription(name, field.type, field.doc, field.unit, *_bounds(field))
-            for name, field in data_fields(cls).items()
+            for name, field in fields_of_component(component).items()
             if name in component.local_data
         ],
         properties=[

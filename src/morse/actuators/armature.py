@@ -1,0 +1,231 @@
+"""Moves the joints of an armature."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, ClassVar
+
+from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
+from morse.actuators.joint_services import JointServices
+from morse.core import status
+from morse.core.builder_defaults import BuilderDefaults
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.limits import AbsoluteSpeed, EulerAngles, Point
+from morse.core.quoting import shown
+from morse.core.services import async_service, interruptible, service
+from morse.core.validation.arguments import Range
+from morse.helpers.components import add_kind, add_property, each
+from morse.helpers.joint_trajectory import Trajectory, points_of
+from morse.mathutils import Euler
+from morse.mathutils.rotations import nine, product
+
+_TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
+
+
+class Armature(JointServices):
+    """Moves the joints of an armature: revolute ones turn, prismatic ones slide.
+
+    The joints are the bones of the armature that have an unlocked axis (Bone > Inverse Kinematics in Blender), or, for
+    prismatic ones, a stretch. ``local_data`` has a field for each: the joint moves there at ``RotationSpeed`` or
+    ``LinearSpeed``. Every value is clamped to the limits of its joint.
+
+    Bones with a target follow it as soon as the target is moved, until joints are told where to be. A target stands
+    for the tip of its bone, with its Y axis along the bone.
+    """
+
+    _name = "Armature Actuator"
+    _short_desc = "Moves the joints of an armature, one by one, along a trajectory, or by inverse kinematics"
+    _builder = BuilderDefaults()
+    _products = (BuilderDefaults("KukaLWR", doc="A KUKA LWR arm with seven revolute joints"),)
+
+    add_kind("joints", names=each("joints"), position=each("joints"))
+    add_property(
+        "_ik_rotation_speed", 0.5, "IKRotationSpeed", "float", "Of targets that turn", unit="rad/s", low=0.0, high=1e4
+    )
+    add_property(
+        "_ik_linear_speed", 0.5, "IKLinearSpeed", "float", "Of targets that move", unit="m/s", low=0.0, high=1e4
+    )
+
+    _ik_rotation_speed: float
+    _ik_linear_speed: float
+
+    not_state: ClassVar[tuple[str, ...]] = ("_targets",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._targets = targets_of(obj)
+        self._follower = Follower()
+        self._target_poses = self._poses()
+        #: what following the targets has put into ``local_data``; None while the joints are told where to be
+        self._led: list[float] | None = None
+        self._trajectory: Trajectory | None = None
+        #: the way of a target: its name, position and rotation in the world, m/s, rad/s
+        self._move: tuple[str, tuple[float, ...], tuple[float, ...], float, float] | None = None
+
+    def default_action(self) -> None:
+        """Move on."""
+        if self._trajectory is not None:
+            self._go_along(self._trajectory)
+            return
+        has_arrived = self._move is not None and self._move_target(*self._move)
+        if self._targets and self._are_led():
+            self._led = self._follower.follow(self.chain, self._seen(), self._values)
+            self._move_to(self._led)
+            self.local_data.update(zip(self.joints, self._led, strict=True))
+        else:
+            super().default_action()
+        if has_arrived:
+            self._move = None
+            if self.on_completion is not None:
+                self.completed(status.SUCCESS)
+
+    def _stop(self) -> None:
+        if self._trajectory is not None:
+            self.local_data.update(zip(self.joints, self._values, strict=True))
+        self._trajectory = self._move = None
+        super()._stop()
+
+    def _take_over(self, names: list[str]) -> None:
+        if self._trajectory is not None or self._move is not None:
+            self.interrupt()
+        super()._take_over(names)
+        self._led, self._target_poses = None, self._poses()
+
+    # -- trajectories ----------------------------------------------------------------------
+
+    @interruptible
+    @async_service
+    def trajectory(self, trajectory: dict[str, Any]) -> None:
+        """Move the joints through points in time; ends at the time of the last one.
+
+        Between two points that say velocities the way is a polynomial of degree 3, with accelerations as well one of
+        degree 5, otherwise a straight line. It begins where the joints are, at rest. Points that are past already are
+        left out.
+
+        Args:
+            trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...],
+                "accelerations": [...], "time_from_start": s}, ...]}``, the numbers in the order of ``get_joints``.
+                Start time (simulated time; now if there is none), velocities and accelerations may be left out.
+        """
+        try:
+            given, points = points_of(trajectory, self.joints)
+        except ValueError as error:
+            raise MorseRPCInvokationError(f"{self.name()}: {error}") from None
+        now = self.clock.time
+        start = now if given is None else given
+        late = max(now - start, 0.0)
+        ahead = [point._replace(time=point.time - late) for point in points if point.time > late]
+        self._take_over(list(self.joints))
+        self._trajectory = Trajectory(max(now, start), ahead or [points[-1]._replace(time=0.0)], self._values)
+
+    def _go_along(self, trajectory: Trajectory) -> None:
+        now = self.clock.time
+        if now < trajectory.start:
+            return
+        # the time of a tick is a sum of fractions
+        is_over = now >= trajectory.end - 1e-9
+        self.local_data.update(
+            zip(self.joints, trajectory.points[-1].positions if is_over else trajectory.positions(now), strict=True)
+        )
+        self._move_to(self._wanted())
+        if is_over:
+            self._trajectory = None
+            if self.on_completion is not None:
+                self.completed(status.SUCCESS)
+
+    # -- targets ---------------------------------------------------------------------------
+
+    @service(changes=False)
+    def list_IK_targets(self) -> list[str]:  # noqa: N802 (its name in MORSE 1.4)
+        """The names of the targets, which ``create_ik_targets`` in the scene script has made."""
+        return list(self._targets)
+
+    @service
+    def place_IK_target(  # noqa: N802 (its name in MORSE 1.4)
+        self, name: str, translation: Point, euler: EulerAngles | None = None, relative: bool = True
+    ) -> None:
+        """Put a target somewhere at once; the bone follows.
+
+        Args:
+            name: of the target.
+            translation: x, y, z in the axes of the world, m.
+            euler: rotation in the axes of the world, rad; None to keep that of the target.
+            relative: from where the target is now; otherwise from the origin of the world.
+        """
+        goal = self._goal(name, translation, euler, relative)
+        if self._trajectory is not None or self._move is not None:
+            self.interrupt()
+        self._targets[name].set_pose(*goal)
+
+    @interruptible
+    @async_service
+    def move_IK_target(  # noqa: N802 (its name in MORSE 1.4)
+        self,
+        name: str,
+        translation: Point,
+        euler: EulerAngles | None = None,
+        relative: bool = True,
+        linear_speed: AbsoluteSpeed | None = None,
+        radial_speed: _TurnRate | None = None,
+    ) -> None:
+        """Move a target at a speed; the bone follows. It ends when the target is there.
+
+        Args:
+            name: of the target.
+            translation: x, y, z in the axes of the world, m.
+            euler: rotation in the axes of the world, rad; None to keep that of the target.
+            relative: from where the target is now; otherwise from the origin of the world.
+            linear_speed: m/s; None for IKLinearSpeed.
+            radial_speed: rad/s; None for IKRotationSpeed.
+        """
+        position, rotation = self._goal(name, translation, euler, relative)
+        self._stop()
+        linear = self._ik_linear_speed if linear_speed is None else linear_speed
+        radial = self._ik_rotation_speed if radial_speed is None else radial_speed
+        self._move = (name, position, rotation, float(linear), float(radial))
+
+    def _goal(
+        self, name: str, translation: list[float], euler: list[float] | None, relative: bool
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The pose in the world that a service asks for."""
+        target = self._targets.get(name)
+        if target is None:
+            known = nearest(name, self._targets) or ": the scene script makes them, create_ik_targets(['bone'])"
+            raise MorseRPCInvokationError(f"{self.name()}: there is no target {shown(name)}{known}")
+        position, rotation = target.world_pose()
+        turned = None if euler is None else nine(list(Euler(euler).to_matrix()))
+        x, y, z = (float(value) for value in translation)
+        if not relative:
+            return (x, y, z), tuple(rotation) if turned is None else turned
+        place = (position[0] + x, position[1] + y, position[2] + z)
+        return place, tuple(rotation) if turned is None else product(turned, tuple(rotation))
+
+    def _move_target(
+        self, name: str, position: tuple[float, ...], rotation: tuple[float, ...], linear: float, radial: float
+    ) -> bool:
+        """Bring a target nearer to where it is to go; True if it is there."""
+        target = self._targets[name]
+        pose, is_there = nearer(
+            target.world_pose(), (position, rotation), linear / self.frequency, radial / self.frequency
+        )
+        target.set_pose(*pose)
+        return is_there
+
+    def _poses(self) -> list[Any]:
+        """Where the targets are, in the frame of the armature."""
+        return [target.local_pose() for target in self._targets.values()]
+
+    def _seen(self) -> list[Any]:
+        return seen_from(self.chain, self._targets.values())
+
+    def _are_led(self) -> bool:
+        """Whether the bones follow their targets: these are moved, and no joint is told where to be since then."""
+        poses = self._poses()
+        if poses != self._target_poses:
+            self._target_poses = poses
+            self._led = [float(self.local_data[name]) for name in self.joints]
+        elif self._led is not None and any(
+            self.local_data[name] != value for name, value in zip(self.joints, self._led, strict=True)
+        ):
+            self._led = None
+        return self._led is not None

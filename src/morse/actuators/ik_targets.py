@@ -1,0 +1,105 @@
+"""Targets that the tips of bones follow."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.helpers.inverse_kinematics import Target, improve, kicked
+from morse.mathutils.rotations import product, quaternion_from_rotation, rotation_from_quaternion
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from morse.helpers.chain import Chain
+
+#: of the name of a target; the name of the component and that of the bone follow
+PREFIX = "ik_target"
+#: property of a target: the bone that follows it
+BONE = "IK_Bone"
+#: in each tick
+_ITERATIONS = 4
+#: beginnings elsewhere, and the ticks that each gets
+_ATTEMPTS, _PATIENCE = 12, 12
+#: square of an error in m^2 that is worth to begin elsewhere
+_FAR = 1e-6
+
+_Pose = tuple["Sequence[float]", "Sequence[float]"]
+
+
+class Follower:
+    """Brings the tips of bones to their targets, a few iterations in each tick.
+
+    Where the search is stuck, as that of a stretched arm which shall reach inward, it begins elsewhere; the joints go
+    on only to what is nearer to the targets.
+    """
+
+    def __init__(self) -> None:
+        self._goal: tuple[Any, ...] = ()
+        self._trial: list[float] | None = None
+        self._attempt = self._ticks = 0
+
+    def follow(self, chain: Chain, targets: Sequence[Target], values: Sequence[float]) -> list[float]:
+        """The values of the joints in this tick.
+
+        Args:
+            targets: in the frame of the armature.
+            values: of the joints now.
+        """
+        goal = tuple(targets)
+        if goal != self._goal:
+            self._goal, self._trial, self._attempt, self._ticks = goal, None, 0, 0
+        best = improve(chain, targets, values, 0 if self._trial is not None else _ITERATIONS)
+        if self._trial is None:
+            if best.is_final and best.error > _FAR and self._attempt < _ATTEMPTS:
+                self._trial, self._ticks = kicked(chain, best.values, self._attempt), 0
+                self._attempt += 1
+            return best.values
+        trial = improve(chain, targets, self._trial, _ITERATIONS)
+        self._trial, self._ticks = trial.values, self._ticks + 1
+        if trial.error < 0.5 * best.error:
+            self._trial = None
+            return trial.values
+        if trial.is_final or self._ticks >= _PATIENCE:
+            self._trial = None
+        return best.values
+
+
+def targets_of(obj: Any) -> dict[str, Any]:
+    """The targets of an armature by name."""
+    return {child.name: child for child in obj.children if BONE in child.properties}
+
+
+def seen_from(chain: Chain, targets: Iterable[Any]) -> list[Target]:
+    """Poses of targets in the frame of the armature, those of bones that it has."""
+    found = []
+    for target in targets:
+        index = chain.index(str(target.properties[BONE]))
+        if index is not None:
+            (x, y, z), r = target.local_pose()
+            found.append(Target(index, ((x, y, z), tuple(r))))
+    return found
+
+
+def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, bool]:
+    """The pose on the way to a goal, and whether it is the goal.
+
+    Args:
+        way: metres to go at most.
+        turned: radians to turn at most.
+    """
+    missing = [b - a for a, b in zip(here[0], goal[0], strict=True)]
+    distance = math.hypot(*missing)
+    a, b, c, d, e, f, g, h, i = here[1]
+    turn_left = product((a, d, g, b, e, h, c, f, i), tuple(goal[1]))  # type: ignore[arg-type]
+    w, x, y, z = quaternion_from_rotation(turn_left)
+    sine = math.sqrt(x * x + y * y + z * z)
+    angle = 2.0 * math.atan2(sine, w)
+    there, aligned = distance <= way, angle <= turned
+    position = tuple(goal[0]) if there else tuple(p + way / distance * m for p, m in zip(here[0], missing, strict=True))
+    rotation = tuple(goal[1])
+    if not aligned:
+        half, unit = 0.5 * turned, math.sin(0.5 * turned) / sine
+        step = rotation_from_quaternion(math.cos(half), unit * x, unit * y, unit * z)
+        rotation = product(tuple(here[1]), step)  # type: ignore[arg-type]
+    return (position, rotation), there and aligned

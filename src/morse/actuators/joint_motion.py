@@ -1,0 +1,93 @@
+"""What moves the joints of an armature: step by step towards what is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from morse.core.actuator import Actuator
+from morse.core.declarations import DataField
+from morse.helpers.chain import Chain
+from morse.mathutils.rotations import product, turn, turn_back
+from morse.scene import JointKind
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+class JointMotion(Actuator):
+    """Moves the joints of the armature that is its object, and with them what hangs on the bones.
+
+    ``local_data`` holds a field for each joint: the position that it moves to. Joints obey their limits.
+    """
+
+    not_state: ClassVar[tuple[str, ...]] = ("chain", "_parts")
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        node = obj.node
+        if not node.bones:
+            raise ValueError(
+                f"'{node.plain_name}' has no bones: an armature is an object of Blender's kind Armature "
+                "whose bones have unlocked axes (Bone > Inverse Kinematics)"
+            )
+        stretch = rigid_frame(node).stretch
+        self.chain = Chain(node.bones, sum(float(stretch[i][i]) for i in range(3)) / 3.0)
+        self._values = list(self.chain.start)
+        self.local_data.update(zip(self.chain.names, self._values, strict=True))
+        self._parts = list(self._hanging(obj))
+
+    @property
+    def own_fields(self) -> Mapping[str, DataField]:
+        """One for each joint."""
+        found = {}
+        for index in self.chain.joints:
+            bone = self.chain.bones[index]
+            turns = bone.kind is JointKind.REVOLUTE
+            found[bone.name] = DataField(
+                bone.value,
+                "float",
+                f"{'Angle' if turns else 'Displacement'} to move to, from {bone.low:g} to {bone.high:g}",
+                unit="rad" if turns else "m",
+                frame="joint",
+                low=-1e6,
+                high=1e6,
+            )
+        return found
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The names of the joints, those nearer to the root first."""
+        return self.chain.names
+
+    @property
+    def joint_values(self) -> tuple[float, ...]:
+        """Where the joints are: rad or m."""
+        return tuple(self._values)
+
+    def _hanging(self, obj: Any) -> Any:
+        """What hangs on bones: object, index of the bone, and its pose in the frame of that bone."""
+        frames = self.chain.frames(self.chain.start)
+        for child in obj.children:
+            index = self.chain.index(child.node.bone) if child.node.bone else None
+            if index is not None:
+                (x, y, z), turned = child.local_pose()
+                (px, py, pz), r = frames[index]
+                back = (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
+                yield child, index, turn_back(r, (x - px, y - py, z - pz)), product(back, tuple(turned))
+
+    def _wanted(self) -> list[float]:
+        """What is asked for, within the limits."""
+        chain, data = self.chain, self.local_data
+        return [chain.clamped(number, float(data[name])) for number, name in enumerate(chain.names)]
+
+    def _move_to(self, values: Sequence[float]) -> None:
+        """Bring the joints, and what hangs on them, to these values at once."""
+        if list(values) == self._values:
+            return
+        self._values = list(values)
+        frames = self.chain.frames(self._values)
+        for child, index, offset, turned in self._parts:
+            p, r = frames[index]
+            x, y, z = turn(r, offset)
+            child.set_local_pose((p[0] + x, p[1] + y, p[2] + z), product(r, turned))

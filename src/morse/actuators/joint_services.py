@@ -1,0 +1,251 @@
+"""Services that move joints by their names."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from morse.actuators.joint_motion import JointMotion
+from morse.core import status
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.limits import Angle, Position
+from morse.core.quoting import shown
+from morse.core.services import async_service, interruptible, service
+from morse.core.validation.arguments import Range, check_of
+from morse.helpers.components import add_property
+from morse.scene import JointKind
+
+_Speed = Annotated[float, Range(0.0, 1e4)]
+_REVOLUTE, _PRISMATIC = JointKind.REVOLUTE, JointKind.PRISMATIC
+_MOTIONS = {_REVOLUTE: "rotation", _PRISMATIC: "translation"}
+_CHECKS = {_REVOLUTE: check_of(Angle), _PRISMATIC: check_of(Position)}
+
+
+class JointServices(JointMotion):
+    """Joints that are told where to be one by one: at once, or at a speed."""
+
+    add_property(
+        "_distance_tolerance",
+        0.005,
+        "DistanceTolerance",
+        "float",
+        "A service is done when a prismatic joint is as near as that",
+        unit="m",
+        low=0.0,
+    )
+    add_property(
+        "_angle_tolerance",
+        0.01,
+        "AngleTolerance",
+        "float",
+        "A service is done when a revolute joint is as near as that",
+        unit="rad",
+        low=0.0,
+    )
+    add_property(
+        "_rotation_speed", 0.8, "RotationSpeed", "float", "Of revolute joints", unit="rad/s", low=0.0, high=1e4
+    )
+    add_property("_linear_speed", 0.05, "LinearSpeed", "float", "Of prismatic joints", unit="m/s", low=0.0, high=1e4)
+
+    _distance_tolerance: float
+    _angle_tolerance: float
+    _rotation_speed: float
+    _linear_speed: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        #: speeds that a service asked for
+        self._speeds: dict[str, float] = {}
+        #: the joints that a service waits for; None while none does
+        self._awaited: list[str] | None = None
+
+    def default_action(self) -> None:
+        """Step towards what is asked for."""
+        wanted = self._wanted()
+        if wanted != self._values:
+            self._move_to([self._stepped(number, value) for number, value in enumerate(wanted)])
+        if self._awaited is not None:
+            self._end_if_there(self._awaited, wanted)
+
+    def _stepped(self, number: int, wanted: float) -> float:
+        """The value of a joint after this tick."""
+        here = self._values[number]
+        joint = self.chain.joint(number)
+        usual = self._rotation_speed if joint.kind is _REVOLUTE else self._linear_speed
+        step = self._speeds.get(joint.name, usual) / self.frequency
+        return wanted if abs(wanted - here) <= step else here + (step if wanted > here else -step)
+
+    def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
+        for number, value in enumerate(wanted):
+            joint = self.chain.joint(number)
+            near = self._angle_tolerance if joint.kind is _REVOLUTE else self._distance_tolerance
+            if joint.name in awaited and abs(value - self._values[number]) > near:
+                return
+        self._awaited, self._speeds = None, {}
+        if self.on_completion is not None:
+            self.completed(status.SUCCESS)
+
+    def interrupt(self) -> None:
+        """Stay as it is."""
+        self._stop()
+        super().interrupt()
+
+    def _stop(self) -> None:
+        """Call off what a service has begun."""
+        for name in self._awaited or ():
+            self.local_data[name] = self._values[self.joints.index(name)]
+        self._awaited, self._speeds = None, {}
+
+    def _take_over(self, names: list[str]) -> None:
+        """Some joints are told where to be: what moves them otherwise ends."""
+        if self.on_completion is not None and set(self._awaited or ()) & set(names):
+            self.interrupt()
+
+    # -- what the joints are ---------------------------------------------------------------
+
+    @service(changes=False)
+    def get_joints(self) -> list[str]:
+        """The names of the joints, those nearer to the root first."""
+        return list(self.joints)
+
+    @service(changes=False)
+    def get_dofs(self) -> dict[str, list[int]]:
+        """The axes of each bone about which its joint turns: joint to three numbers for X, Y and Z, 1 or 0."""
+        return {name: [int(free) for free in self._joint(name)[1].free] for name in self.joints}
+
+    @service(changes=False)
+    def get_IK_limits(self, joint: str) -> list[float]:  # noqa: N802 (its name in MORSE 1.4)
+        """The smallest and the largest value of a joint, rad or m."""
+        bone = self._joint(joint)[1]
+        return [bone.low, bone.high]
+
+    # -- services --------------------------------------------------------------------------
+
+    @service
+    def set_rotation(self, joint: str, rotation: Angle) -> None:
+        """Turn a joint at once.
+
+        Args:
+            joint: name of a revolute joint.
+            rotation: radians.
+        """
+        self._put({joint: rotation}, _REVOLUTE)
+
+    @service
+    def set_rotations(self, rotations: list[float]) -> None:
+        """Turn the first joints at once; if one of them slides, none is moved.
+
+        Args:
+            rotations: radians, those of joints nearer to the root first; what is beyond the last joint is left out.
+        """
+        self._put(self._first(rotations), _REVOLUTE)
+
+    @service
+    def set_translation(self, joint: str, translation: Position) -> None:
+        """Slide a joint at once.
+
+        Args:
+            joint: name of a prismatic joint.
+            translation: metres.
+        """
+        self._put({joint: translation}, _PRISMATIC)
+
+    @service
+    def set_translations(self, translations: list[float]) -> None:
+        """Slide the first joints at once; if one of them turns, none is moved.
+
+        Args:
+            translations: metres, those of joints nearer to the root first; what is beyond the last joint is left out.
+        """
+        self._put(self._first(translations), _PRISMATIC)
+
+    @interruptible
+    @async_service
+    def rotate(self, joint: str, rotation: Angle, speed: _Speed | None = None) -> None:
+        """Turn a joint; ends when it is there.
+
+        Args:
+            joint: name of a revolute joint.
+            rotation: radians.
+            speed: rad/s; None for RotationSpeed.
+        """
+        self._go({joint: rotation}, _REVOLUTE, speed)
+
+    @interruptible
+    @async_service
+    def rotate_joints(self, joint_rotations: dict[str, float], speed: _Speed | None = None) -> None:
+        """Turn several joints; ends when all are there.
+
+        Args:
+            joint_rotations: name to radians.
+            speed: rad/s of each; None for RotationSpeed.
+        """
+        self._go(joint_rotations, _REVOLUTE, speed)
+
+    @interruptible
+    @async_service
+    def translate(self, joint: str, translation: Position, speed: _Speed | None = None) -> None:
+        """Slide a joint; ends when it is there.
+
+        Args:
+            joint: name of a prismatic joint.
+            translation: metres.
+            speed: m/s; None for LinearSpeed.
+        """
+        self._go({joint: translation}, _PRISMATIC, speed)
+
+    @interruptible
+    @async_service
+    def translate_joints(self, joint_translations: dict[str, float], speed: _Speed | None = None) -> None:
+        """Slide several joints; ends when all are there.
+
+        Args:
+            joint_translations: name to metres.
+            speed: m/s of each; None for LinearSpeed.
+        """
+        self._go(joint_translations, _PRISMATIC, speed)
+
+    def _joint(self, name: str) -> tuple[int, Any]:
+        """Number and bone of a joint."""
+        if name not in self.joints:
+            raise MorseRPCInvokationError(f"{self.name()}: there is no joint {shown(name)}{nearest(name, self.joints)}")
+        number = self.joints.index(name)
+        return number, self.chain.joint(number)
+
+    def _first(self, values: list[float]) -> dict[str, float]:
+        return dict(zip(self.joints, values, strict=False))
+
+    def _checked(self, values: dict[str, float], kind: JointKind) -> dict[str, float]:
+        """Values of joints of one kind."""
+        found = {}
+        for name, value in values.items():
+            joint = self._joint(name)[1]
+            if joint.kind is not kind:
+                raise MorseRPCInvokationError(
+                    f"{self.name()}: '{name}' is a {joint.kind} joint and has no {_MOTIONS[kind]}: call "
+                    f"the service for a {_MOTIONS[joint.kind]}"
+                )
+            try:
+                found[name] = float(_CHECKS[kind](value))
+            except ValueError as error:
+                raise MorseRPCInvokationError(
+                    f"{self.name()}: the {_MOTIONS[kind]} of '{name}' is {error}, not {shown(value)}"
+                ) from None
+        return found
+
+    def _put(self, values: dict[str, float], kind: JointKind) -> None:
+        checked = self._checked(values, kind)
+        self._take_over(list(checked))
+        self.local_data.update(checked)
+        wanted = list(self._values)
+        for name, value in checked.items():
+            number = self.joints.index(name)
+            wanted[number] = self.chain.clamped(number, value)
+        self._move_to(wanted)
+
+    def _go(self, values: dict[str, float], kind: JointKind, speed: float | None) -> None:
+        checked = self._checked(values, kind)
+        self._take_over(list(checked))
+        self.local_data.update(checked)
+        self._awaited = list(checked)
+        self._speeds = {} if speed is None else dict.fromkeys(checked, speed)

@@ -1,0 +1,121 @@
+"""Moves the segments of a PA-10 arm."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from morse.core.actuator import Actuator
+from morse.core.builder_defaults import BuilderDefaults
+from morse.core.limits import ANGLE, Angle
+from morse.core.services import service
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.mathutils.rotations import product
+
+_SEGMENTS = ("seg0", "seg1", "seg2", "seg3", "seg4", "seg5")
+#: about which each segment turns
+_AXES = "zyyzyz"
+
+
+class PA10(Actuator):
+    """Turns the six segments of the arm towards their angles, each at the same speed.
+
+    The first, the fourth and the sixth one turn about their Z axes, the others about their Y axes. What is appended to
+    the arm stays at its foot; ``arm.append(obj, 'PA10-6')`` puts it on the last segment.
+    """
+
+    _name = "PA-10 Actuator"
+    _short_desc = "Turns the segments of a Mitsubishi PA-10 arm"
+    _builder = BuilderDefaults(model="pa_10")
+
+    add_data("seg0", 0.0, "float", "First segment, about its Z axis", frame="joint", **ANGLE)
+    add_data("seg1", 0.0, "float", "Second segment, about its Y axis", frame="joint", **ANGLE)
+    add_data("seg2", 0.0, "float", "Third segment, about its Y axis", frame="joint", **ANGLE)
+    add_data("seg3", 0.0, "float", "Fourth segment, about its Z axis", frame="joint", **ANGLE)
+    add_data("seg4", 0.0, "float", "Fifth segment, about its Y axis", frame="joint", **ANGLE)
+    add_data("seg5", 0.0, "float", "Sixth segment, about its Z axis", frame="joint", **ANGLE)
+    add_kind("joints", names=_SEGMENTS, position=_SEGMENTS)
+    add_property("_speed", 1.0, "Speed", "float", "How fast each segment turns", unit="rad/s", low=0.0, high=1e4)
+    add_property(
+        "_tolerance",
+        math.radians(5.0),
+        "Tolerance",
+        "float",
+        "A segment begins to turn when its angle is off by more than that; it goes all the way then",
+        unit="rad",
+        low=0.0,
+    )
+
+    not_state = ("_parts", "_rest")
+
+    _speed: float
+    _tolerance: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._parts = [_part(obj, f"PA10-{i + 1}") for i in range(6)]
+        self._rest = [part.local_pose() for part in self._parts]
+        self._angles = [0.0] * 6
+        #: the segments that are on their way
+        self._turning = [False] * 6
+
+    @property
+    def joint_values(self) -> tuple[float, ...]:
+        """Where the segments are: radians."""
+        return tuple(self._angles)
+
+    def default_action(self) -> None:
+        """Turn on."""
+        step = self._speed / self.frequency
+        for number, segment in enumerate(_SEGMENTS):
+            angle = self._angles[number]
+            off = float(self.local_data[segment]) - angle
+            if abs(off) > self._tolerance:
+                self._turning[number] = True
+            if not self._turning[number]:
+                continue
+            if abs(off) <= step:
+                self._turning[number] = False
+                angle += off
+            else:
+                angle += math.copysign(step, off)
+            self._angles[number] = angle
+            self._show(number)
+
+    def _show(self, number: int) -> None:
+        angle = self._angles[number]
+        c, s = math.cos(angle), math.sin(angle)
+        turned = (
+            (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0) if _AXES[number] == "z" else (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
+        )
+        position, rest = self._rest[number]
+        self._parts[number].set_local_pose(position, product(tuple(rest), turned))
+
+    @service
+    def set_rotation_array(
+        self,
+        seg0: Angle = 0.0,
+        seg1: Angle = 0.0,
+        seg2: Angle = 0.0,
+        seg3: Angle = 0.0,
+        seg4: Angle = 0.0,
+        seg5: Angle = 0.0,
+    ) -> None:
+        """Turn the segments to these angles, at their speed; it does not wait until they are there.
+
+        Args:
+            seg0: radians.
+            seg1: radians.
+            seg2: radians.
+            seg3: radians.
+            seg4: radians.
+            seg5: radians.
+        """
+        self.local_data.update(zip(_SEGMENTS, map(float, (seg0, seg1, seg2, seg3, seg4, seg5)), strict=True))
+
+
+def _part(obj: Any, name: str) -> Any:
+    for part in obj.childrenRecursive:
+        if part.node.plain_name == name:
+            return part
+    raise ValueError(f"its model has no part '{name}': a PA-10 arm needs six, PA10-1 to PA10-6")

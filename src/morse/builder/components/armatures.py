@@ -1,0 +1,152 @@
+"""Arms and other armatures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.builder import workspace
+from morse.builder.creator import ActuatorCreator
+from morse.builder.errors import checks
+from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
+from morse.helpers.chain import Chain
+from morse.mathutils import Matrix
+from morse.scene import Node, NodeKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.builder.abstractcomponent import AbstractComponent
+
+_PREFIX, _BONE = "ik_target", "IK_Bone"
+
+
+class Armature(ActuatorCreator):
+    """An armature whose joints move; `morse.actuators.armature.Armature` runs.
+
+    Args:
+        name: its name, if not that of the variable that holds it.
+        armature_name: the armature in the model, or in the scene if no model is given; ``name`` by default, or the
+            only armature of the model.
+        model_name: a model file.
+
+    Raises:
+        MorseBuilderError: no armature is named, or the object is not an armature.
+    """
+
+    _classpath = "morse.actuators.armature.Armature"
+
+    def __init__(
+        self, name: str | None = None, armature_name: str | None = None, model_name: str | None = None
+    ) -> None:
+        what = type(self).__name__
+        if model_name is not None:
+            armature_name = armature_name or self._only_armature(model_name)
+            super().__init__(name, self.USE_BLEND, model_name, armature_name)
+        elif armature_name is None and name is None:
+            raise MorseBuilderError(
+                f"{what} needs an armature: {what}('arm', 'kuka_armature', 'kuka_lwr') takes that of a model, "
+                f"{what}(armature_name='torso_armature') one that is in the scene"
+            )
+        else:
+            super().__init__(name, self.LINK_EXISTING_OBJECT, blendobject=armature_name)
+        if not self.scene_node.bones:
+            raise MorseBuilderError(f"{what}: '{self.scene_node.plain_name}' has no bones, it is not an armature")
+        # its fields follow from its bones
+        self._exportable = True
+        self.ik_targets: dict[str, Node] = {}
+
+    def _only_armature(self, model: str) -> str:
+        self._category = "actuators"
+        found = [node.name for node in self._library(model).nodes() if node.kind is NodeKind.ARMATURE]
+        if len(found) != 1:
+            known = f"one of {', '.join(found)}" if found else "it holds none"
+            raise MorseBuilderNoComponentError(f"{type(self).__name__}: which armature of '{model}'? {known}")
+        return found[0]
+
+    def create_ik_targets(self, bones: Iterable[str]) -> None:
+        """Give bones targets, which they follow: ``ik_target.<name of the component>.<bone>``.
+
+        Args:
+            bones: names of bones.
+
+        Raises:
+            MorseBuilderError: there is no such bone.
+        """
+        if isinstance(bones, str):
+            bones = [bones]
+        chain = Chain(self.scene_node.bones)
+        frames = chain.frames(chain.start)
+        for bone in bones:
+            index = chain.index(bone) if isinstance(bone, str) else None
+            if index is None:
+                known = [one.name for one in chain.bones]
+                raise MorseBuilderError(
+                    f"create_ik_targets: '{self.name}' has no bone {checks.shown(bone)}{checks.suggestion(bone, known)}"
+                )
+            if bone in self.ik_targets:
+                continue
+            position, r = chain.tip(frames[index], index)
+            target = Node(f"{_PREFIX}.{self.name}.{bone}", properties={_BONE: bone})
+            target.location = list(position)
+            target.rotation_euler = list(Matrix((r[:3], r[3:6], r[6:])).to_euler())
+            workspace.current().add(target)
+            workspace.current().attach(self.scene_node, target)
+            self.ik_targets[bone] = target
+
+    def _scene_options(self) -> dict[str, object]:
+        # the full name is known now
+        for bone, target in self.ik_targets.items():
+            workspace.current().rename(target, f"{_PREFIX}.{self.name}.{bone}")
+        return super()._scene_options()
+
+
+class KukaLWR(Armature):
+    """A KUKA LWR arm; `morse.actuators.armature.Armature` runs.
+
+    Its last bone, ``kuka_7``, has a target for inverse kinematics.
+    """
+
+    _product = "KukaLWR"
+
+    def __init__(self, name: str | None = None) -> None:
+        self._carried: list[AbstractComponent] = []
+        super().__init__(name, "kuka_armature", "kuka_lwr")
+        self.create_ik_targets(["kuka_7"])
+
+    def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
+        """Put a component on the end effector.
+
+        Args:
+            obj: the component. Its pose is given in the frame of the arm while that is stretched upward; without a
+                translation of its own it sits at the tip.
+            child: name of another part to put it on; its pose is then in the frame of that part.
+            level: whose variables are searched for the name: 1 for those of the caller.
+        """
+        if child is not None:
+            super().append(obj, child, level + 1)
+            return
+        hand = self._end_effector()
+        super().append(obj, hand.name, level + 1)
+        obj.scene_node.parent_inverse = self._seen_from(hand).inverted()
+        self._carried.append(obj)
+
+    def _end_effector(self) -> Node:
+        walk = list(self.scene_node.walk())
+        marked = [node for node in walk if node.properties.get("end_effector")]
+        last = [node for node in walk if node.bone == self.scene_node.bones[-1].name]
+        if not marked and not last:
+            raise MorseBuilderError(f"'{self.name}' has no end effector: nothing hangs on its last bone")
+        return (marked or last)[0]
+
+    def _seen_from(self, node: Node) -> Matrix:
+        """4x4 from the frame of a part to that of the arm."""
+        seen: Matrix = self.scene_node.world_matrix().inverted() @ node.world_matrix()
+        return seen
+
+    def _scene_options(self) -> dict[str, object]:
+        chain = Chain(self.scene_node.bones)
+        tip = chain.tip(chain.frames(chain.start)[-1], len(chain.bones) - 1)[0]
+        for component in self._carried:
+            if component.scene_node.location == [0.0, 0.0, 0.0]:
+                component.scene_node.location = list(tip)
+        return super()._scene_options()

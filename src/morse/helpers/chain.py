@@ -1,0 +1,121 @@
+"""Forward kinematics: where the bones of an armature are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from morse.mathutils.rotations import Rotation9, product, turn
+from morse.scene import JointKind
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.scene import Bone
+
+#: position (3) and rotation (9, row by row)
+Pose = tuple[tuple[float, float, float], Rotation9]
+
+_ORIGIN = (0.0, 0.0, 0.0)
+_IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class Chain:
+    """The bones of an armature as a tree of joints.
+
+    A joint is a bone that can move. Values are those of all joints, in the order of `joints`: rad for revolute ones,
+    m for prismatic ones. Poses are in the frame of the armature.
+
+    Args:
+        bones: each after the one that it hangs on.
+        scale: of the armature; lengths are multiplied by it.
+
+    Attributes:
+        bones: scaled.
+        joints: the indices of the bones that move, those nearer to the root first.
+        names: of the joints.
+        start: the values of the joints that the model file holds.
+    """
+
+    is_apparatus = True
+
+    def __init__(self, bones: Sequence[Bone], scale: float = 1.0) -> None:
+        self.bones = tuple(_scaled(bone, scale) for bone in bones)
+        self.joints = tuple(i for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED)
+        self.names = tuple(self.bones[i].name for i in self.joints)
+        self.start = [self.bones[i].value for i in self.joints]
+        self._number = {bone: number for number, bone in enumerate(self.joints)}
+        self._index = {bone.name: i for i, bone in enumerate(self.bones)}
+
+    def index(self, bone: str) -> int | None:
+        """The index of the bone of that name, or None."""
+        return self._index.get(bone)
+
+    def joint(self, number: int) -> Bone:
+        """The bone that a joint moves."""
+        return self.bones[self.joints[number]]
+
+    def clamped(self, number: int, value: float) -> float:
+        """A value of a joint, within its limits."""
+        bone = self.bones[self.joints[number]]
+        return min(max(value, bone.low), bone.high)
+
+    def frames(self, values: Sequence[float]) -> list[Pose]:
+        """The frame of every bone: its origin at the joint, its Y axis along the bone."""
+        found: list[Pose] = []
+        for i, bone in enumerate(self.bones):
+            p, r = found[bone.parent] if bone.parent >= 0 else (_ORIGIN, _IDENTITY)
+            x, y, z = turn(r, bone.position)
+            position, rotation = (p[0] + x, p[1] + y, p[2] + z), product(r, bone.rotation)
+            number = self._number.get(i)
+            if number is not None:
+                value = values[number]
+                if bone.kind is JointKind.PRISMATIC:
+                    a = bone.axis
+                    position = (
+                        position[0] + value * rotation[a],
+                        position[1] + value * rotation[a + 3],
+                        position[2] + value * rotation[a + 6],
+                    )
+                else:
+                    rotation = _turned(rotation, bone.axis, value)
+            found.append((position, rotation))
+        return found
+
+    def tip(self, frame: Pose, index: int) -> Pose:
+        """The pose of the far end of a bone whose frame is given."""
+        (x, y, z), r = frame
+        length = self.bones[index].length
+        return (x + length * r[1], y + length * r[4], z + length * r[7]), r
+
+    def path(self, index: int) -> list[int]:
+        """The numbers of the joints that move a bone, those nearer to the root first."""
+        found = []
+        while index >= 0:
+            if index in self._number:
+                found.append(self._number[index])
+            index = self.bones[index].parent
+        return found[::-1]
+
+
+def _scaled(bone: Bone, scale: float) -> Bone:
+    if scale == 1.0:
+        return bone
+    x, y, z = bone.position
+    scaled = replace(bone, position=(scale * x, scale * y, scale * z), length=scale * bone.length)
+    if bone.kind is JointKind.PRISMATIC:
+        scaled = replace(scaled, low=scale * bone.low, high=scale * bone.high, value=scale * bone.value)
+    return scaled
+
+
+def _turned(r: Sequence[float], axis: int, angle: float) -> Rotation9:
+    """A rotation after a turn about one of its own axes: a combination of its other two columns."""
+    c, s = math.cos(angle), math.sin(angle)
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    turned = list(r)
+    for row in (0, 3, 6):
+        turned[row + one] = c * r[row + one] + s * r[row + other]
+        turned[row + other] = c * r[row + other] - s * r[row + one]
+    a, b, c, d, e, f, g, h, i = turned
+    return a, b, c, d, e, f, g, h, i

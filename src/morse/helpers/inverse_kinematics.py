@@ -1,0 +1,205 @@
+"""Inverse kinematics: the values of joints that bring the tips of bones to given poses.
+
+Damped least squares (Levenberg-Marquardt) on the geometric Jacobian; see Buss, "Introduction to Inverse Kinematics
+with Jacobian Transpose, Pseudoinverse and Damped Least Squares methods" (2009). Joints that reach a limit drop out of a
+step, so that the others take over. The result depends on nothing but the arguments.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.mathutils.rotations import rotation_vector
+from morse.scene import JointKind
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.helpers.chain import Chain, Pose
+
+#: m that an error of one radian counts as
+_LEVER = 0.3
+#: rad or m: the largest step of a joint in one iteration
+_STRIDE = 0.4
+#: of the square of the error: far away steps are short and safe, near the target they are those of Newton
+#: (Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", 2011)
+_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 0.2, 1e-3, 1e4
+_FLOOR = 1e-9
+#: multiples of their square roots fill the unit cube evenly
+_PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
+#: square of the error, m^2, below which a target counts as reached
+REACHED = 1e-14
+_STALLED = 1e-9
+
+
+class Target(NamedTuple):
+    """Where the tip of a bone shall be.
+
+    Attributes:
+        bone: its index.
+        pose: position and rotation, in the frame of the armature.
+    """
+
+    bone: int
+    pose: Pose
+
+
+class Solution(NamedTuple):
+    """Values of the joints.
+
+    Attributes:
+        values: of all joints of the chain.
+        error: square of the error, m^2; a radian counts as 0.3 m.
+        is_final: further iterations would improve nothing.
+    """
+
+    values: list[float]
+    error: float
+    is_final: bool
+
+
+def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], iterations: int) -> Solution:
+    """Come nearer to the targets.
+
+    Args:
+        targets: poses in the frame of the armature; those of several bones are weighed alike.
+        values: to begin with, within the limits.
+        iterations: as many at most.
+
+    Returns:
+        Values that are never farther from the targets than those at the beginning.
+    """
+    values = list(values)
+    paths = [chain.path(target.bone) for target in targets]
+    movable = sorted({number for path in paths for number in path})
+    if not movable:
+        return Solution(values, 0.0, True)
+    frames = chain.frames(values)
+    errors = _errors(chain, targets, frames)
+    cost, damping = float(errors @ errors), _DAMPING
+    jacobian: NDArray[np.float64] | None = None
+    for _ in range(iterations):
+        if cost <= REACHED:
+            return Solution(values, cost, True)
+        if jacobian is None:
+            jacobian = _jacobian(chain, targets, paths, movable, frames)
+        step = _step(chain, movable, values, jacobian, errors, damping * cost + _FLOOR)
+        if float(np.abs(step).max()) < _STALLED:
+            return Solution(values, cost, True)
+        trial = list(values)
+        for number, change in zip(movable, step.tolist(), strict=True):
+            trial[number] = chain.clamped(number, values[number] + change)
+        frames_there = chain.frames(trial)
+        errors_there = _errors(chain, targets, frames_there)
+        cost_there = float(errors_there @ errors_there)
+        if cost_there < cost:
+            values, frames, errors, cost, jacobian = trial, frames_there, errors_there, cost_there, None
+            damping = max(0.2 * damping, _LEAST_DAMPING)
+        elif damping >= _MOST_DAMPING:
+            return Solution(values, cost, True)
+        else:
+            damping = min(8.0 * damping, _MOST_DAMPING)
+    return Solution(values, cost, cost <= REACHED)
+
+
+def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> NDArray[np.float64]:
+    """(6 T,) what is missing: metres, and radians times the lever."""
+    found: list[float] = []
+    for target in targets:
+        (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
+        (tx, ty, tz), wanted = target.pose
+        a, b, c = rotation_vector(rotation, wanted)
+        # from the axes of the bone to those of the armature
+        r = rotation
+        found += (tx - x, ty - y, tz - z)
+        found += (
+            _LEVER * (r[0] * a + r[1] * b + r[2] * c),
+            _LEVER * (r[3] * a + r[4] * b + r[5] * c),
+            _LEVER * (r[6] * a + r[7] * b + r[8] * c),
+        )
+    return np.array(found)
+
+
+def _jacobian(
+    chain: Chain,
+    targets: Sequence[Target],
+    paths: Sequence[Sequence[int]],
+    movable: Sequence[int],
+    frames: Sequence[Pose],
+) -> NDArray[np.float64]:
+    """(6 T, N) how the poses of the tips change with the movable joints."""
+    columns = {number: column for column, number in enumerate(movable)}
+    result = np.zeros((6 * len(targets), len(movable)))
+    for k, (target, path) in enumerate(zip(targets, paths, strict=True)):
+        tx, ty, tz = chain.tip(frames[target.bone], target.bone)[0]
+        for number in path:
+            index = chain.joints[number]
+            bone = chain.bones[index]
+            (px, py, pz), r = frames[index]
+            a, b, c = r[bone.axis], r[bone.axis + 3], r[bone.axis + 6]
+            if bone.kind is JointKind.PRISMATIC:
+                change = (a, b, c, 0.0, 0.0, 0.0)
+            else:
+                x, y, z = tx - px, ty - py, tz - pz
+                change = (b * z - c * y, c * x - a * z, a * y - b * x, _LEVER * a, _LEVER * b, _LEVER * c)
+            result[6 * k : 6 * k + 6, columns[number]] = change
+    return result
+
+
+def _step(
+    chain: Chain,
+    movable: Sequence[int],
+    values: Sequence[float],
+    jacobian: NDArray[np.float64],
+    errors: NDArray[np.float64],
+    damping: float,
+) -> NDArray[Any]:
+    """(N,) a change of the joints; those that would leave their limits stay."""
+    free = np.ones(len(movable), dtype=bool)
+    step: NDArray[Any] = np.zeros(len(movable))
+    for _ in range(3):
+        part = jacobian * free
+        normal = part.T @ part
+        normal.flat[:: len(movable) + 1] += damping
+        step = np.linalg.solve(normal, part.T @ errors) * free
+        leaving = [
+            i
+            for i, number in enumerate(movable)
+            if free[i]
+            and (
+                (values[number] >= chain.joint(number).high and step[i] > 0.0)
+                or (values[number] <= chain.joint(number).low and step[i] < 0.0)
+            )
+        ]
+        if not leaving:
+            break
+        free[leaving] = False
+        step[leaving] = 0.0
+    longest = float(np.abs(step).max())
+    return step * (_STRIDE / longest) if longest > _STRIDE else step
+
+
+def kicked(chain: Chain, values: Sequence[float], attempt: int) -> list[float]:
+    """Values to begin anew with, where the search is stuck: a stretched arm, for instance, knows no way inward.
+
+    The first attempt begins nearby, the others at points that fill the ranges of the revolute joints evenly.
+
+    Args:
+        attempt: 0, 1, ...; each gives other values.
+    """
+    found = list(values)
+    for number, value in enumerate(values):
+        joint = chain.joint(number)
+        if joint.kind is not JointKind.REVOLUTE:
+            continue
+        if attempt == 0:
+            found[number] = chain.clamped(number, value + 0.3 * math.sin(1.0 + 2.4 * number))
+        else:
+            share = math.modf(attempt * math.sqrt(_PRIMES[number % len(_PRIMES)]))[0]
+            found[number] = joint.low + share * (joint.high - joint.low)
+    return found

@@ -1,0 +1,144 @@
+"""Trajectories of joints: points in time, and curves through them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.quoting import shown
+from morse.core.validation.spec import Spec
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_MOST_POINTS = 100_000
+_FARTHEST, _LONGEST = 1e6, 1e9
+_QUANTITIES = ("velocities", "accelerations")
+
+
+class Point(NamedTuple):
+    """Where the joints are at one time.
+
+    Attributes:
+        time: seconds after the start.
+        positions: rad or m, one for each joint.
+        velocities: rad/s or m/s; None where the sender says nothing of them.
+        accelerations: rad/s^2 or m/s^2, likewise.
+    """
+
+    time: float
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...] | None = None
+    accelerations: tuple[float, ...] | None = None
+
+
+def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float | None, list[Point]]:
+    """The start time (simulated seconds, None for now) and the points of a trajectory as clients send it.
+
+    Args:
+        trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...], "accelerations": [...],
+            "time_from_start": s}, ...]}``; start time, velocities and accelerations may be left out.
+        names: of the joints, in the order of the numbers.
+
+    Raises:
+        ValueError: saying what is expected.
+    """
+    unknown = set(trajectory) - {"starttime", "points"}
+    if unknown:
+        raise ValueError(f"a trajectory has 'starttime' and 'points', not {shown(sorted(map(str, unknown))[0])}")
+    start = trajectory.get("starttime")
+    if start is not None:
+        start = _number(start, "'starttime'", -_LONGEST)
+    given = trajectory.get("points")
+    if not isinstance(given, (list, tuple)) or not 0 < len(given) <= _MOST_POINTS:
+        raise ValueError(f"'points' is {shown(given)}, expected a list of 1 to {_MOST_POINTS} points")
+    points: list[Point] = []
+    for index, point in enumerate(given):
+        points.append(_point(point, names, f"points[{index}]"))
+        if index and points[-1].time <= points[-2].time:
+            raise ValueError(
+                f"'time_from_start' of points[{index}] is {points[-1].time:g}, expected more than that of the point "
+                f"before, {points[-2].time:g}"
+            )
+    return start, points
+
+
+def _number(value: Any, what: str, low: float) -> float:
+    try:
+        return float(Spec("number", low=low, high=_LONGEST).check()(value))
+    except ValueError as error:
+        raise ValueError(f"{what} is {shown(value)}, expected {error}") from None
+
+
+def _point(given: Any, names: Sequence[str], where: str) -> Point:
+    if not isinstance(given, dict):
+        raise ValueError(f"{where} is {shown(given)}, expected an object with 'positions' and 'time_from_start'")
+    if "time_from_start" not in given:
+        raise ValueError(f"{where} has no 'time_from_start'")
+    time = _number(given["time_from_start"], f"'time_from_start' of {where}", 0.0)
+    positions = _numbers(given.get("positions"), names, f"'positions' of {where}")
+    others = [_numbers(given[q], names, f"'{q}' of {where}") if given.get(q) else None for q in _QUANTITIES]
+    return Point(time, positions, *others)
+
+
+def _numbers(given: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
+    spec = Spec("list", (len(names),), low=-_FARTHEST, high=_FARTHEST)
+    try:
+        return tuple(float(value) for value in spec.check()(given))
+    except ValueError:
+        raise ValueError(f"{what} is {shown(given)}, expected {len(names)} numbers: {', '.join(names)}") from None
+
+
+class Trajectory:
+    """The way of the joints through points.
+
+    Between two points that both say velocities and accelerations it is a polynomial of degree 5, between two that say
+    velocities of degree 3, else a straight line. At the beginning the joints are at rest.
+
+    Args:
+        start: simulated seconds.
+        points: those after the start, in the order of their times; at least one.
+        positions: of the joints at the start.
+    """
+
+    def __init__(self, start: float, points: Sequence[Point], positions: Sequence[float]) -> None:
+        rest = (0.0,) * len(positions)
+        self.start = start
+        self.points = [Point(0.0, tuple(positions), rest, rest), *points]
+        self._reached = 0
+
+    @property
+    def end(self) -> float:
+        """Simulated seconds at which the last point is reached."""
+        return self.start + self.points[-1].time
+
+    def positions(self, time: float) -> tuple[float, ...]:
+        """Where the joints shall be at a simulated time."""
+        passed = time - self.start
+        if passed >= self.points[-1].time:
+            return self.points[-1].positions
+        # time does not go back but by a restored state, which has its own place in the list
+        while self.points[self._reached + 1].time <= passed:
+            self._reached += 1
+        before, after = self.points[self._reached : self._reached + 2]
+        return between(before, after, max(passed, 0.0))
+
+
+def between(before: Point, after: Point, time: float) -> tuple[float, ...]:
+    """Positions between two points; see `Trajectory`."""
+    whole = after.time - before.time
+    s = (time - before.time) / whole
+    result = []
+    for i, (p, q) in enumerate(zip(before.positions, after.positions, strict=True)):
+        if before.velocities is None or after.velocities is None:
+            result.append(p + s * (q - p))
+            continue
+        v, w = before.velocities[i] * whole, after.velocities[i] * whole
+        if before.accelerations is None or after.accelerations is None:
+            result.append(p + s * (v + s * (3.0 * (q - p) - 2.0 * v - w + s * (2.0 * (p - q) + v + w))))
+            continue
+        a, b = before.accelerations[i] * whole * whole, after.accelerations[i] * whole * whole
+        c3 = 10.0 * (q - p) - 6.0 * v - 4.0 * w - 1.5 * a + 0.5 * b
+        c4 = 15.0 * (p - q) + 8.0 * v + 7.0 * w + 1.5 * a - b
+        c5 = 6.0 * (q - p) - 3.0 * v - 3.0 * w - 0.5 * a + 0.5 * b
+        result.append(p + s * (v + s * (0.5 * a + s * (c3 + s * (c4 + s * c5)))))
+    return tuple(result)

@@ -1,0 +1,52 @@
+"""The bones of an armature: a tree of joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.mathutils.rotations import Rotation9
+
+
+class JointKind(StrEnum):
+    """How a bone moves on the one before it."""
+
+    FIXED = "fixed"
+    REVOLUTE = "revolute"
+    PRISMATIC = "prismatic"
+
+
+@dataclass(frozen=True, slots=True)
+class Bone:
+    """A bone, and the joint at its root.
+
+    The frame of a bone has its origin at the joint and its Y axis along the bone. ``position`` and ``rotation`` say
+    where that frame is while the value of the joint is 0.
+
+    Attributes:
+        name: unique within the armature.
+        parent: index of the bone it hangs on, or -1 for the armature itself.
+        position: metres, in the frame of the parent.
+        rotation: 9 numbers, row by row, from the frame of the bone to that of the parent.
+        length: metres.
+        kind: revolute joints turn about ``axis``, prismatic ones slide along it.
+        axis: 0, 1 or 2: the X, Y or Z axis of the bone.
+        free: the axes about which the file lets the bone turn.
+        low: smallest value of the joint, rad or m.
+        high: largest value.
+        value: at the start.
+    """
+
+    name: str
+    parent: int
+    position: tuple[float, float, float]
+    rotation: Rotation9
+    length: float
+    kind: JointKind = JointKind.FIXED
+    axis: int = 1
+    free: tuple[bool, bool, bool] = (False, False, False)
+    low: float = 0.0
+    high: float = 0.0
+    value: float = 0.0

@@ -1,0 +1,99 @@
+"""Where the joints of an armature are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.declarations import BuilderDefaults, DataField
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.sensor import Sensor
+from morse.core.services import service
+from morse.helpers.components import add_kind, each
+from morse.scene import JointKind
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class ArmaturePose(Sensor):
+    """Measures the joints of the armature that it is appended to: ``arm.append(pose)``.
+
+    It has a field for each joint: the angle of a revolute joint, the displacement of a prismatic one.
+    """
+
+    _name = "Armature Pose Sensor"
+    _short_desc = "Measures where the joints of an armature are"
+    _builder = BuilderDefaults()
+
+    add_kind("joints", names=each("joints"), position=each("joints"))
+
+    not_state = ("_bones",)
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        actuators = {component.name for component in self.context.scene.components if component.kind == "actuator"}
+        holder = obj.parent
+        while holder is not None and not (holder.node.bones and holder.name in actuators):
+            holder = holder.parent
+        if holder is None:
+            raise ValueError("it measures the joints of an armature: append it to one, as in 'arm.append(pose)'")
+        self._armature: str = holder.name
+        self._bones = tuple(bone for bone in holder.node.bones if bone.kind is not JointKind.FIXED)
+        self.local_data.update((bone.name, bone.value) for bone in self._bones)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The names of the joints, those nearer to the root first."""
+        return tuple(bone.name for bone in self._bones)
+
+    @property
+    def own_fields(self) -> Mapping[str, DataField]:
+        """One for each joint."""
+        found = {}
+        for bone in self._bones:
+            turns = bone.kind is JointKind.REVOLUTE
+            found[bone.name] = DataField(
+                bone.value,
+                "float",
+                "Angle of the joint" if turns else "Displacement of the joint",
+                unit="rad" if turns else "m",
+                frame="joint",
+                low=bone.low,
+                high=bone.high,
+            )
+        return found
+
+    def measure(self) -> None:
+        """Take the values of the joints."""
+        values = self.context.components[self._armature].joint_values  # type: ignore[attr-defined]
+        self.local_data.update(zip(self.joints, values, strict=True))
+
+    @service(changes=False)
+    def get_joints(self) -> list[str]:
+        """The names of the joints, those nearer to the root first."""
+        return list(self.joints)
+
+    # the method of that name saves the component
+    @service(name="get_state", changes=False)
+    def get_joint_state(self) -> dict[str, float]:
+        """The values of all joints: name to rad or m."""
+        return {name: self.local_data[name] for name in self.joints}
+
+    @service(changes=False)
+    def get_joint(self, joint: str) -> float:
+        """The value of a joint, rad or m."""
+        self._check(joint)
+        return float(self.local_data[joint])
+
+    @service(changes=False)
+    def get_joints_length(self) -> dict[str, float]:
+        """The lengths of the bones that the joints move: name to m."""
+        return {bone.name: bone.length for bone in self._bones}
+
+    def _check(self, joint: str) -> None:
+        if joint not in self.joints:
+            raise MorseRPCInvokationError(
+                f"{self.name()}: there is no joint {shown(joint)}{nearest(joint, self.joints)}"
+            )

@@ -1,0 +1,152 @@
+"""Trajectories of an arm against closed forms."""
+
+import math
+
+import pytest
+from arms import load, values
+
+from pymorse import MorseServiceFailed, MorseServicePreempted
+
+REST = [0.0] * 7
+
+
+def second(value):
+    return [0.0, value, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def run_through(sim, trajectory, ticks):
+    """(simulated time since the start, angle of the second joint) of each tick."""
+    arm = sim.context.component("robot.arm")
+    began = sim.time()
+    handle = sim.robot.arm.trajectory(trajectory)
+    found = []
+    for _ in range(ticks):
+        sim.step(1)
+        found.append((arm.clock.time - began, arm.joint_values[1]))
+    return handle, found
+
+
+def assert_follows(found, curve):
+    """The angles are those of the curve, one tick late at most."""
+    tick = 1.0 / 60.0
+    for time, angle in found:
+        assert min(abs(angle - curve(time - lag * tick)) for lag in (0.0, 1.0)) < 1e-6
+
+
+def test_straight_lines_between_positions(run):
+    sim = load(run)
+    points = [{"positions": second(0.6), "time_from_start": 1.0}, {"positions": second(0.0), "time_from_start": 2.0}]
+    handle, found = run_through(sim, {"points": points}, 130)
+    assert_follows(found, lambda t: 0.6 * max(0.0, min(t, 2.0 - t)))
+    assert handle.result(1.0) is None
+
+
+def test_cubic_between_velocities(run):
+    sim = load(run)
+    # from rest to rest: q = 3 s^2 - 2 s^3
+    points = [{"positions": second(1.0), "velocities": REST, "time_from_start": 2.0}]
+    _, found = run_through(sim, {"points": points}, 130)
+
+    def curve(t):
+        s = min(max(t / 2.0, 0.0), 1.0)
+        return 3.0 * s**2 - 2.0 * s**3
+
+    assert_follows(found, curve)
+
+
+def test_cubic_through_a_point_in_motion(run):
+    sim = load(run)
+    # q = t^3 is a cubic: its values and slopes at 0.8 s and 1.2 s bring it back
+    points = [{"positions": second(t**3), "velocities": second(3.0 * t**2), "time_from_start": t} for t in (0.8, 1.2)]
+    _, found = run_through(sim, {"points": points}, 70)
+    assert_follows(found, lambda t: max(t, 0.0) ** 3)
+
+
+def test_quintic_with_accelerations(run):
+    sim = load(run)
+    # minimum jerk (Flash and Hogan, 1985): q = 10 s^3 - 15 s^4 + 6 s^5
+    points = [{"positions": second(1.0), "velocities": REST, "accelerations": REST, "time_from_start": 1.5}]
+    _, found = run_through(sim, {"points": points}, 100)
+
+    def curve(t):
+        s = min(max(t / 1.5, 0.0), 1.0)
+        return 10.0 * s**3 - 15.0 * s**4 + 6.0 * s**5
+
+    assert_follows(found, curve)
+
+
+def test_it_waits_for_its_start(run):
+    sim = load(run)
+    start = sim.time() + 1.0
+    handle = sim.robot.arm.trajectory(
+        {"starttime": start, "points": [{"positions": second(0.5), "time_from_start": 0.5}]}
+    )
+    sim.step(55)
+    assert values(sim) == REST
+    handle.result(2.0)
+    assert sim.time() == pytest.approx(start + 0.5, abs=0.05)
+    assert values(sim) == pytest.approx(second(0.5))
+
+
+def test_points_that_are_past_are_left_out(run):
+    sim = load(run)
+    sim.step(120)
+    points = [{"positions": second(2.0), "time_from_start": 0.5}, {"positions": second(0.4), "time_from_start": 2.0}]
+    _, found = run_through(sim, {"starttime": sim.time() - 1.0, "points": points}, 70)
+    assert max(angle for _, angle in found) == pytest.approx(0.4)
+    assert_follows(found, lambda t: 0.4 * min(max(t, 0.0), 1.0))
+
+
+def test_limits_are_kept(run):
+    sim = load(run)
+    _, found = run_through(sim, {"points": [{"positions": second(4.0), "time_from_start": 1.0}]}, 70)
+    assert max(angle for _, angle in found) == pytest.approx(math.radians(120), abs=1e-4)
+
+
+def test_a_trajectory_is_preempted_and_stays(run):
+    sim = load(run)
+    handle, found = run_through(sim, {"points": [{"positions": second(1.0), "time_from_start": 2.0}]}, 60)
+    handle.cancel()
+    with pytest.raises(MorseServicePreempted):
+        handle.result(1.0)
+    here = values(sim)[1]
+    assert here == pytest.approx(found[-1][1], abs=0.03)
+    sim.step(60)
+    assert values(sim)[1] == here
+
+
+def test_a_restored_state_goes_on(run):
+    sim = load(run)
+    points = [{"positions": second(0.1 * i), "time_from_start": 0.2 * i} for i in range(1, 10)]
+    run_through(sim, {"points": points}, 20)
+    state = sim.save()
+    sim.step(50)
+    there = values(sim)
+    sim.restore(state)
+    sim.step(50)
+    assert values(sim) == there
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "words"),
+    [
+        ({}, r"'points' is None"),
+        ({"points": []}, r"1 to"),
+        ({"points": 3}, r"'points' is 3"),
+        ({"points": [{"positions": [0.0], "time_from_start": 1.0}]}, r"7 numbers: kuka_1"),
+        ({"points": [{"positions": REST}]}, r"time_from_start"),
+        ({"points": [{"positions": REST, "time_from_start": -1.0}]}, r"from 0"),
+        ({"points": [{"positions": REST, "time_from_start": "soon"}]}, r"time_from_start"),
+        ({"points": [{"positions": ["a"] * 7, "time_from_start": 1.0}]}, r"7 numbers"),
+        ({"points": [{"positions": REST, "velocities": [1.0], "time_from_start": 1.0}]}, r"velocities"),
+        ({"points": [{"positions": REST, "time_from_start": 1.0}] * 2}, r"more than that of the point before"),
+        ({"points": [[0.0] * 7]}, r"object"),
+        ({"starttime": "now", "points": [{"positions": REST, "time_from_start": 1.0}]}, r"starttime"),
+        ({"pionts": []}, r"not 'pionts'"),
+    ],
+)
+def test_mistakes_fail(run, trajectory, words):
+    sim = load(run)
+    with pytest.raises(MorseServiceFailed, match=words):
+        sim.robot.arm.trajectory(trajectory).result(1.0)
+    assert values(sim) == REST
