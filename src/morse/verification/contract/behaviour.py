@@ -6,7 +6,7 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import data_fields
+from morse.core.declarations import fields_of_component
 from morse.core.declarations.refused import numbers_in
 from morse.core.sensor import Sensor
 from morse.core.validation.fields import spec_of_field
@@ -59,7 +59,7 @@ def _fits(stand: Stand) -> Iterator[Fault]:
     """What it holds is what it declares."""
     component, places = stand.component, stand.places
     cls = type(component)
-    fields = data_fields(cls)
+    fields = fields_of_component(stand.component)
     for name, value in component.local_data.items():
         if name not in fields:
             # what a compound sensor says is what its members say
@@ -79,7 +79,7 @@ def _fits(stand: Stand) -> Iterator[Fault]:
 
 def _is_json(stand: Stand, lines: list[bytes]) -> Iterator[Fault]:
     cls = type(stand.component)
-    fields = data_fields(cls)
+    fields = fields_of_component(stand.component)
     found: dict[str, float] = {}
     for line in lines:
         for name, value in json.loads(line).items():

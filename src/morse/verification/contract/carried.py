@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.datastream import DatastreamManager
-from morse.core.declarations import data_fields, says_nothing
+from morse.core.declarations import fields_of_component, says_nothing
 from morse.core.mapping import maps
 from morse.core.sensor import Sensor
 from morse.middleware import registry
@@ -55,12 +55,14 @@ def carried(stand: Stand) -> Iterator[Fault]:
     """Every installed middleware has a stream for it, and what it says fits its message kinds."""
     component = stand.component
     cls = type(component)
-    if not isinstance(component, (Sensor, Actuator)) or not data_fields(cls) or says_nothing(cls):
+    if not isinstance(component, (Sensor, Actuator)) or not fields_of_component(component) or says_nothing(cls):
         return
     direction = "IN" if isinstance(component, Actuator) else "OUT"
     place = stand.places.of_class(cls)
     for name, middleware in registry.installed().items():
-        if middleware.stream_manager is not None and middleware.stream_of(cls, direction) is None:
+        # text files take no commands
+        usual = middleware.default_reader if direction == "IN" else middleware.default_publisher
+        if middleware.stream_manager is not None and usual is not None and middleware.stream_of(cls, direction) is None:
             yield Fault(CARRIED, f"'{name}' has no stream for it", place)
     listener = Listener({}, stand.simulation.context)
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations import data_fields
+from morse.core.declarations import fields_of_component
 
 if TYPE_CHECKING:
     from morse.core.declarations import DataField
@@ -29,7 +29,7 @@ BAD_VALUES: tuple[Any, ...] = (
 
 def example(component: Object) -> dict[str, Any]:
     """A command for an actuator that fits what it declares."""
-    declared = data_fields(type(component))
+    declared = fields_of_component(component)
     values = {name: _example(declared[name], held) for name, held in component.local_data.items() if name in declared}
     return {name: value for name, value in values.items() if value is not None}
 

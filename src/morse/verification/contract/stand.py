@@ -37,7 +37,7 @@ _CARRIERS = {
     "FakeRobot": "",
 }
 #: components that are appended to another one
-_HOLDERS = {"PTUPosture": "PTU"}
+_HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 _SCRIPT = """
 from morse.builder import *
 from morse.core.declarations import properties as _properties

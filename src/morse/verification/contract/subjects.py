@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 #: how scripts make components of the library that take arguments
-_ARGUMENTS = {"CompoundSensor": "[_member]"}
+_ARGUMENTS = {
+    "Armature": "armature_name='kuka_armature', model_name='kuka_lwr'",
+    "CompoundSensor": "[_member]",
+}
 
 
 class SubjectError(Exception):
