@@ -69,3 +69,33 @@ def test_a_sensor_that_is_not_there_is_named_with_the_nearest(script, monkeypatc
     out, _ = run("--record", "run.mcap", "--record-only", "robot.pos", expected=1)
     assert "there is no sensor 'robot.pos' to record; did you mean 'robot.pose'?" in out
     assert not (tmp_path / "run.mcap").exists()
+
+
+def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    run("--record", "run.mcap")
+    out, _ = run_morse("replay", "run.mcap", "--resimulate")
+    assert "The same to the bit" in out
+    assert "30 ticks" in out
+    (tmp_path / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
+    _, error = run_morse("replay", "run.mcap", "--resimulate", "--scene", "other.py", expected=1)
+    assert "departs from the recording at tick 1" in error
+    out, _ = run_morse("export", "run.mcap", "--csv", "--topics", "/robot/pose")
+    assert "30 rows of /robot/pose" in out
+    assert len((tmp_path / "run" / "robot.pose.csv").read_text().splitlines()) == 31
+
+
+@pytest.mark.parametrize(
+    ("words", "said", "status"),
+    [
+        (["replay", "scene.py", "--resimulate"], "this is no recording", 1),
+        (["replay", "missing.mcap", "--resimulate"], "missing.mcap", 1),
+        (["export", "scene.py", "--csv"], "this is no recording", 1),
+        (["export", "scene.py"], "--csv or --parquet", 2),
+        (["export", "scene.py", "--csv", "--parquet"], "--csv or --parquet", 2),
+    ],
+)
+def test_files_that_are_no_recordings(script, words, said, status):
+    _, error = run_morse(*words, expected=status)
+    assert said in error
+    assert "Traceback" not in error

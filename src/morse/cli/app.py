@@ -24,6 +24,8 @@ _MODULES = {
     "check": "morse.cli.check",
     "run": "morse.cli.run",
     "verify": "morse.cli.verify",
+    "replay": "morse.cli.replay",
+    "export": "morse.cli.export",
     "edit": "morse.cli.edit",
 }
 

@@ -79,7 +79,7 @@ class Recorder(Observer):
         except OSError as error:
             raise RecordingError(f"{self.path} cannot be written: {error.strerror or error}") from None
         self._open = True
-        self._flushed = -1
+        self._flushed = context.clock.tick
         self._warned = False
         try:
             self._start(beginning, sensors)
@@ -117,12 +117,12 @@ class Recorder(Observer):
 
     def restarted(self) -> None:
         """The components are new ones."""
-        self._flushed = -1
+        self._flushed = self._context.clock.tick
         self._streams.follow()
 
     def rearranged(self) -> None:
         """Components have come or gone, or another state was restored."""
-        self._flushed = -1
+        self._flushed = self._context.clock.tick
         self._streams.follow()
 
     def stop(self) -> None:

@@ -25,7 +25,7 @@ _ROS2 = Ros2DatastreamManager.classpath
 #: options of ros2 that hold for recordings, whatever the scene says for topics
 _ALWAYS = {"clock": True, "tf": True, "rosout": True}
 #: pictures are recorded as they are; a second, compressed form of them would be a loss and take time
-_LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
+LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
 
 
 class _Topic(Publisher):
@@ -74,7 +74,7 @@ class Tape(Backend):
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
-        return None if type_name in _LEFT_OUT else self.topic(topic, type_name, qos)
+        return None if type_name in LEFT_OUT else self.topic(topic, type_name, qos)
 
     def topic(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """A topic of the file."""

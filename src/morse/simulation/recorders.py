@@ -41,7 +41,7 @@ def start_recording(
     for name in sensors or ():
         if name not in known:
             raise RecordingError(f"there is no sensor '{name}' to record{nearest(name, known)}")
-    recorder = Recorder(simulation.context, path, _beginning(simulation), sensors)
+    recorder = Recorder(simulation.context, path, _beginning(simulation, sensors or ()), sensors)
 
     def ended() -> None:
         simulation.recorders.remove(recorder)
@@ -53,7 +53,7 @@ def start_recording(
     return recorder
 
 
-def _beginning(simulation: Running) -> Beginning:
+def _beginning(simulation: Running, sensors: Sequence[str]) -> Beginning:
     options, scene = simulation.options, simulation.scene
     facts = {
         "morse": __version__,
@@ -69,6 +69,7 @@ def _beginning(simulation: Running) -> Beginning:
         "source_paths": json.dumps([os.path.abspath(path) for path in options.source_paths]),
         "resource_paths": json.dumps([os.path.abspath(path) for path in options.resource_paths]),
         "strict": str(options.strict),
+        "sensors": json.dumps(list(sensors)),
     }
     files: dict[str, bytes] = {}
     if options.script.endswith(".py"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import zlib
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import zstandard
 
@@ -86,7 +86,7 @@ class McapFile:
         """Read no more."""
         self._file.close()
 
-    def __enter__(self) -> McapFile:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,0 +1,228 @@
+"""Turns the topics of a recording into files that others read: CSV and Parquet."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+from morse.core.hints import nearest
+from morse.recording.errors import RecordingError
+from morse.recording.tables import Table
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Collection
+
+    from morse.recording.mcap.reader import Channel, McapFile
+
+INSTALL = "pip install 'morse-simulator[parquet]'"
+#: rows that are held in memory
+_ROWS = 1000
+#: bytes of messages that are held in memory
+_BYTES = 64 << 20
+#: files that are open at the same time; a recording with more topics is read several times
+_FILES = 100
+_LONGEST_NAME = 120
+
+
+class Written(NamedTuple):
+    """One file that was written.
+
+    Attributes:
+        path: of the file.
+        topic: whose messages are in it.
+        rows: number of rows.
+        left_out: fields of bytes that CSV does not hold.
+    """
+
+    path: Path
+    topic: str
+    rows: int
+    left_out: tuple[str, ...]
+
+
+class _Sink(Protocol):
+    def write(self, rows: list[list[Any]]) -> None: ...
+    def close(self) -> None: ...
+
+
+class _Csv:
+    """RFC 4180, numbers with all their digits; lists in JSON."""
+
+    def __init__(self, path: Path, table: Table) -> None:
+        self._file = path.open("x", newline="", encoding="utf-8", errors="backslashreplace")
+        self._writer = csv.writer(self._file)
+        self._writer.writerow([name for name, _ in table.columns])
+
+    def write(self, rows: list[list[Any]]) -> None:
+        self._writer.writerows([[_cell(value) for value in row] for row in rows])
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, (list, dict)) or hasattr(value, "tolist"):
+        return json.dumps(_plain(value))
+    return value
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_plain(inner) for inner in value]
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+class _Parquet:
+    """With the types of the messages."""
+
+    def __init__(self, path: Path, table: Table) -> None:
+        import pyarrow
+        from pyarrow import parquet
+
+        self._arrow = pyarrow
+        self._columns = table.columns
+        self._schema = pyarrow.schema([(name, self._type(kind)) for name, kind in table.columns])
+        if path.exists():
+            raise FileExistsError(17, "File exists", str(path))
+        self._writer = parquet.ParquetWriter(path, self._schema, compression="zstd")
+
+    def _type(self, kind: str) -> Any:
+        if kind == "uint8[]":
+            return self._arrow.binary()
+        if kind.endswith("[]"):
+            return self._arrow.list_(self._type(kind[:-2]))
+        known = {"json": "string", "float32": "float32", "float64": "float64"}
+        return getattr(self._arrow, {"bool": "bool_"}.get(kind, known.get(kind, kind)))()
+
+    def write(self, rows: list[list[Any]]) -> None:
+        columns = []
+        for (_, kind), values in zip(self._columns, zip(*rows, strict=True), strict=True):
+            held: list[Any] = list(values)
+            if kind == "uint8[]":
+                held = [bytes(value) for value in values]
+            elif kind == "json":
+                held = [json.dumps(_plain(value)) for value in values]
+            elif kind == "string":
+                held = [value.encode("utf-8", "replace").decode() for value in values]
+            columns.append(self._arrow.array(held, type=self._type(kind)))
+        self._writer.write_table(self._arrow.table(columns, schema=self._schema))
+
+    def close(self) -> None:
+        self._writer.close()
+
+
+class _Writing:
+    """The file of one topic, while it is written."""
+
+    def __init__(self, folder: Path, channel: Channel, form: str, used: set[str]) -> None:
+        self.table = Table(channel.type, without_data=form == "csv")
+        self.path = folder / f"{_file_name(channel.topic, used)}.{form}"
+        self.topic = channel.topic
+        self.count = 0
+        self._sink: _Sink = (_Csv if form == "csv" else _Parquet)(self.path, self.table)
+        self._rows: list[list[Any]] = []
+        self._bytes = 0
+
+    def add(self, message: Any) -> None:
+        self._rows += self.table.rows(message)
+        self._bytes += len(message.data)
+        if len(self._rows) >= _ROWS or self._bytes > _BYTES // _FILES:
+            self._flush()
+
+    def _flush(self) -> None:
+        if self._rows:
+            self.count += len(self._rows)
+            self._sink.write(self._rows)
+            self._rows, self._bytes = [], 0
+
+    def close(self) -> Written:
+        self._flush()
+        self._sink.close()
+        return Written(self.path, self.topic, self.count, tuple(self.table.left_out))
+
+    def give_up(self) -> None:
+        self._sink.close()
+
+
+def _file_name(topic: str, used: set[str]) -> str:
+    """``robot.pose`` for ``/robot/pose``; whatever a file says, it stays in the folder."""
+    name = re.sub(r"[^A-Za-z0-9_.-]", "_", topic.strip("/").replace("/", "."))[:_LONGEST_NAME].lstrip(".") or "topic"
+    found, number = name, 1
+    while found.lower() in used:
+        number += 1
+        found = f"{name}-{number}"
+    used.add(found.lower())
+    return found
+
+
+def export(
+    file: McapFile, folder: str | os.PathLike[str], form: str, topics: Collection[str] = ()
+) -> tuple[list[Written], list[str]]:
+    """Write a table for each topic.
+
+    Args:
+        file: a recording.
+        folder: is made; it must not exist, or be empty.
+        form: ``csv`` or ``parquet``.
+        topics: that are wanted; none for all.
+
+    Returns:
+        The files, and remarks about topics that have none.
+
+    Raises:
+        RecordingError: the recording is damaged, there is no such topic, or the folder is in use; or a package is
+            missing. What was written before stays.
+        OSError: a file cannot be written.
+    """
+    wanted = _wanted(file, topics)
+    if form == "parquet":
+        try:
+            import pyarrow.parquet  # noqa: F401
+        except ImportError:
+            raise RecordingError(f"Parquet needs the package pyarrow: {INSTALL}") from None
+    target = Path(folder)
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise RecordingError(f"{target} exists already: remove it, or give another folder; nothing is overwritten")
+    target.mkdir(parents=True, exist_ok=True)
+    written: list[Written] = []
+    remarks: list[str] = []
+    used: set[str] = set()
+    for begin in range(0, len(wanted), _FILES):
+        written += _some(file, wanted[begin : begin + _FILES], target, form, used, remarks)
+    return written, remarks
+
+
+def _some(
+    file: McapFile, channels: list[Channel], target: Path, form: str, used: set[str], remarks: list[str]
+) -> list[Written]:
+    open_: dict[int, _Writing] = {}
+    try:
+        for channel in channels:
+            if channel.encoding != "cdr":
+                remarks.append(f"{channel.topic} is left out: its encoding is {channel.encoding!r:.40}, expected 'cdr'")
+                continue
+            try:
+                open_[channel.number] = _Writing(target, channel, form, used)
+            except RecordingError as error:
+                remarks.append(f"{channel.topic} is left out: {error}")
+        for message in file.messages(open_.keys()):
+            open_[message.channel].add(message)
+    except BaseException:
+        for one in open_.values():
+            one.give_up()
+        raise
+    return [one.close() for one in open_.values()]
+
+
+def _wanted(file: McapFile, topics: Collection[str]) -> list[Channel]:
+    known = {channel.topic for channel in file.channels.values()}
+    for topic in topics:
+        if topic not in known:
+            raise RecordingError(f"there is no topic '{topic}' in {file.path}{nearest(topic, sorted(known))}")
+    return [channel for channel in file.channels.values() if not topics or channel.topic in topics]

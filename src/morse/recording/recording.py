@@ -1,0 +1,105 @@
+"""Reads recordings of runs."""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import TYPE_CHECKING, Any
+
+from morse.recording.errors import RecordingError
+from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.inputs import exact_entry
+from morse.recording.mcap.reader import McapFile
+from morse.recording.recorder import BEGINNING, END
+
+if TYPE_CHECKING:
+    import os
+
+#: seeds, ticks and rates are shorter
+_LONGEST_NUMBER = 30
+
+
+class Recording(McapFile):
+    """A recording of MORSE: what an MCAP file of any origin has, and what determines the run.
+
+    Attributes:
+        facts: version, seed, script, ...; see ``docs/recording.md``.
+        end: the last tick and the hash of the state there; empty if the recording breaks off.
+
+    Raises:
+        OSError: the file cannot be read.
+        RecordingError: it is no recording of MORSE.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        super().__init__(path)
+        if BEGINNING not in self.metadata:
+            self.close()
+            raise RecordingError(f"{self.path} is an MCAP file, but no recording of a run of MORSE")
+        self.facts = self.metadata[BEGINNING]
+        self.end = self.metadata.get(END, {})
+
+    def number(self, name: str) -> int:
+        """A fact that is a whole number of 0 or more.
+
+        Raises:
+            RecordingError: it is none.
+        """
+        text = self.facts.get(name, "")
+        if not text.isdecimal() or len(text) > _LONGEST_NUMBER:
+            raise RecordingError(f"{self.path}: the fact '{name}' is {text[:80]!r}, expected a whole number")
+        return int(text)
+
+    def texts(self, name: str) -> list[str]:
+        """A fact that is a list of strings.
+
+        Raises:
+            RecordingError: it is none.
+        """
+        try:
+            found: Any = json.loads(self.facts.get(name, "[]"))
+        except (ValueError, RecursionError):
+            found = None
+        if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+            raise RecordingError(f"{self.path}: the fact '{name}' is damaged, expected a list of strings")
+        return found
+
+    def topic_numbers(self, *topics: str) -> set[int]:
+        """The channels of some topics."""
+        return {channel.number for channel in self.channels.values() if channel.topic in topics}
+
+    def inputs(self) -> list[bytes]:
+        """The entries of the journal, as bytes.
+
+        Raises:
+            RecordingError: one is damaged.
+        """
+        return [exact_entry(one.data) for one in self.messages(self.topic_numbers(INPUTS))]
+
+    def last_tick(self) -> int:
+        """Number of the last tick, counted since the last reset; of a recording that breaks off, the last one in it.
+
+        Raises:
+            RecordingError: the number is damaged.
+        """
+        text = self.end.get("tick")
+        if text is not None and text.isdecimal() and len(text) <= _LONGEST_NUMBER:
+            return int(text)
+        if text is not None:
+            raise RecordingError(f"{self.path}: the last tick is {text[:80]!r}, expected a whole number")
+        last = self.number("tick")
+        for one in self.messages(self.topic_numbers("/clock")):
+            last = one.sequence
+        return last
+
+    def waiting(self) -> bytes | None:
+        """The commands that were not taken at the end, as bytes; None if there is no end.
+
+        Raises:
+            RecordingError: they are damaged.
+        """
+        text = self.end.get("waiting")
+        try:
+            return None if text is None else base64.b64decode(text, validate=True)
+        except ValueError:
+            raise RecordingError(f"{self.path}: the commands at the end are damaged") from None

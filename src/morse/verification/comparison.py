@@ -1,0 +1,131 @@
+"""Compares what a simulation publishes with a recording, message by message."""
+
+from __future__ import annotations
+
+import contextlib
+from itertools import zip_longest
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.cdr import CdrError, decode
+from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.streams import LEFT_OUT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from morse.recording.mcap.records import Message
+    from morse.recording.recording import Recording
+
+#: topics that do not follow from scene, seed and inputs
+_FREE = ("/rosout", INPUTS)
+
+
+class Departure(NamedTuple):
+    """Where a run departs from its recording.
+
+    Attributes:
+        tick: counted since the last reset.
+        what: the topic or the state.
+        how: what it was, and what it is.
+    """
+
+    tick: int
+    what: str
+    how: str
+
+
+class _Topic(Publisher):
+    def __init__(self, compare: Callable[[bytes], object]) -> None:
+        self._compare = compare
+
+    def publish(self, data: bytes) -> bool:
+        self._compare(data)
+        return True
+
+    def wanted(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class Comparison(Backend):
+    """Compares what is published with what is in the file."""
+
+    name, opens = "comparison", "nothing"
+
+    def __init__(self, recording: Recording, ticks: Callable[[], int]) -> None:
+        self._channels = recording.channels
+        self._complete = bool(recording.end)
+        free = recording.topic_numbers(*_FREE)
+        self._expected = recording.messages({number for number in self._channels if number not in free})
+        self._ticks = ticks
+        self._topics = {channel.topic for channel in self._channels.values()}
+        self.departure: Departure | None = None
+        self.count = 0
+        self._over = False
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        """See `Backend.publisher`; what the recording leaves out is left out again."""
+        if topic in _FREE:
+            return _Topic(lambda data: None)
+        if topic not in self._topics and type_name in LEFT_OUT:
+            return None
+        return _Topic(lambda data: self._compare(topic, type_name, data))
+
+    def _compare(self, topic: str, type_name: str, data: bytes) -> None:
+        if self.departure is not None or self._over:
+            return
+        expected = next(self._expected, None)
+        if expected is None:
+            self._over = True
+            if self._complete:
+                self._depart(topic, "the recording has no further message")
+            return
+        self.count += 1
+        was = self._channels[expected.channel].topic
+        if (was, expected.sequence) != (topic, self._ticks() & 0xFFFFFFFF):
+            self._depart(was, f"there is a message of tick {expected.sequence} in the recording, and {topic} comes now")
+        elif expected.data != data:
+            self._depart(topic, difference(type_name, expected.data, data))
+
+    def finish(self) -> None:
+        """The run is over: nothing may be left in the file."""
+        rest: Message | None = next(self._expected, None) if self.departure is None and not self._over else None
+        if rest is not None:
+            self._depart(self._channels[rest.channel].topic, f"the recording goes on, at tick {rest.sequence}")
+
+    def _depart(self, what: str, how: str) -> None:
+        self.departure = Departure(self._ticks(), what, how)
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
+        """Nothing comes in."""
+        return None
+
+    def close(self) -> None:
+        """The file is closed by whoever has opened it."""
+
+
+def difference(type_name: str, was: bytes, now: bytes) -> str:
+    """The first field in which two messages differ."""
+    with contextlib.suppress(CdrError, ValueError, TypeError):
+        pairs = zip_longest(_leaves(decode(type_name, was)), _leaves(decode(type_name, now)))
+        for before, after in pairs:
+            name = (before or after)[0]
+            if before is None or after is None or before[0] != after[0]:
+                return f"{name} is not in both"
+            if repr(before[1]) != repr(after[1]):
+                return f"{name} was {before[1]!r}, is {after[1]!r}"
+    return f"{len(was)} bytes differ from {len(now)} bytes"
+
+
+def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{name}.{key}" if name else key)
+    elif hasattr(value, "tolist") or isinstance(value, list):
+        for number, inner in enumerate(getattr(value, "tolist", lambda: value)()):
+            yield from _leaves(inner, f"{name}[{number}]")
+    else:
+        yield name, value

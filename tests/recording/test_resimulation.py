@@ -1,0 +1,172 @@
+"""A recorded run is simulated again: the same, or where it departs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from recorded import SCRIPT, drive
+
+import morse
+from morse.core.exceptions import MorseError
+from morse.recording.errors import RecordingError
+from morse.recording.mcap import records
+from morse.recording.mcap.reader import McapFile
+from morse.recording.mcap.writer import McapWriter
+from morse.recording.recording import Recording
+from morse.verification.resimulation import resimulate
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.simulation.simulation import Simulation
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.py"
+    path.write_text(SCRIPT)
+    return path
+
+
+def busy(sim: Simulation) -> None:
+    """Inputs of every kind that a file can hold."""
+    drive(sim, ticks=40)
+    sim.set_controls(frozenset(["ArrowUp"]))
+    before = sim.save()
+    sim.spawn("guest", "Morsy", [-3.0, 0.0, 0.2])
+    sim.step(7)
+    sim.restore(before)
+    sim.step(5)
+    sim.restart(11)
+    drive(sim, ticks=30)
+    sim.deactivate("robot.motion")
+    sim.robot.motion.publish({"v": 0.3})
+    sim.step(3)
+
+
+@pytest.mark.parametrize("before", [0, 25])
+def test_a_run_is_the_same_again(script: Path, tmp_path: Path, before: int) -> None:
+    with morse.load(script, seed=5) as sim:
+        if before:
+            drive(sim, before)
+        with sim.record(tmp_path / "run.mcap"):
+            busy(sim)
+    with Recording(tmp_path / "run.mcap") as recording:
+        outcome = resimulate(recording)
+    assert outcome.departure is None
+    assert outcome.complete
+    assert outcome.ticks == 40 + 7 + 5 + 33
+    assert outcome.messages > 3 * outcome.ticks
+
+
+def test_a_recording_that_breaks_off_is_compared_as_far_as_it_goes(script: Path, tmp_path: Path) -> None:
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        drive(sim)
+    data = (tmp_path / "run.mcap").read_bytes()
+    # the end is metadata, which follows the last chunk
+    (tmp_path / "part.mcap").write_bytes(data[: data.index(b"morse end")])
+    with Recording(tmp_path / "part.mcap") as recording:
+        outcome = resimulate(recording)
+    assert outcome.departure is None
+    assert not outcome.complete
+    assert outcome.ticks == 60
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("gaussian=0.01", "gaussian=0.02", "/robot/pose"),
+        ("0.3, 0.0, 0.9", "0.3, 0.0, 0.8", "/tf_static"),
+        ("pose, scan = MotionVW(), Pose(), Sick()", "pose, scan = MotionVW(), Pose(), Hokuyo()", "/robot/scan"),
+    ],
+)
+def test_the_first_departure_is_named(script: Path, tmp_path: Path, old: str, new: str, what: str) -> None:
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        drive(sim, 30)
+    other = tmp_path / "other.py"
+    other.write_text(SCRIPT.replace(old, new))
+    with Recording(tmp_path / "run.mcap") as recording:
+        outcome = resimulate(recording, str(other))
+    assert outcome.departure is not None
+    assert outcome.departure.what == what
+    assert outcome.departure.tick == 1
+
+
+def test_a_message_that_was_changed_is_found_with_its_tick_and_field(script: Path, tmp_path: Path) -> None:
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        drive(sim, 30)
+    changed = tmp_path / "changed.mcap"
+    with McapFile(tmp_path / "run.mcap") as file, changed.open("wb", buffering=0) as target:
+        writer = McapWriter(target)
+        for name, table in file.metadata.items():
+            writer.metadata(name, table)
+        for name in file.attachments:
+            writer.attachment(name, "", file.attachment(name) or b"")
+        for channel in file.channels.values():
+            writer.channel(channel.topic, writer.schema(channel.type, channel.definition), {})
+        (pose,) = [c.number for c in file.channels.values() if c.topic == "/robot/pose"]
+        messages = []
+        for one in file:
+            if one.channel == pose and one.sequence == 17:
+                # encapsulation, stamp, length of "map" with its zero, padding: x is the first number at a multiple of 8
+                at = 4 + 8 + 4 + 4
+                at += -(at - 4) % 8
+                one = one._replace(data=one.data[:at] + bytes(8) + one.data[at + 8 :])
+            messages.append(one)
+        writer.chunk(messages)
+        writer.finish()
+    with Recording(changed) as recording:
+        outcome = resimulate(recording)
+    assert outcome.departure is not None
+    assert (outcome.departure.tick, outcome.departure.what) == (17, "/robot/pose")
+    assert outcome.departure.how.startswith("pose.pose.position.x was 0.0, is ")
+
+
+def test_a_script_that_was_changed_since_is_taken_from_the_recording(script: Path, tmp_path: Path) -> None:
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
+        drive(sim, 30)
+    remarks: list[str] = []
+    for change in (lambda: script.write_text("raise SystemExit"), script.unlink):
+        change()
+        with Recording(tmp_path / "run.mcap") as recording:
+            assert resimulate(recording, told=remarks.append).departure is None
+    assert len(remarks) == 2
+    assert all("the recorded script is taken" in remark for remark in remarks)
+
+
+def test_what_cannot_be_simulated_again_says_why(script: Path, tmp_path: Path) -> None:
+    from recorded import scene
+
+    with morse.load(scene) as sim, sim.record(tmp_path / "function.mcap"):
+        sim.step()
+    with Recording(tmp_path / "function.mcap") as recording, pytest.raises(RecordingError, match="--scene PATH"):
+        resimulate(recording)
+    plain = tmp_path / "plain.mcap"
+    with plain.open("wb", buffering=0) as file:
+        McapWriter(file).finish()
+    with pytest.raises(RecordingError, match="no recording of a run of MORSE"):
+        Recording(plain)
+
+
+@pytest.mark.parametrize(
+    "facts",
+    [
+        {"seed": "many", "tick": "0"},
+        {"seed": "1" * 5000, "tick": "0"},
+        {"seed": "0", "tick": "5"},
+        {"seed": "0", "tick": "0", "arguments": "[1, 2]"},
+        {"seed": "0", "tick": "0", "arguments": "[" * 100_000},
+        {"seed": "0", "tick": "0", "script": "/nowhere/scene.py"},
+    ],
+)
+def test_damaged_facts_are_refused(tmp_path: Path, facts: dict[str, str]) -> None:
+    path = tmp_path / "bad.mcap"
+    with path.open("wb", buffering=0) as file:
+        writer = McapWriter(file)
+        writer.metadata("morse", facts)
+        number = writer.channel("/morse/inputs", writer.schema("std_msgs/msg/String", "string data"), {})
+        writer.chunk([records.Message(number, 0, 0, 0, b"\x00\x01\x00\x00\x03\x00\x00\x00{}\x00")] * 2)
+        writer.finish()
+    with Recording(path) as recording, pytest.raises(MorseError, match=r"bad\.mcap|input"):
+        resimulate(recording)
