@@ -121,7 +121,11 @@ def test_morseexec_without_a_script(tmp_path):
 
 @pytest.mark.parametrize(
     ("line", "completed"),
-    [("morse r", {"rm", "run"}), ("morse run --he", {"--headless", "--help"}), ("morse verify --t", {"--ticks"})],
+    [
+        ("morse r", {"replay", "rm", "run"}),
+        ("morse run --he", {"--headless", "--help"}),
+        ("morse verify --t", {"--ticks"}),
+    ],
 )
 def test_the_shell_completes_commands_and_options(tmp_path, monkeypatch, line, completed):
     monkeypatch.setenv("_MORSE_COMPLETE", "complete_bash")
