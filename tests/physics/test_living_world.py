@@ -430,14 +430,17 @@ def test_coming_and_going_leaves_memory_where_it_was():
     tracemalloc.start()
     try:
         come_and_go(w, 10, chance)
-        w.rays.cast([bundle])
-        gc.collect()
-        first = tracemalloc.get_traced_memory()[0]
-        come_and_go(w, 60, chance)
-        w.rays.cast([bundle])
-        gc.collect()
-        # one object alone takes more than that for each of the sixty
-        assert tracemalloc.get_traced_memory()[0] - first < 100_000
+        grown = []
+        for _ in range(2):
+            w.rays.cast([bundle])
+            gc.collect()
+            first = tracemalloc.get_traced_memory()[0]
+            come_and_go(w, 60, chance)
+            w.rays.cast([bundle])
+            gc.collect()
+            grown.append(tracemalloc.get_traced_memory()[0] - first)
+        # one object alone takes more than that for each of the sixty; a table of Python that grows, grows once
+        assert min(grown) < 100_000
     finally:
         tracemalloc.stop()
     assert set(BUSY) <= set(w.objects_by_name)
