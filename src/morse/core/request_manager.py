@@ -308,7 +308,7 @@ class MorseServices:
 
     def process(self) -> None:
         """One tick of every manager."""
-        for manager in self._everybody():
+        for manager in self._everybody():  # a list of its own: a service may add managers
             manager.update()
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 def place_as_compiled(state: EngineState) -> None:
     """Every slot where the scene has it."""
     count = len(state.slots)
-    state.positions, state.rotations = Rows(np.zeros((count, 3))), Rows(np.zeros((count, 9)))
+    moving = state.moving
+    state.positions, state.rotations = Rows(np.zeros((count, 3)), moving), Rows(np.zeros((count, 9)), moving)
     for index, slot in enumerate(state.slots):
         state.positions[index] = tuple(slot.pose.position)
         state.rotations[index] = tuple(v for row in slot.pose.rotation for v in row)

@@ -19,25 +19,32 @@ class Rows:
     """The rows of an array, as scalar code reads them.
 
     After `share`, the caller owns the array: it is copied before the next write.
+
+    Args:
+        array: (N, D).
+        taken: how many of the first rows `take` replaces.
     """
 
-    __slots__ = ("_array", "_is_shared", "_rows")
+    __slots__ = ("_array", "_first", "_is_shared", "_none", "_rows")
 
-    def __init__(self, array: NDArray[np.float64]) -> None:
+    def __init__(self, array: NDArray[np.float64], taken: int = 0) -> None:
         self._array = array
+        self._first = array[:taken]
         self._is_shared = False
         self._rows: list[Sequence[float] | None] = [None] * len(array)
+        self._none: list[Sequence[float] | None] = [None] * taken
 
     def take(self, values: NDArray[np.float64]) -> None:
         """Other values of the first rows."""
-        count = len(values)
-        self._own()
-        self._array[:count] = values
-        self._rows[:count] = [None] * count
+        if self._is_shared:
+            self._own()
+        self._first[:] = values
+        self._rows[: len(self._none)] = self._none
 
     def _own(self) -> None:
         if self._is_shared:
             self._array = self._array.copy()
+            self._first = self._array[: len(self._none)]
             self._is_shared = False
 
     @property
