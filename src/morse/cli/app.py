@@ -23,6 +23,7 @@ _MODULES = {
     "add": "morse.cli.add",
     "check": "morse.cli.check",
     "run": "morse.cli.run",
+    "demo": "morse.cli.demo",
     "verify": "morse.cli.verify",
     "replay": "morse.cli.replay",
     "export": "morse.cli.export",

@@ -115,7 +115,7 @@ def command(
         host=_host(host),
         view_token=_token(view_token),
         open_browser=browser,
-        speed=_speed(speed),
+        speed=parse_speed(speed),
         duration=None if duration is None else _duration(duration),
         seed=_seed(seed),
         profile=profile,
@@ -180,7 +180,12 @@ def _view(headless: bool, view: str | None) -> str:
     return view
 
 
-def _speed(text: str | None) -> float | None:
+def parse_speed(text: str | None) -> float | None:
+    """The value of ``--speed``; None for what the scene says.
+
+    Raises:
+        CommandError: it is neither a speed nor ``max``.
+    """
     if text is None:
         return None
     if text == "max":

@@ -21,7 +21,7 @@ from morse.simulation.summary import summary
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from morse.launch.rereading import Rereading
     from morse.scene import Scene
@@ -35,8 +35,11 @@ logger = logging.getLogger("morse.main")
 _TRACE = Path("morse-profile.json")
 
 
-def run(options: RunOptions) -> int:
+def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None) -> int:
     """Load a scene and run it to its end.
+
+    Args:
+        ready: called before the first tick.
 
     Returns:
         The exit status: 0, or 1 if the scene could not be loaded or the run broke off.
@@ -53,6 +56,9 @@ def run(options: RunOptions) -> int:
             simulation = _start(scene, options)
             if simulation is None:
                 return 1
+            if ready is not None:
+                ready(simulation)
+                ready = None
             rereading = _follow(simulation, options)
             status = _loop(simulation)
             if rereading is not None and rereading.successor is not None:

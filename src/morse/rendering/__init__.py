@@ -4,7 +4,8 @@ Nothing is imported by a scene without cameras.
 """
 
 from morse.rendering.lens import Lens
+from morse.rendering.photograph import photograph
 from morse.rendering.renderer import Renderer
 from morse.rendering.request import CameraRequest, Picture
 
-__all__ = ["CameraRequest", "Lens", "Picture", "Renderer"]
+__all__ = ["CameraRequest", "Lens", "Picture", "Renderer", "photograph"]

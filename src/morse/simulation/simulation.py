@@ -276,6 +276,27 @@ class Simulation(Recorded, Handles):
             raise RuntimeError("there is no page to show: load the simulation with view='web'")
         return show(height)
 
+    def picture(self, width: int = 960, height: int = 600, **view: Any) -> Any:
+        """The world as it is now, seen from where the live view begins.
+
+        Args:
+            width: pixels.
+            height: pixels.
+            view: ``location``, m, and ``rotation``, Euler angles in rad (``[0, 0, 0]`` looks straight down), of the
+                camera; ``focal_length``, mm, of a sensor 32 mm wide.
+
+        Returns:
+            (height, width, 3) uint8, red, green and blue.
+
+        Raises:
+            ValueError: numbers that make no picture.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        from morse.rendering import photograph
+
+        return photograph(self.world, width, height, **view)
+
     # -- state -----------------------------------------------------------------------------
 
     def seed(self) -> int:

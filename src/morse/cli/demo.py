@@ -1,0 +1,139 @@
+"""``morse demo``: list the examples, or run one."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from morse.cli.examples import Example, example, examples
+from morse.cli.messages import CommandError, say
+from morse.cli.run import parse_speed
+from morse.core import log
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    from morse.simulation.simulation import Simulation
+
+_PATIENCE = 5.0
+
+
+def command(
+    name: Annotated[
+        str | None, typer.Argument(help="Which example; without it, all are listed.", show_default=False)
+    ] = None,
+    headless: Annotated[
+        bool, typer.Option("--headless", help="No live view; the simulation ends with the client.")
+    ] = False,
+    client: Annotated[bool, typer.Option("--client/--no-client", help="Run the client of the example, too.")] = True,
+    speed: Annotated[
+        str | None,
+        typer.Option("--speed", metavar="X|max", help="Simulated seconds a second, or as fast as possible."),
+    ] = None,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
+    copy: Annotated[
+        Path | None, typer.Option("--copy", metavar="FOLDER", help="Do not run it: copy it there, to be changed.")
+    ] = None,
+) -> int:
+    """List the examples, or run one: a scene in the live view, and a client that drives it."""
+    if name is None:
+        if copy is not None or headless:
+            raise CommandError("Which example? `morse demo` lists all.", status=2)
+        _list()
+        return 0
+    chosen = example(name)
+    if copy is not None:
+        _copy(chosen, copy)
+        return 0
+    options = RunOptions(
+        script=str(chosen.scene),
+        node_name=socket.gethostname(),
+        view="none" if headless else "web",
+        open_browser=browser,
+        speed=parse_speed(speed),
+    )
+    log.setup()
+    # imported only now: the list should not wait for the simulator to load
+    from morse.launch.run import run
+
+    own = _Client(chosen, ends_the_simulation=headless)
+    try:
+        status = run(options, own.start if client else None)
+    finally:
+        own.end()
+    return status or own.status
+
+
+def _list() -> None:
+    found = examples()
+    width = max(map(len, found))
+    for each in found.values():
+        typer.echo(f"{each.name:<{width}}  {each.what}")
+    say("Run one: morse demo NAME. Take it as a start for your own: morse demo NAME --copy FOLDER")
+
+
+def _copy(chosen: Example, folder: Path) -> None:
+    target = folder / chosen.name
+    if target.exists():
+        raise CommandError(f"There is a '{target}' already: choose another folder.")
+    shutil.copytree(chosen.scene.parent, target, ignore=shutil.ignore_patterns("__pycache__"))
+    say(f"Run it:    morse run {target / 'scene.py'}")
+    say(f"Drive it:  python3 {target / 'client.py'}")
+
+
+class _Client:
+    """The program that belongs to an example, in a process of its own.
+
+    Attributes:
+        status: 1 if it failed, else 0.
+    """
+
+    def __init__(self, chosen: Example, *, ends_the_simulation: bool) -> None:
+        self._file = chosen.client
+        self._ends = ends_the_simulation
+        self._process: subprocess.Popen[bytes] | None = None
+        self._ended = False
+        self.status = 0
+
+    def start(self, simulation: Simulation) -> None:
+        """Start it; it finds the simulation by its port."""
+        managers: list[Any] = list(simulation.context.services.request_managers().values())
+        port = next(manager.port for manager in managers if hasattr(manager, "port"))
+        environment = {**os.environ, "MORSE_SOCKET_PORT": str(port), "PYTHONUNBUFFERED": "1"}
+        # MORSE may run from a source tree that is not installed
+        sources = str(Path(__file__).resolve().parents[2])
+        environment["PYTHONPATH"] = os.pathsep.join(filter(None, [sources, os.environ.get("PYTHONPATH")]))
+        self._process = subprocess.Popen(
+            [sys.executable, str(self._file)], env=environment, stdin=subprocess.DEVNULL, start_new_session=True
+        )
+        threading.Thread(target=self._wait, args=[simulation], name="client", daemon=True).start()
+
+    def _wait(self, simulation: Simulation) -> None:
+        assert self._process is not None
+        status = self._process.wait()
+        if self._ended:
+            return
+        self.status = 1 if status else 0
+        if self._ends:
+            simulation.stop()
+        elif not status:
+            say(f"The client has ended. Run it again: python3 {self._file}. Ctrl+C ends the simulation.")
+
+    def end(self) -> None:
+        """End it, if it still runs."""
+        self._ended = True
+        if self._process is None or self._process.poll() is not None:
+            return
+        self._process.terminate()
+        try:
+            self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()

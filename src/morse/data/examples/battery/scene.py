@@ -1,0 +1,29 @@
+"""Batteries and zones: a robot drives to and fro, and goes to charge before it is too late."""
+
+from morse.builder import *
+
+robot = Morsy()
+
+goal = Waypoint()
+goal.properties(ObstacleAvoidance=False)
+robot.append(goal)
+
+battery = Battery()
+battery.properties(DischargingRate=6.0)  # a robot of great haste: % a second
+robot.append(battery)
+
+robot.add_default_interface("socket")
+
+station = Zone(type="Charging")
+station.size = [1.0, 1.0, 1.0]
+station.translate(-4.0, 0.0, 0.0)
+
+mat = Cube("mat")
+mat.location = (-4.0, 0.0, 0.005)
+mat.scale = (1.0, 1.0, 0.005)
+mat.set_color(0.1, 0.6, 0.2)
+
+env = Environment("empty")
+env.set_camera_location([0.0, -9.0, 6.0])
+env.set_camera_rotation([1.0, 0.0, 0.0])
+env.set_camera_focal_length(34)

@@ -1,0 +1,29 @@
+"""Cameras: a robot follows a red ball by what its camera sees."""
+
+from morse.builder import *
+
+robot = ATRV()
+
+motion = MotionVW()
+robot.append(motion)
+
+camera = VideoCamera()
+camera.translate(x=0.5, z=0.9)
+camera.properties(cam_width=64, cam_height=48, cam_focal=25.0)
+camera.frequency(10)
+robot.append(camera)
+
+pose = Pose()
+robot.append(pose)
+
+robot.add_default_interface("socket")
+
+ball = Sphere("ball")
+ball.location = (8.0, 2.5, 0.6)
+ball.scale = (0.6, 0.6, 0.6)
+ball.set_color(0.9, 0.02, 0.02)
+
+env = Environment("empty")
+env.set_camera_location([-4.0, -4.0, 3.5])
+env.set_camera_rotation([1.2, 0.0, -0.9])
+env.set_camera_focal_length(34)

@@ -1,0 +1,20 @@
+"""Takes the depth of the left and the right half of the picture, on the line through its middle."""
+
+import base64
+import struct
+
+from pymorse import Morse
+
+
+def main():
+    """Returns how far away the nearest thing in each half is, m: left, right."""
+    with Morse() as simu:
+        picture = simu.robot.Kinect.depth.get()
+        width, height = picture["width"], picture["height"]
+        depths = struct.unpack("<%df" % (width * height), base64.b64decode(picture["image"]))
+        row = depths[height // 2 * width : (height // 2 + 1) * width]
+        return min(row[: width // 2]), min(row[width // 2 :])
+
+
+if __name__ == "__main__":
+    print("On the left something is %.2f m away, on the right %.2f m." % main())

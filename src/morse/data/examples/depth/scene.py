@@ -1,0 +1,21 @@
+"""Depth cameras: a Kinect measures how far away the crates before it are."""
+
+from morse.builder import *
+
+robot = Morsy()
+
+kinect = Kinect()  # its name is Kinect, its cameras are rgb and depth
+kinect.translate(x=0.5, z=0.4)
+robot.append(kinect)
+
+robot.add_default_interface("socket")
+
+for name, y in (("near", 0.6), ("far", -0.9)):
+    crate = Cube(name)
+    crate.location = (3.0 if name == "near" else 4.5, y, 0.5)
+    crate.scale = (0.5, 0.5, 0.5)
+    crate.set_color(0.7, 0.5, 0.3)
+
+env = Environment("empty")
+env.set_camera_location([-2.5, -3.5, 2.5])
+env.set_camera_rotation([1.25, 0.0, -0.75])

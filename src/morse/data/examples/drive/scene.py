@@ -1,0 +1,22 @@
+"""Wheels: a Pioneer drives a square, and compares where its wheels say it is with where it is."""
+
+from morse.builder import *
+
+robot = Pioneer3DX()
+
+motion = MotionVWDiff()
+robot.append(motion)
+
+odometry = Odometry()
+odometry.level("integrated")
+robot.append(odometry)
+
+pose = Pose()
+robot.append(pose)
+
+robot.add_default_interface("socket")
+
+env = Environment("indoors-1/boxes")
+env.set_camera_location([4.0, -4.0, 4.0])
+env.set_camera_rotation([0.9, 0.0, 0.6])
+env.set_camera_focal_length(34)

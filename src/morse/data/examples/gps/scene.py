@@ -1,0 +1,23 @@
+"""On the earth: a car looks for a place that is given by longitude and latitude."""
+
+from morse.builder import *
+
+robot = ATRV()
+robot.rotate(z=0.6)
+
+motion = MotionVW()
+robot.append(motion)
+
+gps = GPS()
+gps.level("raw")
+robot.append(gps)
+
+gyroscope = Gyroscope()
+robot.append(gyroscope)
+
+robot.add_default_interface("socket")
+
+env = Environment("empty")
+env.properties(longitude=1.4333, latitude=43.6, altitude=135.0)
+env.set_camera_location([6.0, -7.0, 7.0])
+env.set_camera_rotation([1.0, 0.0, -0.3])

@@ -1,0 +1,28 @@
+"""Grippers: a robot takes a box, carries it to another place, and sets it down."""
+
+from morse.builder import *
+
+robot = Morsy()
+
+motion = MotionVW()
+robot.append(motion)
+
+gripper = Gripper()
+gripper.translate(x=0.6, z=0.15)
+gripper.rotate(y=1.5708)  # the fingers point forward
+gripper.properties(Distance=1.0)
+robot.append(gripper)
+
+pose = Pose()
+robot.append(pose)
+
+robot.add_default_interface("socket")
+
+box = PassiveObject("props/objects", "BlackVideotape")
+box.name = "tape"
+box.setgraspable()
+box.translate(2.0, 0.0, 0.05)
+
+env = Environment("empty")
+env.set_camera_location([2.0, -4.5, 2.2])
+env.set_camera_rotation([1.2, 0.0, 0.0])

@@ -1,0 +1,26 @@
+"""Lights: a robot says with an LED array and a lamp what it is about to do."""
+
+from morse.builder import *
+
+robot = Morsy()
+
+motion = MotionVW()
+robot.append(motion)
+
+leds = LedArray(rows=5, columns=7, pitch=0.06)
+leds.translate(x=-0.45, z=1.0)
+leds.rotate(z=3.1416)  # seen from behind
+robot.append(leds)
+
+lamp = Light()
+lamp.translate(x=0.5, z=0.8)
+robot.append(lamp)
+
+pose = Pose()
+robot.append(pose)
+
+robot.add_default_interface("socket")
+
+env = Environment("empty")
+env.set_camera_location([-3.0, -1.2, 1.8])
+env.set_camera_rotation([1.35, 0.0, -1.15])

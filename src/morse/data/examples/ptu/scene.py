@@ -1,0 +1,31 @@
+"""Pan-tilt units: a camera head keeps its eye on another robot."""
+
+from morse.builder import *
+
+robot = ATRV()
+
+ptu = PTU()
+ptu.translate(x=0.2, z=0.9)
+robot.append(ptu)
+
+camera = VideoCamera()
+camera.properties(cam_width=128, cam_height=96, capturing=False)
+ptu.append(camera)
+
+robot.add_default_interface("socket")
+
+other = Morsy()
+other.translate(3.0, 3.0, 0.0)
+
+motion = MotionVW()
+other.append(motion)
+
+pose = Pose()
+other.append(pose)
+
+other.add_default_interface("socket")
+
+env = Environment("empty")
+env.set_camera_location([-4.0, -3.0, 3.5])
+env.set_camera_rotation([1.2, 0.0, -0.9])
+env.set_camera_focal_length(34)

@@ -1,0 +1,30 @@
+"""Drives the same way three times: twice with the same seed, and with another one."""
+
+from pymorse import Morse
+
+TICKS = 180
+
+
+def drive(simu, seed):
+    """Start anew, drive, and return what the noisy sensor has said."""
+    simu.reset(seed=seed)
+    simu.robot.pose.last()
+    said = []
+    for tick in range(TICKS):
+        simu.robot.motion.publish({"v": 0.5, "w": 0.5 if tick > 60 else 0.0})
+        simu.step()
+        said.append(simu.robot.pose.last())
+    return said
+
+
+def main():
+    """Returns whether the first two runs are equal, and whether the first and the third are."""
+    with Morse() as simu:
+        simu.pause()
+        first, again, other = (drive(simu, seed) for seed in (1, 1, 2))
+        simu.resume()
+    return first == again, first == other
+
+
+if __name__ == "__main__":
+    print("The same seed: %s. Another seed: %s." % tuple("the same" if same else "different" for same in main()))

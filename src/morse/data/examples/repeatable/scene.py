@@ -1,0 +1,18 @@
+"""Repeatability: the same run again, to the last bit, step by step."""
+
+from morse.builder import *
+
+robot = Pioneer3DX()
+
+motion = MotionVWDiff()
+robot.append(motion)
+
+pose = Pose()
+pose.noise(0.05, field="x")
+robot.append(pose)
+
+robot.add_default_interface("socket")
+
+env = Environment("sandbox")
+env.set_camera_location([6.0, -8.0, 6.0])
+env.set_camera_rotation([1.0, 0.0, 0.6])

@@ -1,0 +1,20 @@
+"""Goes to the nearest victim in sight and heals, until none is left."""
+
+from pymorse import Morse
+
+
+def main():
+    """Returns the names of those who were healed, in order."""
+    healed = []
+    with Morse() as simu:
+        robot = simu.robot
+        while victims := robot.finder.get()["victim_dict"]:
+            name, victim = next(iter(victims.items()))  # the nearest one is the first
+            print("%s lies at (%.1f, %.1f)" % (name, victim["coordinate"]["x"], victim["coordinate"]["y"]))
+            robot.goal.goto(victim["coordinate"]["x"], victim["coordinate"]["y"], 0.0, 2.0, 1.5).result()
+            healed.append(robot.finder.heal().result())
+    return healed
+
+
+if __name__ == "__main__":
+    print("Healed: %s." % ", ".join(main()))

@@ -1,0 +1,50 @@
+"""``morse demo``."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import morse
+from morse.cli.app import execute
+from morse.cli.examples import examples
+
+START = "import sys; from morse.cli import main; sys.exit(main())"
+
+
+def test_examples_are_listed(capsys):
+    assert execute(["demo"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines[:-1]] == list(examples())
+
+
+def test_an_example_runs_with_its_client():
+    environment = {**os.environ, "MORSE_SOCKET_PORT": "0", "PYTHONPATH": str(Path(morse.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, "-c", START, "demo", "repeatable", "--headless", "--speed", "max"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "The same seed: the same. Another seed: different." in done.stdout
+
+
+def test_an_example_is_copied(tmp_path, capsys):
+    assert execute(["demo", "drive", "--copy", str(tmp_path)]) == 0
+    assert {path.name for path in (tmp_path / "drive").iterdir()} == {"scene.py", "client.py"}
+    assert str(tmp_path / "drive" / "scene.py") in capsys.readouterr().out
+    assert execute(["demo", "drive", "--copy", str(tmp_path)]) == 1
+    assert "choose another folder" in capsys.readouterr().err
+
+
+def test_mistakes_are_said_in_a_line(capsys):
+    for words, answer in ((["drvie"], "Did you mean 'drive'?"), (["--headless"], "Which example?")):
+        assert execute(["demo", *words]) == 2
+        error = capsys.readouterr().err
+        assert answer in error
+        assert len(error.splitlines()) == 1

@@ -1,0 +1,179 @@
+"""Every example does what it says. The values are those of geometry and physics."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from morse.cli.examples import examples
+
+TESTED = set()
+
+
+def example_test(name):
+    """Mark a function as the test of an example."""
+    TESTED.add(name)
+    return lambda function: function
+
+
+def test_each_example_is_tested_described_and_shown():
+    found = examples()
+    assert len(found) >= 15
+    assert set(found) == TESTED
+    page = Path(__file__).parents[2].joinpath("docs", "examples.md").read_text(encoding="utf-8")
+    for each in found.values():
+        assert each.what.endswith((".", "?")), each.name
+        assert each.client.is_file()
+        assert f"(pictures/examples/{each.name}.webp)" in page
+        assert each.what in page
+
+
+@example_test("drive")
+def test_drive(run):
+    by_wheels, in_world = run("drive")
+    # a square of 1 m ends where it began, but for the ways to stop
+    assert math.hypot(*by_wheels) < 0.25
+    # wheels that do not slip tell the truth
+    assert math.dist(by_wheels, in_world) < 0.03
+
+
+@example_test("waypoints")
+def test_waypoints(run):
+    visited = run("waypoints")
+    for place, wanted in zip(visited, [(8.0, 0.0), (8.0, 5.0), (0.0, 5.0)], strict=True):
+        assert math.dist(place, wanted) < 0.8
+
+
+@example_test("laser")
+def test_laser(run):
+    way, nearest = run("laser", 2.0)
+    assert way > 4.0
+    # the scanner is 0.2 m behind the bumper of the robot
+    assert nearest > 0.35
+
+
+@example_test("mapping")
+def test_mapping(run):
+    hits = run("mapping")
+    # the red and the blue box of that hall, and its wall at y = 14
+    for x, y in ((-7, 0), (-4, -4)):
+        assert any(abs(column - x) <= 1 and abs(row - y) <= 1 for column, row in hits)
+    assert sum(count for (_, row), count in hits.items() if row in (13, 14)) > 40
+    assert not any(-2 <= column <= 2 and -1 <= row <= 1 for column, row in hits)
+
+
+@example_test("camera")
+def test_camera(run):
+    x, y = run("camera", 2.0)
+    # before the ball at (8, 2.5), and on the way to it
+    assert 1.0 < math.dist((x, y), (8.0, 2.5)) < 5.0
+    assert math.atan2(y, x) == pytest.approx(math.atan2(2.5, 8.0), abs=0.12)
+
+
+@example_test("depth")
+def test_depth(run):
+    left, right = run("depth")
+    # the camera is 0.56 m ahead of the robot, the faces of the crates 2.5 and 4.0 m
+    assert left == pytest.approx(2.5 - 0.56, abs=0.02)
+    assert right == pytest.approx(4.0 - 0.56, abs=0.02)
+
+
+@example_test("semantic")
+def test_semantic(run):
+    assert run("semantic", 2.0) == {"Jam": "Food", "Milk": "Food", "Knife": "Cutlery"}
+
+
+@example_test("quadrotor")
+def test_quadrotor(run):
+    errors = run("quadrotor")
+    assert len(errors) == 4
+    # 0.3 m, and what it flies until the client asks
+    assert max(errors) < 0.8
+
+
+@example_test("imu")
+def test_imu(run):
+    error, to_the_left = run("imu", math.inf)
+    # v w, by which a circle is driven
+    assert to_the_left == pytest.approx(1.0 * 0.5, abs=0.02)
+    # 0.014 deg/s per root Hz over 8 s is 7e-4 rad; with its bias some times that
+    assert 0.0 < abs(error) < 0.03
+
+
+@example_test("gps")
+def test_gps(run):
+    assert run("gps", 2.0) < 0.5
+
+
+@example_test("gripper")
+def test_gripper(run):
+    held, carried = run("gripper", 2.0)
+    assert held == "tape"
+    # a quarter of a turn at 1 m from the middle of the robot moves it by its square root of 2
+    assert carried == pytest.approx(math.sqrt(2.0), abs=0.35)
+
+
+@example_test("ptu")
+def test_ptu(run):
+    seen = run("ptu")
+    for pan, x, y in seen:
+        # the head is 0.2 m ahead of the robot, which stands at the origin
+        assert pan == pytest.approx(math.atan2(y, x - 0.2), abs=0.02)
+    assert seen[2][1] > seen[0][1] + 1.0
+
+
+@example_test("lights")
+def test_lights(run):
+    left, back = run("lights", 2.0)
+    # 0.5 rad/s for two seconds, and for as long back
+    assert left == pytest.approx(1.0, abs=0.3)
+    assert back == pytest.approx(0.0, abs=0.5)
+
+
+@example_test("swarm")
+def test_swarm(run):
+    radii, gaps = run("swarm", math.inf)
+    assert radii == pytest.approx([4.0] * 9, abs=0.05)
+    assert gaps == pytest.approx([math.tau / 9] * 9, abs=0.1)
+
+
+@example_test("submarine")
+def test_submarine(run):
+    # F = C v^2
+    assert run("submarine") == pytest.approx(math.sqrt(50.0 / 8.0), rel=0.01)
+
+
+@example_test("car")
+def test_car(run):
+    fast, turned, at_the_end = run("car", 2.0)
+    assert fast > 2.5
+    # v tan(steer) / wheelbase, for two seconds and what the client takes
+    assert turned == pytest.approx(2.0 * 3.1 * math.tan(0.3) / 3.9, rel=0.3)
+    assert at_the_end < 0.05
+
+
+@example_test("rescue")
+def test_rescue(run):
+    assert run("rescue") == ["victim1", "victim2"]
+
+
+@example_test("battery")
+def test_battery(run):
+    low, arrived, left = run("battery", 2.0)
+    assert 0.0 < arrived < low <= 50.0
+    assert left >= 80.0
+
+
+@example_test("noise")
+def test_noise(run):
+    deviation, (x, y, z), (north, east, down) = run("noise", math.inf)
+    # 600 samples: three standard errors of a standard deviation are 3 / sqrt(1200) of it
+    assert deviation == pytest.approx(0.1, rel=0.09)
+    assert (north, east, down) == pytest.approx((y, x, -z))
+
+
+@example_test("repeatable")
+def test_repeatable(run):
+    assert run("repeatable", math.inf) == (True, False)
