@@ -32,8 +32,8 @@ morse demo laser --copy .
 ```
 
 The first line lists them, the second one runs a scene in the live view and its client beside it, the third one copies
-both files, to make something else of them. With `--headless` there is no live view, and the simulation ends with the client.
-All of them are run by the tests.
+both files, to make something else of them. With `--headless` there is no live view, and the simulation ends with the
+client. All of them are run by the tests.
 """
 #: simulated seconds after which a picture is taken, if not at the end of the client
 MOMENTS = {"waypoints": 8.0, "quadrotor": 4.0, "battery": 9.0, "lights": 1.1, "laser": 6.0, "drive": 5.0, "rescue": 3.0}
