@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
+from morse.middleware.mqtt import mapping as mqtt
 from morse.middleware.ros2.backends.choice import available
 from morse.middleware.ros2.mapping import INSTALL
 
@@ -63,6 +64,7 @@ def findings() -> Iterator[Finding]:
     yield _data()
     yield _kernel()
     yield _ros2()
+    yield _mqtt()
     yield _browser()
     yield _blender()
 
@@ -104,6 +106,11 @@ def _ros2() -> Finding:
     found = available()
     gives = "topics of ROS 2"
     return Finding("ROS 2", bool(found), ", ".join(found) or "neither rclpy nor cyclonedds", gives, INSTALL)
+
+
+def _mqtt() -> Finding:
+    install = mqtt.INSTALL
+    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", install)
 
 
 def _data() -> Finding:

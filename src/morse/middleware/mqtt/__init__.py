@@ -1,0 +1,1 @@
+"""The data of components as messages of an MQTT broker."""

@@ -1,0 +1,146 @@
+"""The connection to a broker, which may come and go."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.mqtt.mapping import INSTALL, PORT, TLS_PORT
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+logger = logging.getLogger(__name__)
+
+#: what waits to be sent, messages and bytes
+_MOST_MESSAGES, _MOST_BYTES = 2000, 32 << 20
+#: wall-clock seconds between two attempts to connect, at first and at most
+_FIRST_PAUSE, _LONGEST_PAUSE = 1, 5
+
+
+class Broker:
+    """Sends and receives in a thread of its own; nothing here waits for the broker.
+
+    Args:
+        options: see `morse.middleware.mqtt.mapping.MANAGER_OPTIONS`.
+
+    Attributes:
+        connected: whether the broker is there.
+
+    Raises:
+        MorseMiddlewareError: paho-mqtt is not installed, or an option does not fit.
+    """
+
+    def __init__(self, options: Mapping[str, Any]) -> None:
+        try:
+            from paho.mqtt import client, enums
+        except ImportError:
+            raise MorseMiddlewareError(f"mqtt: paho-mqtt is not installed; to install it: {INSTALL}") from None
+        self._host = options["host"]
+        self._port = options["port"] or (TLS_PORT if options["tls"] else PORT)
+        self._status = f"{options['prefix']}/status"
+        self.connected = False
+        self._takers: dict[str, tuple[int, Callable[[bytes], object]]] = {}
+        self._pending: deque[tuple[Any, int]] = deque()
+        self._pending_size = 0
+        self._is_new = False
+        self._complaints = Complaints(logger)
+        try:
+            self._client = client.Client(enums.CallbackAPIVersion.VERSION2, client_id=options["client_id"])
+            if options["username"] is not None:
+                self._client.username_pw_set(options["username"], options["password"])
+            if options["tls"]:
+                self._client.tls_set()
+            self._client.will_set(self._status, b"offline", qos=1, retain=True)
+            self._client.reconnect_delay_set(_FIRST_PAUSE, _LONGEST_PAUSE)
+            self._client.max_queued_messages_set(_MOST_MESSAGES)
+            self._client.on_connect = self._on_connect
+            self._client.on_connect_fail = self._on_connect_fail
+            self._client.on_disconnect = self._on_disconnect
+            self._client.on_message = self._on_message
+            self._client.connect_async(self._host, self._port)
+        except ValueError as error:
+            raise MorseMiddlewareError(f"mqtt: {error}") from None
+        self._client.loop_start()
+
+    @property
+    def place(self) -> str:
+        """Where the broker is."""
+        return f"{self._host}:{self._port}"
+
+    def listen(self, topic: str, qos: int, take: Callable[[bytes], object]) -> None:
+        """Have ``take`` called, in the thread of the connection, with what arrives for a topic."""
+        self._takers = {**self._takers, topic: (qos, take)}
+        if self.connected:
+            self._client.subscribe(topic, qos)
+
+    def ignore(self, topic: str) -> None:
+        """Take nothing more for a topic."""
+        self._takers = {name: taker for name, taker in self._takers.items() if name != topic}
+        if self.connected:
+            self._client.unsubscribe(topic)
+
+    def publish(self, topic: str, data: bytes, qos: int, retain: bool) -> None:
+        """Send a message; it is dropped while there is no broker, or if the broker is too slow."""
+        if not self.connected:
+            return
+        if self._is_new:
+            # what was under way to the broker that has gone is lost
+            self._is_new = False
+            self._pending.clear()
+            self._pending_size = 0
+        self._forget_sent()
+        if len(self._pending) >= _MOST_MESSAGES or self._pending_size > _MOST_BYTES:
+            self._complaints.warn("slow", f"mqtt: the broker {self.place} is too slow: messages are lost")
+            return
+        try:
+            sent = self._client.publish(topic, data, qos, retain)
+        except ValueError as error:  # longer than MQTT allows
+            self._complaints.warn(topic, f"mqtt: a message for {topic} is left out: {error}")
+            return
+        if sent.rc == 0:
+            self._pending.append((sent, len(data)))
+            self._pending_size += len(data)
+
+    def _forget_sent(self) -> None:
+        while self._pending and self._pending[0][0].is_published():
+            self._pending_size -= self._pending.popleft()[1]
+
+    def close(self) -> None:
+        """Send what is left if there is a broker, and leave."""
+        if self.connected:
+            farewell = self._client.publish(self._status, b"offline", qos=1, retain=True)
+            with contextlib.suppress(RuntimeError, ValueError):  # the broker may have gone in the meantime
+                farewell.wait_for_publish(1.0)
+        self._client.disconnect()
+        self._client.loop_stop()
+
+    # -- in the thread of the connection -----------------------------------------------------
+
+    def _on_connect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
+        if reason.is_failure:
+            self._complaints.warn("refused", f"mqtt: the broker {self.place} turns the simulation away: {reason}")
+            return
+        for topic, (qos, _) in self._takers.items():
+            client.subscribe(topic, qos)
+        client.publish(self._status, b"online", qos=1, retain=True)
+        self._is_new = self.connected = True
+        logger.info("mqtt: connected to the broker %s", self.place)
+
+    def _on_connect_fail(self, client: Any, userdata: Any) -> None:
+        self._complaints.warn("absent", f"mqtt: there is no broker at {self.place}; the simulation goes on without it")
+
+    def _on_disconnect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
+        if self.connected:
+            self.connected = False
+            if reason.is_failure:
+                self._complaints.warn("gone", f"mqtt: the broker {self.place} has gone: {reason}")
+
+    def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
+        known = self._takers.get(message.topic)
+        if known is not None:
+            known[1](message.payload)

@@ -1,0 +1,99 @@
+"""Carries data streams over a broker."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from morse.core.datastream import DatastreamManager
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.mapping import maps
+from morse.middleware.mqtt.broker import Broker
+from morse.middleware.mqtt.mapping import MANAGER_OPTIONS
+from morse.middleware.socket.encoding import plain
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.middleware.mqtt.streams import MqttPublisher, MqttStream
+
+    #: name of a topic below that of the component, and what is sent there
+    Parcels = list[tuple[str, bytes]]
+
+logger = logging.getLogger(__name__)
+
+#: numbers that are not finite become null
+_encoder = msgspec.json.Encoder(enc_hook=plain)
+
+
+class MqttDatastreamManager(DatastreamManager):
+    """``morse/robot/component`` for what sensors measure, ``morse/robot/component/set`` for commands.
+
+    ``morse/status`` is ``online`` while the simulation runs, and ``offline`` afterwards.
+
+    Attributes:
+        broker: the connection.
+    """
+
+    classpath = "morse.middleware.mqtt.datastream.MqttDatastreamManager"
+    manager_options = MANAGER_OPTIONS
+
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        super().__init__(options, context)
+        self.broker = Broker(self.options)
+        logger.info("mqtt: the broker is expected at %s", self.broker.place)
+        self._owners: dict[str, str] = {}
+
+    def claim(self, topic: str, name: str) -> None:
+        """A stream has a topic.
+
+        Raises:
+            MorseMiddlewareError: it is that of another stream.
+        """
+        owner = self._owners.get(topic)
+        if owner is not None:
+            raise MorseMiddlewareError(f"{name}: the topic {topic} is that of {owner}; give one of them topic='...'")
+        self._owners[topic] = name
+
+    def closed(self, stream: MqttStream) -> None:
+        """Its topic is free."""
+        self._owners.pop(getattr(stream, "topic", ""), None)
+
+    @maps("general")
+    def general(self, stream: MqttPublisher) -> Parcels:
+        """All fields as they are."""
+        return [("", _encoder.encode(stream.data))]
+
+    @maps("image")
+    def image(self, stream: MqttPublisher) -> Parcels:
+        """The pixels row by row on ``image``, what they mean on the topic of the camera."""
+        bound = next(one for one in stream.kinds if one.kind.name == "image")
+        if not getattr(bound.component, "capturing", True):
+            return []
+        message = bound.gather()
+        height, width = message.pixels.shape[:2]
+        about = {"height": height, "width": width, "encoding": message.encoding}
+        return [("", self._about(stream, "image", about)), ("image", message.pixels.tobytes())]
+
+    @maps("cloud")
+    def cloud(self, stream: MqttPublisher) -> Parcels:
+        """The points on ``points``: x, y, z as float32, little-endian."""
+        bound = next(one for one in stream.kinds if one.kind.name == "cloud")
+        if not getattr(bound.component, "capturing", True):
+            return []
+        points = np.asarray(bound.gather().points, dtype="<f4").reshape(-1, 3)
+        about = {"points": len(points)}
+        return [("", self._about(stream, "points", about)), ("points", points.tobytes())]
+
+    @staticmethod
+    def _about(stream: MqttPublisher, carried: str, about: dict[str, Any]) -> bytes:
+        large = (carried, "point_list", "range_list", "remission_list")
+        rest = {name: value for name, value in stream.data.items() if name not in large}
+        return _encoder.encode({**rest, **about})
+
+    def finalize(self) -> None:
+        """Say farewell."""
+        super().finalize()
+        self.broker.close()

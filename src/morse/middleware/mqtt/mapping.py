@@ -1,0 +1,35 @@
+"""What MQTT carries, and its options."""
+
+from __future__ import annotations
+
+from morse.core.declarations import Option
+from morse.middleware.registry import Middleware
+
+PORT, TLS_PORT = 1883, 8883
+INSTALL = "pip install 'morse-simulator[mqtt]'"
+
+MANAGER_OPTIONS = {
+    "host": Option(str, "127.0.0.1", "name or address of the broker"),
+    "port": Option(int, None, "of the broker; 1883, or 8883 with TLS", low=1, high=65535),
+    "tls": Option(bool, False, "encrypt the connection, and check the certificate of the broker"),
+    "username": Option(str, None, "that the broker asks for"),
+    "password": Option(str, None, "that the broker asks for"),
+    "client_id": Option(str, "", "by which the broker knows the simulation; made up by the broker if not given"),
+    "prefix": Option(str, "morse", "first word of all topics"),
+}
+STREAM_OPTIONS = {
+    "topic": Option(str, None, "instead of prefix/robot/component"),
+    "qos": Option(int, 0, "0: at most once, 1: at least once, 2: once", low=0, high=2),
+    "retain": Option(bool, False, "the broker keeps the last message for those who come later"),
+}
+
+MIDDLEWARE = Middleware(
+    name="mqtt",
+    stream_manager="morse.middleware.mqtt.datastream.MqttDatastreamManager",
+    manager_options=MANAGER_OPTIONS,
+    stream_options=STREAM_OPTIONS,
+    default_publisher="morse.middleware.mqtt.streams.MqttPublisher",
+    default_reader="morse.middleware.mqtt.streams.MqttReader",
+    # they carry cameras, or nothing, and measure nothing
+    not_carried=("StereoUnit", "MocapControl"),
+)

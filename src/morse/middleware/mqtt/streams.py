@@ -1,0 +1,122 @@
+"""The streams of components: publishers send JSON, readers take JSON."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.datastream import AbstractDatastream
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.kinds import bind
+from morse.core.quoting import shown
+from morse.core.validation import CommandError, Commands
+from morse.middleware.mqtt.mapping import STREAM_OPTIONS
+from morse.middleware.socket.encoding import from_json
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from morse.core.object import Object
+
+logger = logging.getLogger(__name__)
+
+#: messages that wait for the next action of an actuator, and the longest of them
+_MOST_WAITING, _LONGEST = 64, 1 << 20
+#: bytes of the name of a topic
+_LONGEST_TOPIC = 1024
+
+
+class MqttStream(AbstractDatastream):
+    """A stream with a topic."""
+
+    options = STREAM_OPTIONS
+
+    def initialize(self) -> None:
+        """Find the name of the topic.
+
+        Raises:
+            MorseMiddlewareError: MQTT does not allow it.
+        """
+        given = self.kwargs["topic"]
+        path = self.component_name.replace(".", "/")
+        self.topic = f"{self.manager.options['prefix']}/{path}" if given is None else given
+        if not self.topic or re.search("[+#\0]", self.topic) or len(self.topic.encode()) > _LONGEST_TOPIC:
+            raise MorseMiddlewareError(
+                f"{self.component_name}: the topic is {shown(self.topic)}, expected a name without '+' and '#', such "
+                "as 'lab/robot/pose'"
+            )
+
+
+class MqttPublisher(MqttStream):
+    """Sends the data of a component as one object of JSON, at each of its actions.
+
+    Pixels and points go as bytes to topics below that of the component.
+    """
+
+    def initialize(self) -> None:
+        """Find out which form the data have."""
+        super().initialize()
+        self.kinds = bind(self.component_instance)
+        main = next((bound for bound in self.kinds if not bound.topic), None)
+        self._form = self.manager.mapping(main.kind.name if main is not None else "general")
+        self.manager.claim(self.topic, self.component_name)
+
+    def default(self, ci: Object | None = None) -> bool:
+        """Publish the data, if there is a broker."""
+        if self.manager.broker.connected:
+            for below, data in self._form(self):
+                topic = f"{self.topic}/{below}" if below else self.topic
+                self.manager.broker.publish(topic, data, self.kwargs["qos"], self.kwargs["retain"])
+        return False
+
+
+class MqttReader(MqttStream):
+    """Takes objects of JSON from the topic ``<component>/set`` into the data of a component.
+
+    Fields that an object does not have stay as they are. What does not fit is refused as a whole.
+    """
+
+    def initialize(self) -> None:
+        """Listen."""
+        super().initialize()
+        self._arrived: deque[bytes] = deque(maxlen=_MOST_WAITING)
+        self._commands = Commands(self.component_instance)
+        self._complaints = Complaints(logger)
+        self.topic = f"{self.topic}/set" if self.kwargs["topic"] is None else self.topic
+        self.manager.claim(self.topic, self.component_name)
+        self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived.append)
+
+    def finalize(self) -> None:
+        """Listen no more."""
+        self.manager.broker.ignore(self.topic)
+
+    @property
+    def waiting(self) -> Collection[Any]:
+        """What has arrived."""
+        return self._arrived
+
+    def default(self, ci: Object | None = None) -> bool:
+        """Take what has arrived; True if something did."""
+        taken = False
+        while self._arrived:
+            taken = self._take(self._arrived.popleft()) or taken
+        return taken
+
+    def _take(self, data: bytes) -> bool:
+        try:
+            if len(data) > _LONGEST:
+                raise ValueError(f"{len(data)} bytes are more than {_LONGEST}")
+            remark = self._commands.take(from_json(data))
+        except CommandError as error:
+            self._complaints.warn(f"field {error.field}", f"{self.component_name}: a message is refused: {error}")
+            return False
+        except ValueError as error:
+            text = f"{self.component_name}: this message cannot be read ({error}): {shown(data[:80])}"
+            self._complaints.warn("read", text)
+            return False
+        if remark is not None:
+            logger.warning("%s: %s", self.component_name, remark)
+        return True
