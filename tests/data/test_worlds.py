@@ -29,8 +29,10 @@ WORLDS = (
     "indoors-1/warehouse",
     "laas/grande_salle",
     "land-1/buildings_1",
+    "land-1/buildings_2",
     "land-1/rosace_1",
     "land-1/trees",
+    "tum_kitchen/tum_kitchen",
 )
 #: in the office: the middle of the corridor's south side, a door in its wall, and a place without one; metres
 CORRIDOR, WALL, DOOR, NO_DOOR = -3.2, -4.2, 12.5, 9.0

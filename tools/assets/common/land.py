@@ -8,7 +8,8 @@ import numpy as np
 
 from common.images import packed
 from common.materials import material
-from common.objects import empty, exact
+from common.nature import Greens, broadleaf
+from common.objects import empty, exact, hidden_box, twin
 from common.parts import rotation
 from common.terrain import Terrain
 from common.textures import speckle
@@ -63,6 +64,25 @@ def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: 
         if free and land.min() > foot - 0.1:
             parts += [p.moved(x, y) for p in house(masonry, width, depth, 2 + number % 2, number)]
     exact("City.3", parts, size, centre, at, (0, 0, TOWN_TURN), parent=root, collision="mesh", **still)
+
+
+def grove(trees: Sequence[tuple[Triple, Triple, Triple, Triple, float]]) -> None:
+    """Trees of one kind: position, places of the shapes of trunk and crown, place of what is seen, angle about Z."""
+    greens = Greens.make()
+    still = {"physics_type": "STATIC"}
+    root_of_all = empty("Trees", (10.2, 0.867, -10.3), **still)
+    first = None
+    for number, (at, trunk_at, crown_at, seen_at, angle) in enumerate(trees):
+        suffix, pose = (f".{number:03}" if number else ""), (0, 0, angle)
+        root = empty(f"Tree{suffix}", at, pose, parent=root_of_all, **still)
+        trunk = hidden_box(f"BB_Trunk{suffix}", (0.285, 0.285, 2.16), trunk_at, pose, parent=root, **still)
+        hidden_box(f"BB_Leaves{suffix}", (2.3, 2.3, 2.3), crown_at, pose, parent=trunk, **still)
+        show = {"parent": trunk, "physics_type": "NO_COLLISION"}
+        if first is None:
+            parts = broadleaf(greens, 5.2, 3.7, 0.13, seed=2)
+            first = exact("Plane-Tree", parts, (3.68, 3.69, 5.19), (-0.182, 0.114, 2.54), seen_at, pose, **show)
+        else:
+            twin(first, f"Plane-Tree{suffix}", seen_at, pose, **show)
 
 
 def block(name: str, at: Triple, size: Triple, centre: Triple, turn: float, seed: int, masonry: Masonry) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import bpy
 import numpy as np
 
 from common.colors import srgb
@@ -13,9 +13,6 @@ from common.materials import material
 from common.parts import Part
 from common.shapes import box
 from common.textures import speckle
-
-if TYPE_CHECKING:
-    import bpy
 
 STOREY = 3.0  # metres: one picture covers one window, so wide and so high
 FACADES = (
@@ -34,11 +31,15 @@ class Masonry:
 
     @classmethod
     def make(cls) -> Masonry:
+        """The materials, which all houses of a file share."""
+        made = bpy.data.materials
         facades = [
-            material(name, color, 0.9, image=packed(f"{name.lower().replace(' ', '_')}.png", facade(color)))
+            made.get(name)
+            or material(name, color, 0.9, image=packed(f"{name.lower().replace(' ', '_')}.png", facade(color)))
             for name, color in FACADES
         ]
-        return cls(facades, material("Roof", "#a5503a", 0.85), material("Chimney", "#6d5a52", 0.9))
+        roof = made.get("Roof") or material("Roof", "#a5503a", 0.85)
+        return cls(facades, roof, made.get("Chimney") or material("Chimney", "#6d5a52", 0.9))
 
 
 def facade(color: str, size: int = 128) -> np.ndarray:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from common.land import ground, town, town_ground
-from common.nature import Greens, broadleaf
-from common.objects import empty, exact, hidden_box, twin, viewpoint
+from common.land import ground, grove, town, town_ground
+from common.objects import viewpoint
 from common.sky import sky, sunshine
 
 #: position of the tree, of the shapes of its trunk and of its crown, of what is seen; angle about Z
@@ -44,23 +43,5 @@ def build() -> None:
     rooted = [(*seen[:2], seen[2]) for *_, seen, _ in TREES]
     land = ground([*rooted, *town_ground(TOWN, 0.56, rooted)], dip=-0.045, rise=2.785, seed=4)
     town(land, TOWN, (42.1, 67.9, 11.5), (0, 0, 1.08), rooted)
-    trees()
+    grove(TREES)
     viewpoint((14.0, -16.0, 8.0), (0.0, 2.0, 0.8))
-
-
-def trees() -> None:
-    greens = Greens.make()
-    still = {"physics_type": "STATIC"}
-    grove = empty("Trees", (10.2, 0.867, -10.3), **still)
-    first = None
-    for number, (at, trunk_at, crown_at, seen_at, angle) in enumerate(TREES):
-        suffix, pose = (f".{number:03}" if number else ""), (0, 0, angle)
-        root = empty(f"Tree{suffix}", at, pose, parent=grove, **still)
-        trunk = hidden_box(f"BB_Trunk{suffix}", (0.285, 0.285, 2.16), trunk_at, pose, parent=root, **still)
-        hidden_box(f"BB_Leaves{suffix}", (2.3, 2.3, 2.3), crown_at, pose, parent=trunk, **still)
-        show = {"parent": trunk, "physics_type": "NO_COLLISION"}
-        if first is None:
-            parts = broadleaf(greens, 5.2, 3.7, 0.13, seed=2)
-            first = exact("Plane-Tree", parts, (3.68, 3.69, 5.19), (-0.182, 0.114, 2.54), seen_at, pose, **show)
-        else:
-            twin(first, f"Plane-Tree{suffix}", seen_at, pose, **show)

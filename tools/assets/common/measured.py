@@ -1,0 +1,91 @@
+"""Objects from a table: names, parents, places, bounding boxes, physics and semantic tags."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from common.objects import empty, exact, hidden_box, twin
+from common.parts import bounds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from pathlib import Path
+
+    import bpy
+
+    from common.objects import Triple
+    from common.parts import Part
+
+COLLISION = {"BOX": "box", "TRIANGLE_MESH": "mesh", "CONVEX_HULL": "convex"}
+
+
+@dataclass
+class Row:
+    """One object; metres and radians in the world, the bounding box in the frame of the object."""
+
+    name: str
+    parent: str
+    at: Triple
+    turned: Triple
+    size: Triple | None
+    centre: Triple | None
+    options: dict[str, object] = field(default_factory=dict)
+
+
+def rows(path: Path) -> Iterator[Row]:
+    """The lines of a table with the columns name, parent, xyz, rpy, size, centre, physics, bounds, mass, properties."""
+    with path.open(newline="") as file:
+        for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE):
+            options: dict[str, object] = {"physics_type": line["physics"]}
+            if line["bounds"]:
+                options["collision"] = COLLISION[line["bounds"]]
+            if line["mass"]:
+                options["mass"] = float(line["mass"])
+            options |= json.loads(line["properties"] or "{}")
+            at, turned, size, centre = (
+                tuple(float(number) for number in line[key].split()) or None for key in ("xyz", "rpy", "size", "centre")
+            )
+            yield Row(line["name"], line["parent"], at, turned, size, centre, options)
+
+
+class Furnisher:
+    """Makes the objects of a table; what has the same look and size shares a mesh.
+
+    Args:
+        looks: gives the parts of an object in any place and size, standing on z=0 or not; None for a plain box.
+    """
+
+    def __init__(self, looks: Callable[[Row], tuple[str, Callable[[], list[Part]]]]) -> None:
+        self._looks = looks
+        self._made: dict[str, bpy.types.Object] = {}
+        self._first: dict[tuple[object, ...], bpy.types.Object] = {}
+
+    def furnish(self, table: list[Row]) -> None:
+        """Make everything, parents first."""
+        names = {row.name for row in table}
+        while table:
+            ready = [row for row in table if row.parent not in names or row.parent in self._made]
+            for row in ready:
+                self._made[row.name] = self._make(row)
+            table = [row for row in table if row.name not in self._made]
+
+    def _make(self, row: Row) -> bpy.types.Object:
+        parent = self._made.get(row.parent)
+        if row.size is None:
+            return empty(row.name, row.at, row.turned, parent=parent, **row.options)
+        if "collision" in row.name.lower():
+            return hidden_box(row.name, row.size, row.at, row.turned, parent=parent, **row.options)
+        kind, build = self._looks(row)
+        key = (kind, row.size, row.centre)
+        if key in self._first:
+            return twin(self._first[key], row.name, row.at, row.turned, parent=parent, **row.options)
+        parts = build()
+        low, high = bounds(parts)
+        middle = (low + high) / 2
+        parts = [part.moved(*-middle) for part in parts]
+        made = exact(row.name, parts, row.size, row.centre, row.at, row.turned, parent=parent, **row.options)
+        self._first[key] = made
+        return made
