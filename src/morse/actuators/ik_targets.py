@@ -38,6 +38,8 @@ class Follower:
         self._goal: tuple[Any, ...] = ()
         self._trial: list[float] | None = None
         self._attempt = self._ticks = 0
+        #: the values at which nothing is left to improve
+        self._settled: list[float] | None = None
 
     def follow(self, chain: Chain, targets: Sequence[Target], values: Sequence[float]) -> list[float]:
         """The values of the joints in this tick.
@@ -49,11 +51,16 @@ class Follower:
         goal = tuple(targets)
         if goal != self._goal:
             self._goal, self._trial, self._attempt, self._ticks = goal, None, 0, 0
+            self._settled = None
+        if self._settled is not None and self._settled == values:
+            return self._settled
         best = improve(chain, targets, values, 0 if self._trial is not None else _ITERATIONS)
         if self._trial is None:
             if best.is_final and best.error > _FAR and self._attempt < _ATTEMPTS:
                 self._trial, self._ticks = kicked(chain, best.values, self._attempt), 0
                 self._attempt += 1
+            elif best.is_final:
+                self._settled = best.values
             return best.values
         trial = improve(chain, targets, self._trial, _ITERATIONS)
         self._trial, self._ticks = trial.values, self._ticks + 1

@@ -12,6 +12,8 @@ from morse.physics import rigid
 from morse.physics.kinematics import settle_fixed
 from morse.physics.layout import Motion
 from morse.physics.limits import FORCE
+from morse.physics.moved_shapes import MovedShapes
+from morse.physics.sleep import wake
 from morse.physics.weightless import count_weightless
 from morse.scene import ShapeKind
 
@@ -32,6 +34,7 @@ class Bodies:
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
         self._gliding = gliding
+        self.moved_shapes = MovedShapes(state)
 
     # -- poses -----------------------------------------------------------------------------
 
@@ -85,6 +88,10 @@ class Bodies:
             position, rotation = rigid.compose(*offset, *self._shape_pose(geom, shape))
             state.model.geom_pos[geom] = position
             state.model.geom_quat[geom] = rigid.quaternion(rotation)
+        if slot.body >= 0:
+            self.moved_shapes.note(slot.body)
+            wake(state, slot.body)
+        self._gliding.note_moved_shapes(index)
         if slot.frame.motion is Motion.FIXED:
             self._settle_fixed(index)
         state.rearranged.add(node)

@@ -74,6 +74,7 @@ class Gliding:
         for index in self._able:
             self.owner[self._geoms(state.slots[index])] = index
         self._extent = {index: self._outline(state.slots[index]) for index in self._able}
+        self._unmeasured: set[int] = set()
         count = len(state.slots)
         self.extents = np.array([self._extent.get(index, 0.0) for index in range(count)])
         self.speeds, self.margins = np.zeros(count), np.zeros(count)
@@ -87,6 +88,14 @@ class Gliding:
         """Metres from the origin of a robot to its outermost foot, seen from above."""
         places = self._state.model.geom_pos[slot.feet]
         return float(np.hypot(places[:, 0], places[:, 1]).max())
+
+    def note_moved_shapes(self, index: int) -> None:
+        """Shapes have moved within a body: its outline is another one."""
+        self._unmeasured.add(index)
+
+    def _measure(self, index: int) -> None:
+        self._extent[index] = self.extents[index] = self._outline(self._state.slots[index])
+        self._unmeasured.discard(index)
 
     def _outline(self, slot: Slot) -> float:
         """Metres from the origin of a robot to its outermost point; 0 for one that takes no long steps."""
@@ -111,6 +120,8 @@ class Gliding:
         self.foresight = self.clear_until = 0
         self.speeds[:] = -1.0
         self.margins[:] = 0.0
+        for index in self._able:
+            self._measure(index)
 
     # -- masks -----------------------------------------------------------------------------
 
@@ -191,6 +202,8 @@ class Gliding:
         model.body_gravcomp[slot.body] = 1.0
 
     def _begin(self, index: int, slot: Slot, floor: Floor, command: Command) -> None:
+        if index in self._unmeasured:
+            self._measure(index)
         self._lift(slot, floor)
         self.glides[index] = glide = Glide(slot, floor, self._state.rotations[index][6:9], 0, 0.0, self.tick)
         self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))

@@ -56,4 +56,4 @@ class Mounting(NamedTuple):
 
 
 def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
-    return max(abs(x - y) for x, y in zip(a, b, strict=True)) > 1e-14
+    return any(not -1e-14 <= x - y <= 1e-14 for x, y in zip(a, b, strict=True))

@@ -90,6 +90,7 @@ class Saving:
     def set_state(self, state: saved.SavedWorld) -> None:
         """Take over a state that was checked."""
         world, named = self._world, self._world.named
+        world.bodies.moved_shapes.reset()
         for name, obj in self._objects.items():
             shown, present = obj.visible, obj.properties
             obj.restore()

@@ -44,6 +44,20 @@ def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:
     data.nv_awake = _fill(data.dof_awake_ind, np.flatnonzero(awake[model.dof_treeid]))
 
 
+def wake(state: EngineState, body: int) -> None:
+    """Wake the tree of a body, and what sleeps with it."""
+    tree = int(state.model.body_treeid[body])
+    asleep = state.data.tree_asleep
+    if tree < 0 or asleep[tree] < 0:
+        return
+    waking = asleep.copy()
+    while waking[tree] >= 0:
+        following = int(waking[tree])
+        waking[tree] = WIDE_AWAKE
+        tree = following
+    set_asleep(state, waking)
+
+
 def _fill(target: NDArray[np.int32], values: NDArray[np.intp]) -> int:
     target[: len(values)] = values
     return len(values)

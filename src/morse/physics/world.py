@@ -234,6 +234,7 @@ class World(ObjectWorld):
         """Everything as the scene says, at rest."""
         for name, values in self._pristine.items():
             getattr(self.model, name)[:] = values
+        self.bodies.moved_shapes.reset()
         mujoco.mj_resetData(self.model, self.data)
         self.gliding.reset()
         self._steps.reset()

@@ -1,0 +1,44 @@
+"""What the engine worked out of the shapes of a body when it compiled them, kept true while they move within it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.physics.engine_state import EngineState
+
+#: m; no shape gets that far from its body
+_FAR = 1e6
+
+
+class MovedShapes:
+    """Bodies whose shapes have moved within them.
+
+    The engine finds out which shapes of two bodies may touch by a tree of bounding boxes, which it never works out
+    anew. For a body whose shapes have moved, the boxes are made so large that every pair of shapes is looked at.
+    """
+
+    def __init__(self, state: EngineState) -> None:
+        self._state = state
+        self._boxes: dict[int, NDArray[object]] = {}
+
+    def note(self, body: int) -> None:
+        """Shapes of a body have moved."""
+        if body in self._boxes:
+            return
+        model = self._state.model
+        start, count = int(model.body_bvhadr[body]), int(model.body_bvhnum[body])
+        rows = slice(start, start + count)
+        if count:
+            self._boxes[body] = model.bvh_aabb[rows].copy()
+            model.bvh_aabb[rows] = (0.0, 0.0, 0.0, _FAR, _FAR, _FAR)
+
+    def reset(self) -> None:
+        """All shapes are where they were compiled."""
+        model = self._state.model
+        for body, boxes in self._boxes.items():
+            start = int(model.body_bvhadr[body])
+            model.bvh_aabb[start : start + len(boxes)] = boxes
+        self._boxes.clear()
