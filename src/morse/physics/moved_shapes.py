@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from morse.physics.engine_state import EngineState
@@ -22,7 +23,7 @@ class MovedShapes:
 
     def __init__(self, state: EngineState) -> None:
         self._state = state
-        self._boxes: dict[int, NDArray[object]] = {}
+        self._boxes: dict[int, NDArray[np.float64]] = {}
 
     def note(self, body: int) -> None:
         """Shapes of a body have moved."""
