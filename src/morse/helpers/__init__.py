@@ -1,1 +1,1 @@
-"""Small tools for writing components."""
+"""Helper functions for components."""

@@ -1,4 +1,4 @@
-"""The declarations that component classes are written with."""
+"""The functions for declarations in component classes, under the import path of MORSE 1.4."""
 
 from morse.core.declarations import add_data, add_kind, add_level, add_property, each, euler, mapped, prop, scaled
 

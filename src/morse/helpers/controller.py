@@ -6,13 +6,13 @@ _JUMP = 0.1  # a setpoint that changes by more starts a new motion
 
 
 class PIDController:
-    """A discrete PID controller, updated at a fixed rate: its gains are per update, not per second.
+    """A discrete PID controller that is updated at a fixed rate; its gains are per update, not per second.
 
     Attributes:
         kp: gain of the error.
         kd: gain of the change of the error since the last update.
         ki: gain of the sum of the errors.
-        limits_integrator: largest magnitude of that sum.
+        limits_integrator: largest magnitude of the sum of the errors.
     """
 
     def __init__(self, kp: float = 1.0, kd: float = 1.0, ki: float = 1.0, limits_integrator: float = 10.0) -> None:
@@ -28,7 +28,7 @@ class PIDController:
 
     @property
     def setpoint(self) -> float:
-        """The wanted value. A change of more than 0.1 forgets the errors of the past."""
+        """The setpoint. A change of more than 0.1 resets the past errors."""
         return self._setpoint
 
     @setpoint.setter
@@ -38,12 +38,12 @@ class PIDController:
         self._setpoint = value
 
     def reset(self) -> None:
-        """Forget the errors of the past."""
+        """Reset the past errors."""
         self._last_error = 0.0
         self._integral = 0.0
 
     def update(self, current: float) -> float:
-        """The command for the present value, in the unit of the gains times that of the value."""
+        """Return the command for the present value, in the unit of the gains times the unit of the value."""
         error = self._setpoint - current
         change = error - self._last_error
         self._last_error = error

@@ -1,4 +1,4 @@
-"""Fans of directions, as laser scanners have them."""
+"""Ray directions of laser scanners."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: no scanner has more rays than this
+#: maximum number of rays of a scanner
 MOST_RAYS = 1_000_000
 
 
 def fan(
     window: float, resolution: float, layers: float = 1, separation: float = 0.0, offset: float = 0.0
 ) -> NDArray[np.float64]:
-    """Unit vectors (N, 3) around the X axis, Y left, Z up.
+    """Return unit vectors (N, 3) around the X axis, Y left, Z up.
 
-    From ``-window / 2`` (right) to ``window / 2`` (left) in steps of ``resolution``, both ends included; layer by
-    layer from the uppermost, every other layer turned by ``offset``, beginning with the first. A single layer is
-    not turned.
+    The vectors of a layer go from ``-window / 2`` (right) to ``window / 2`` (left) in steps of ``resolution``, both
+    ends included. Layers are ordered from top to bottom. Every other layer, beginning with the first, is rotated by
+    ``offset``; a single layer is not rotated.
 
     Args:
-        window: degrees, 0 to 360.
-        resolution: degrees.
-        layers: a whole number.
-        separation: degrees between two layers.
-        offset: degrees.
+        window: horizontal field of view, degrees, 0 to 360.
+        resolution: angle between two rays, degrees.
+        layers: number of layers.
+        separation: angle between two layers, degrees.
+        offset: horizontal rotation of every other layer, degrees.
 
     Raises:
-        ValueError: for values that make no fan, or more than `MOST_RAYS`.
+        ValueError: a value is not valid, or there are more than `MOST_RAYS` rays.
     """
     if not 0.0 <= window <= 360.0:
         raise ValueError(f"scan_window takes degrees from 0 to 360, got {window!r}")
@@ -46,7 +46,7 @@ def fan(
     steps = window / resolution
     if (steps + 1) * layers > MOST_RAYS:
         raise ValueError(f"{window:g} degrees (scan_window) in steps of {resolution:g} (resolution) are too many rays")
-    # 31.5 / 0.1 is a little less than 315
+    # tolerance for rounding: 31.5 / 0.1 is a little less than 315
     angles = np.radians(np.arange(math.floor(steps * (1.0 + 1e-12) + 1e-9) + 1) * resolution - window / 2)
     heights = np.radians((layers - 1) / 2 * separation - np.arange(int(layers)) * separation)
     turns = np.zeros(int(layers))

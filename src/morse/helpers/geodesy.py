@@ -1,9 +1,10 @@
-"""Where the world lies on the earth: between world, earth-centred and geodetic coordinates.
+"""Conversions between world, earth-centred and geodetic coordinates.
 
-The ellipsoid is that of WGS84 (NIMA TR8350.2). The origin of a world has a longitude, a latitude and an altitude;
-there X points east, Y north and Z up, all turned counter-clockwise by ``angle_against_north`` about Z.
+The ellipsoid is WGS84 (NIMA TR8350.2). The origin of a world has a longitude, a latitude and an altitude. At the origin
+X points east, Y north and Z up, rotated counter-clockwise by ``angle_against_north`` about Z.
 
-All is in plain floats: a robot asks in every tick, and one place takes two microseconds.
+The functions use plain floats, because they are called for single positions in every tick; a call takes two
+microseconds.
 """
 
 from __future__ import annotations
@@ -28,11 +29,11 @@ _NEEDED = ("longitude", "latitude", "altitude")
 
 
 def ecef_of_geodetic(longitude: float, latitude: float, altitude: float) -> Triple:
-    """Earth-centred, earth-fixed coordinates, m, of a place.
+    """Return the earth-centred, earth-fixed coordinates of a position, m.
 
     Args:
         longitude, latitude: degrees.
-        altitude: m above the ellipsoid.
+        altitude: altitude above the ellipsoid, m.
     """
     lon, lat = math.radians(longitude), math.radians(latitude)
     sine = math.sin(lat)
@@ -42,11 +43,11 @@ def ecef_of_geodetic(longitude: float, latitude: float, altitude: float) -> Trip
 
 
 def geodetic_of_ecef(x: float, y: float, z: float) -> Triple:
-    """Longitude and latitude (degrees), altitude above the ellipsoid (m) of earth-centred coordinates (m).
+    """Return longitude and latitude (degrees) and altitude above the ellipsoid (m) of earth-centred coordinates (m).
 
     H. Vermeille, "Direct transformation from geocentric coordinates to geodetic coordinates", Journal of Geodesy 76
-    (2002). Within 43 km of the centre of the earth, where several places of the ellipsoid are nearest, the latitude is
-    the geocentric one and the altitude is counted from the equator.
+    (2002). Within 43 km of the centre of the earth, where the nearest point of the ellipsoid is not unique, the
+    latitude is geocentric and the altitude is measured from the equator.
     """
     flat2 = x * x + y * y
     flat = math.sqrt(flat2)
@@ -68,7 +69,7 @@ def geodetic_of_ecef(x: float, y: float, z: float) -> Triple:
 
 
 def geocentric_of_ecef(x: float, y: float, z: float) -> Triple:
-    """Longitude and geocentric latitude (degrees), distance from the centre of the earth (m)."""
+    """Return longitude and geocentric latitude (degrees) and distance from the centre of the earth (m)."""
     flat = math.hypot(x, y)
     return math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, flat)), math.hypot(flat, z)
 
@@ -81,16 +82,16 @@ def ecef_of_geocentric(longitude: float, latitude: float, radius: float) -> Trip
 
 
 class GeodesyError(ValueError):
-    """The environment does not say where on the earth it is."""
+    """The environment does not declare its position on the earth."""
 
 
 class LocalPlane:
-    """The world as a plane that touches the earth in its origin.
+    """The tangent plane of the earth at the origin of the world.
 
     Args:
-        longitude, latitude: of the origin, degrees.
-        altitude: of the origin above the ellipsoid, m.
-        angle_against_north: how far the axes of the world are turned about Z from east and north, rad.
+        longitude, latitude: position of the origin, degrees.
+        altitude: altitude of the origin above the ellipsoid, m.
+        angle_against_north: rotation of the axes of the world about Z, relative to east and north, rad.
     """
 
     def __init__(self, longitude: float, latitude: float, altitude: float, angle_against_north: float = 0.0) -> None:
@@ -106,10 +107,10 @@ class LocalPlane:
 
     @classmethod
     def of(cls, properties: Mapping[str, Any]) -> LocalPlane:
-        """That of an environment, by its properties.
+        """Create the plane of an environment from its properties.
 
         Raises:
-            GeodesyError: they do not say where it is.
+            GeodesyError: the properties do not contain the position.
         """
         missing = [name for name in _NEEDED if name not in properties]
         if missing:
@@ -126,7 +127,7 @@ class LocalPlane:
         return cls(longitude, latitude, altitude, angle_against_north(properties))
 
     def enu_of(self, vector: Sequence[float]) -> Triple:
-        """A vector or a position in the world along east, north and up."""
+        """Convert a vector or a position in the world into east, north and up."""
         return turn(self._turned, vector)
 
     def world_of_enu(self, vector: Sequence[float]) -> Triple:
@@ -134,7 +135,7 @@ class LocalPlane:
         return turn_back(self._turned, vector)
 
     def ecef_of(self, position: Sequence[float]) -> Triple:
-        """A position in the world, m, in earth-centred coordinates, m."""
+        """Convert a position in the world, m, into earth-centred coordinates, m."""
         (x, y, z), (ox, oy, oz) = turn(self._axes, position), self._origin
         return ox + x, oy + y, oz + z
 
@@ -144,12 +145,12 @@ class LocalPlane:
         return turn_back(self._axes, (x - ox, y - oy, z - oz))
 
     def pose_of_earth(self) -> tuple[Triple, Rotation9]:
-        """Where the centre of the earth is in the world, m, and the rotation from earth-centred axes to the world."""
+        """Return the centre of the earth in the world, m, and the rotation from earth-centred axes to the world."""
         a, b, c, d, e, f, g, h, i = self._axes
         return self.world_of_ecef((0.0, 0.0, 0.0)), (a, d, g, b, e, h, c, f, i)
 
     def geodetic_of(self, position: Sequence[float]) -> Triple:
-        """Longitude and latitude (degrees), altitude above the ellipsoid (m) of a position in the world (m)."""
+        """Return longitude and latitude (degrees) and altitude above the ellipsoid (m) of a world position (m)."""
         return geodetic_of_ecef(*self.ecef_of(position))
 
     def world_of_geodetic(self, longitude: float, latitude: float, altitude: float) -> Triple:
@@ -158,16 +159,16 @@ class LocalPlane:
 
 
 def angle_against_north(properties: Mapping[str, Any]) -> float:
-    """How far the axes of a world are turned about Z from east and north, rad, counter-clockwise; 0 if it is not said.
+    """Return the counter-clockwise rotation of a world about Z relative to east and north, rad; 0 if it is not set.
 
     Raises:
-        GeodesyError: it is not a number.
+        GeodesyError: the property is not a number.
     """
     return _number(properties, "angle_against_north") if "angle_against_north" in properties else 0.0
 
 
 def has_place(properties: Mapping[str, Any]) -> bool:
-    """Whether an environment says where on the earth it is."""
+    """Whether an environment declares its position on the earth."""
     return all(name in properties for name in _NEEDED)
 
 

@@ -1,4 +1,4 @@
-"""Errors of gyroscopes and accelerometers in the terms of their data sheets."""
+"""Errors of gyroscopes and accelerometers, specified by the quantities of data sheets."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
 
 #: the largest Allan deviation of a first-order Gauss-Markov process, in units of its standard deviation
 _GAUSS_MARKOV_PEAK = 0.6175
-#: between two measurements, s
+#: time between two measurements, s
 _SHORTEST = 1e-6
 
 
 class ErrorTerms(NamedTuple):
-    """The terms of one kind of sensor, for a quantity whose unit is u.
+    """The error terms of one kind of sensor, for a quantity whose unit is u.
 
     Attributes:
-        density: of the white noise, u/√Hz: the Allan deviation at 1 s.
-        instability: in-run bias instability, u: the Allan deviation where it is least, as data sheets give it.
-        random_walk: of the bias, u/√s: it gathers that much within a second.
-        correlation_time: of the bias, s.
+        density: density of the white noise, u/√Hz, equal to the Allan deviation at 1 s.
+        instability: in-run bias instability, u, the minimum of the Allan deviation as in data sheets.
+        random_walk: random walk of the bias, u/√s, its standard deviation after one second.
+        correlation_time: correlation time of the bias, s.
     """
 
     density: float
@@ -35,14 +35,14 @@ class ErrorTerms(NamedTuple):
 
 
 class InertialErrors:
-    """Errors of three axes: white noise, a bias that wanders about zero, and one that walks away.
+    """Errors of three axes: white noise, a bias with a correlation time, and a bias with a random walk.
 
-    The wandering bias is a first-order Gauss-Markov process, whose Allan deviation is greatest, and equal to the bias
-    instability, at 1.89 times its correlation time. See IEEE Std 952-1997, annex C.
+    The bias with a correlation time is a first-order Gauss-Markov process. Its Allan deviation has its maximum, which
+    equals the bias instability, at 1.89 times the correlation time. See IEEE Std 952-1997, annex C.
 
     Args:
-        random: draws the numbers.
-        terms: how large the errors are.
+        random: generator of random numbers.
+        terms: magnitudes of the errors.
     """
 
     def __init__(self, random: np.random.Generator, terms: ErrorTerms) -> None:
@@ -57,11 +57,11 @@ class InertialErrors:
         return self.terms.instability / _GAUSS_MARKOV_PEAK
 
     def added(self, truth: Sequence[float], passed: float) -> list[float]:
-        """What is measured, ``passed`` seconds after the last measurement."""
+        """Return the measured values, ``passed`` seconds after the last measurement."""
         passed = max(passed, _SHORTEST)
         white, wander, walk = self._random.standard_normal((3, 3)).tolist()
         terms = self.terms
-        # a measurement is the mean over the time since the last one
+        # a measurement is the mean over the time since the last measurement
         sigma = terms.density / math.sqrt(passed)
         keep = math.exp(-passed / terms.correlation_time)
         push = self._spread * math.sqrt(1.0 - keep * keep)
@@ -74,10 +74,10 @@ class InertialErrors:
         return measured
 
     def get_state(self) -> dict[str, Any]:
-        """What determines the errors to come."""
+        """Return the state that determines the future errors."""
         return {"random": generator_state(self._random), "bias": list(self._bias), "walk": list(self._walk)}
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Go on from a state that `get_state` gave."""
+        """Restore a state that `get_state` returned."""
         set_generator_state(self._random, state["random"])
         self._bias, self._walk = list(state["bias"]), list(state["walk"])

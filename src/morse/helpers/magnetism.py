@@ -1,4 +1,4 @@
-"""The magnetic field of the earth, by the World Magnetic Model of NOAA and the British Geological Survey."""
+"""The magnetic field of the earth: World Magnetic Model of NOAA and the British Geological Survey."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from morse.helpers.geodesy import LocalPlane
     from morse.mathutils.rotations import Triple
 
-#: the models: first and last decimal year
+#: first and last decimal year of each model
 MODELS: dict[str, tuple[float, float]] = {
     "WMM2010": (2010.0, 2015.0),
     "WMM2015": (2015.0, 2020.0),
@@ -22,18 +22,18 @@ MODELS: dict[str, tuple[float, float]] = {
     "WMM2020": (2020.0, 2025.0),
     "WMM2025": (2025.0, 2030.0),
 }
-#: decimal year of simulations that run in no year: the first of the latest model
+#: decimal year of simulations without a date: the first year of the latest model
 DEFAULT_YEAR = 2025.0
-#: The field is worked out in the corner points of cells of that size, m, and is linear in between. The second
-#: derivative of a dipole at the surface is 12 B / r^2 < 2e-8 nT/m^2: at 350 m from the centre it is off by 1e-3 nT.
+#: Size of cells in which the field is interpolated linearly, m. The second
+#: derivative of a dipole at the surface is 12 B / r^2 < 2e-8 nT/m^2: at 350 m from the centre the error is 1e-3 nT.
 _CELL = 400.0
 _Cell = tuple["Triple", "tuple[float, ...]"]
 
 
 def model_of(year: float) -> str:
-    """The model for a decimal year; the nearest one outside all of them.
+    """Return the model for a decimal year, or the nearest model outside the range of all models.
 
-    Of the two models of 2015 it is the first one, which MORSE 1.4 had.
+    Of the two models of 2015, the first one is used, as in MORSE 1.4.
     """
     for name, (_, last) in MODELS.items():
         if year < last:
@@ -42,19 +42,19 @@ def model_of(year: float) -> str:
 
 
 class MagneticField:
-    """The field around a world, on one day.
+    """The magnetic field around a world on one day.
 
-    Its vector is given along east, north and up where the sensor is, turned as the world is: the world is flat, and
-    gravity acts along its Z axis everywhere.
+    The field vector is given along east, north and up at the position of the sensor, rotated by
+    ``angle_against_north``. The world is flat, and gravity acts along its Z axis everywhere.
 
     Args:
-        plane: where the world is.
+        plane: position of the world on the earth.
         year: decimal year.
-        model: one of `MODELS`; None for that of the year.
+        model: one of `MODELS`; None for the model of the year.
     """
 
     def __init__(self, plane: LocalPlane, year: float, model: str | None = None) -> None:
-        # scenes without magnetometers should not wait for it
+        # imported on demand, because the import takes long
         from pygeomag import GeoMag
 
         self._plane = plane
@@ -64,10 +64,10 @@ class MagneticField:
         self._cell = lru_cache(maxsize=64)(self._worked_out)
 
     def at(self, position: Sequence[float]) -> Triple:
-        """The field along the axes of the world, nT.
+        """Return the field along the axes of the world, nT.
 
         Args:
-            position: m in the world.
+            position: position in the world, m.
         """
         x, y, z = position
         i, j, k = round(x / _CELL), round(y / _CELL), round(z / _CELL)
@@ -76,7 +76,7 @@ class MagneticField:
         return fx + dx, fy + dy, fz + dz
 
     def _worked_out(self, i: int, j: int, k: int) -> _Cell:
-        """Field in the centre of a cell, and its gradient, row by row."""
+        """Compute the field in the centre of a cell, and its gradient, row by row."""
         x, y, z = i * _CELL, j * _CELL, k * _CELL
         half = 0.5 * _CELL
         differences = [

@@ -6,5 +6,5 @@ import math
 
 
 def normalise_angle(angle: float) -> float:
-    """The same direction between -pi and pi, radians."""
+    """Wrap an angle to the range -pi to pi, rad."""
     return math.remainder(angle, 2.0 * math.pi)

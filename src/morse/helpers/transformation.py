@@ -1,4 +1,4 @@
-"""Poses of objects, as sensors and actuators read them."""
+"""Poses of objects, as used by sensors and actuators."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _UPRIGHT = 0.51
 
 
 class Posed(Protocol):
-    """What has a pose: at least these two. An object with ``world_pose()`` is read faster: see `update`."""
+    """An object with a pose. Objects with ``world_pose()`` are read faster: see `update`."""
 
     @property
     def worldPosition(self) -> Sequence[float]:  # noqa: N802 (the name user components know)
@@ -31,25 +31,24 @@ class Posed(Protocol):
 
 
 class PoseSource(Protocol):
-    """Has poses that change from time to time."""
+    """A source of poses that change over time."""
 
     @property
     def stamp(self) -> object:
-        """Changes whenever poses do."""
+        """A value that changes whenever the poses change."""
 
     def pose_of(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
-        """The arguments of `Transformation3d.set_pose`."""
+        """Return the arguments of `Transformation3d.set_pose`."""
 
 
 class Transformation3d:
-    """A pose at one instant: X forward, Y left, Z up; metres and radians; rotation from the object to the world.
+    """A pose at one instant, m and rad; X forward, Y left, Z up; the rotation maps the object frame to the world.
 
-    Two sets of yaw, pitch and roll describe one rotation: the angles are those with the smaller
-    |yaw| + |pitch| + |roll|, as Blender chooses them. A robot that only pitches is reported with no yaw and no
-    roll, also upside down.
+    Two sets of yaw, pitch and roll describe the same rotation. As in Blender, the set with the smaller |yaw| + |pitch|
+    + |roll| is used. The yaw and roll of a robot that only pitches are therefore 0, even if it is upside down.
 
-    A pose is taken once a tick by every component, of which most need little: only the numbers are kept,
-    and angles and matrices are worked out when they are read. What is returned is the caller's own.
+    Every component updates its pose in each tick. Only the numbers are stored; angles and matrices are computed when
+    they are read. Returned objects are copies.
     """
 
     __slots__ = ("_link", "_position", "_rotation")
@@ -58,17 +57,17 @@ class Transformation3d:
     _link: tuple[PoseSource, int, object]
 
     def __init__(self, obj: Posed | None = None) -> None:
-        """The pose of an object, or no displacement at all."""
+        """Create the pose of an object, or the identity."""
         self._position = (0.0, 0.0, 0.0)
         self._rotation = _IDENTITY
         if obj is not None:
             self.update(obj)
 
     def update(self, obj: Posed) -> None:
-        """Take the present pose of an object.
+        """Set the pose to the present pose of an object.
 
-        An object may have a method ``world_pose()`` that returns the arguments of `set_pose`: that spares
-        making a vector and a matrix.
+        An object may have a method ``world_pose()`` that returns the arguments of `set_pose`, which avoids creating a
+        vector and a matrix.
         """
         try:
             world_pose = obj.world_pose  # type: ignore[attr-defined]
@@ -82,32 +81,32 @@ class Transformation3d:
         self.set_pose(position, rotation)
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Take a pose as numbers. Both are kept as they are: they must not change afterwards.
+        """Set the pose from numbers. The arguments are not copied and must not be modified afterwards.
 
         Args:
-            position: 3 floats, metres.
+            position: 3 floats, m.
             rotation: 9 floats, the rotation matrix row by row.
         """
         self._position = position
         self._rotation = rotation
 
     def follow(self, source: PoseSource, row: int = 0) -> None:
-        """From now on be the pose that a source has at the moment when it is read.
+        """Follow a source: reading this pose returns the present pose of the source.
 
-        `update` and `set_pose` hold until the stamp of the source changes.
+        The effect of `update` and `set_pose` lasts until the stamp of the source changes.
         """
         self._link = (source, row, None)
         self.__class__ = _Following
 
     def stay(self) -> None:
-        """Follow nobody any more: keep the present pose."""
+        """Stop following a source, and keep the present pose."""
 
     def get_pose(self) -> tuple[Sequence[float], Sequence[float]]:
-        """What `set_pose` takes; not to be changed."""
+        """Return the arguments of `set_pose`; they must not be modified."""
         return self._position, self._rotation
 
     def numbers(self) -> tuple[float, float, float, float, float, float]:
-        """x, y, z, yaw, pitch and roll at once, for those who need them all."""
+        """Return x, y, z, yaw, pitch and roll in one call."""
         x, y, z = self._position
         m = self._rotation
         if m[8] > _UPRIGHT:
@@ -117,17 +116,17 @@ class Transformation3d:
 
     @property
     def x(self) -> float:
-        """Metres along world X."""
+        """Position along world X, m."""
         return self._position[0]
 
     @property
     def y(self) -> float:
-        """Metres along world Y."""
+        """Position along world Y, m."""
         return self._position[1]
 
     @property
     def z(self) -> float:
-        """Metres along world Z."""
+        """Position along world Z, m."""
         return self._position[2]
 
     @property
@@ -144,7 +143,7 @@ class Transformation3d:
 
     @property
     def roll(self) -> float:
-        """Rotation about the own forward axis, -pi to pi."""
+        """Rotation about the forward axis of the object, -pi to pi."""
         m = self._rotation
         return atan2(m[7], m[8]) if m[8] > _UPRIGHT else self._angles()[0]
 
@@ -182,15 +181,15 @@ class Transformation3d:
         return Matrix([*([*row, moved] for row, moved in zip(rows, self._position, strict=True)), (0.0, 0.0, 0.0, 1.0)])
 
     def distance(self, other: Transformation3d) -> float:
-        """Metres between the two positions."""
+        """Return the distance between the two positions, m."""
         return dist(self._position, other._position)
 
     def distance_2d(self, other: Transformation3d) -> float:
-        """Metres between the two positions seen from above."""
+        """Return the horizontal distance between the two positions, m."""
         return dist(self._position[:2], other._position[:2])
 
     def transformation3d_with(self, other: Transformation3d) -> Transformation3d:
-        """The pose of another in the frame of this one: the inverse of this times the other."""
+        """Return another pose in the frame of this one: the inverse of this pose times the other."""
         a, b, c, d, e, f, g, h, i = self._rotation
         x, y, z = (q - p for p, q in zip(self._position, other._position, strict=True))
         made = Transformation3d()
@@ -211,7 +210,7 @@ _PLACE, _TURN = Transformation3d.__dict__["_position"], Transformation3d.__dict_
 
 
 class _Following(Transformation3d):
-    """One that follows a source; a class of its own, so that the others are read as fast as can be."""
+    """A pose that follows a source; a separate class, so that other poses are read without a check."""
 
     __slots__ = ()
 
@@ -253,11 +252,11 @@ class _Following(Transformation3d):
     _rotation = property(_get_rotation, _set_rotation)
 
     def __reduce_ex__(self, protocol: object) -> tuple[object, ...]:
-        """A copy is the pose at that moment."""
+        """A copy is the present pose and does not follow the source."""
         return _plain, (self._position, self._rotation)
 
 
-#: the class of those that follow
+#: the class of poses that follow a source
 FOLLOWING = _Following
 
 

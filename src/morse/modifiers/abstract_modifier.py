@@ -1,4 +1,4 @@
-"""The base class of modifiers, where 1.4 had it."""
+"""The base class of modifiers under the import path of MORSE 1.4."""
 
 from morse.core.modifier import AbstractModifier
 

@@ -1,4 +1,4 @@
-"""Standard deviations as scene scripts give them: one for all axes, or one for each."""
+"""Standard deviations in scene scripts: one for all axes, or one for each axis."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from morse.core.quoting import shown
 
 
 def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:
-    """The standard deviation of each axis; an axis that is not in a dictionary has none.
+    """Return the standard deviation of each axis; axes that are missing in a dictionary are left out.
 
     Args:
-        option: its name, for messages.
+        option: name of the option, for messages.
         given: a number from 0 upward, or a dictionary of such numbers.
         axes: the keys that the dictionary may have.
 
     Raises:
-        MorseBuilderError: something else was given.
+        MorseBuilderError: the value is neither of these.
     """
     by_axis = given if isinstance(given, dict) else dict.fromkeys(axes, given)
     for axis, value in by_axis.items():

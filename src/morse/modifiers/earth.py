@@ -1,4 +1,4 @@
-"""What modifiers that give places on the earth have in common."""
+"""The base class of modifiers with coordinates on the earth."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class EarthModifier(AbstractModifier):
-    """Changes x, y and z between the world and coordinates of the earth.
+    """Converts x, y and z between the world and coordinates on the earth.
 
-    The environment says where the world is: ``env.properties(longitude=..., latitude=..., altitude=...)``, degrees and
-    metres above the WGS84 ellipsoid, and perhaps ``angle_against_north``, radians.
+    The position of the world is a property of the environment: ``env.properties(longitude=..., latitude=...,
+    altitude=...)``, degrees and metres above the WGS84 ellipsoid, and optionally ``angle_against_north``, rad.
 
     Raises:
         GeodesyError: the environment does not have these properties.
@@ -29,15 +29,15 @@ class EarthModifier(AbstractModifier):
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
 
     def initialize(self) -> None:
-        """Find out where the world is."""
+        """Get the position of the world."""
         self.plane = LocalPlane.of(self.component_instance.context.scene.properties)
 
     @abstractmethod
     def converted(self, place: Triple) -> Triple:
-        """The coordinates of a place, given in the others."""
+        """Convert a position."""
 
     def modify(self) -> None:
-        """Change the coordinates."""
+        """Convert the coordinates."""
         data = self.data
         try:
             place = data["x"], data["y"], data["z"]

@@ -16,7 +16,7 @@ _CHANGES = MappingProxyType({name: {"frame": "earth"} for name in "xyz"})
 
 
 class CoordinatesToECEF(EarthModifier):
-    """Gives the position of a measurement from the centre of the earth, metres; angles stay those in the world."""
+    """Converts the position of a measurement to earth-centred coordinates, m; angles are not changed."""
 
     _names = ("ECEF",)
     _components = ("Pose", "GPS")
@@ -28,7 +28,7 @@ class CoordinatesToECEF(EarthModifier):
 
 
 class CoordinatesFromECEF(EarthModifier):
-    """Takes the position of a command from the centre of the earth, metres."""
+    """Converts the position of a command from earth-centred coordinates, m."""
 
     _names = ("ECEF",)
     _components = ("Destination", "Waypoint", "Teleport")

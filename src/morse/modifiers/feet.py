@@ -18,7 +18,7 @@ _COORDINATES = ("x", "y", "z")
 
 
 class _Feet(AbstractModifier):
-    """What both directions have in common."""
+    """The common part of both directions."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType({name: {"unit": "ft"} for name in _COORDINATES})
@@ -34,7 +34,7 @@ class _Feet(AbstractModifier):
 
 
 class MeterToFeet(_Feet):
-    """Gives the coordinates of a measurement in feet."""
+    """Converts the coordinates of a measurement from metres to feet."""
 
     _names = ("feet",)
     _components = ("Pose", "GPS")
@@ -42,7 +42,7 @@ class MeterToFeet(_Feet):
 
 
 class FeetToMeter(_Feet):
-    """Takes the coordinates of a command in feet."""
+    """Converts the coordinates of a command from feet to metres."""
 
     _names = ("feet",)
     _components = ("Destination", "Waypoint", "Teleport")

@@ -23,24 +23,24 @@ _CHANGES = MappingProxyType(
 
 
 class CoordinatesToGeocentric(EarthModifier):
-    """Gives longitude and geocentric latitude (degrees) as x and y, and the distance from the centre (m) as z."""
+    """Converts a position to longitude, geocentric latitude (x, y, degrees) and distance from the centre (z, m)."""
 
     _names = ("geocentric",)
     _components = ("Pose", "GPS")
     changes: Mapping[str, Mapping[str, Any]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
-        """World coordinates, m, to longitude, latitude, distance."""
+        """Convert world coordinates, m, to longitude, latitude, distance."""
         return geocentric_of_ecef(*self.plane.ecef_of(place))
 
 
 class CoordinatesFromGeocentric(EarthModifier):
-    """Takes longitude, geocentric latitude and distance from the centre as x, y and z of a command."""
+    """Converts longitude, geocentric latitude and distance from the centre (x, y, z) of a command to a position."""
 
     _names = ("geocentric",)
     _components = ("Destination", "Waypoint", "Teleport")
     changes: Mapping[str, Mapping[str, Any]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
-        """Longitude, latitude, distance to world coordinates, m."""
+        """Convert longitude, latitude, distance to world coordinates, m."""
         return self.plane.world_of_ecef(ecef_of_geocentric(*place))

@@ -22,24 +22,24 @@ _CHANGES = MappingProxyType(
 
 
 class CoordinatesToGeodetic(EarthModifier):
-    """Gives longitude and latitude (degrees, WGS84) as x and y, and the height above the ellipsoid (m) as z."""
+    """Converts a position to longitude and latitude (x, y, degrees, WGS84) and altitude above the ellipsoid (z, m)."""
 
     _names = ("geodetic",)
     _components = ("Pose", "GPS")
     changes: Mapping[str, Mapping[str, Any]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
-        """World coordinates, m, to longitude, latitude, altitude."""
+        """Convert world coordinates, m, to longitude, latitude, altitude."""
         return self.plane.geodetic_of(place)
 
 
 class CoordinatesFromGeodetic(EarthModifier):
-    """Takes longitude, latitude and altitude as x, y and z of a command."""
+    """Converts longitude, latitude and altitude (x, y, z) of a command to a position."""
 
     _names = ("geodetic",)
     _components = ("Destination", "Waypoint", "Teleport")
     changes: Mapping[str, Mapping[str, Any]] = _CHANGES
 
     def converted(self, place: Triple) -> Triple:
-        """Longitude, latitude, altitude to world coordinates, m."""
+        """Convert longitude, latitude, altitude to world coordinates, m."""
         return self.plane.world_of_geodetic(*place)

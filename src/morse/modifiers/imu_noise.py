@@ -56,7 +56,7 @@ class IMUNoiseModifier(AbstractModifier):
 
 
 def _like(value: Any, numbers: list[float]) -> Any:
-    """Numbers in a vector or array of the type of another one."""
+    """Return numbers as a vector or array of the same type as ``value``."""
     made = value.copy()
     made[:] = numbers
     return made

@@ -1,8 +1,8 @@
 """Frames with X north, Y east, Z down, as aircraft use them.
 
-The world of a scene has X east, Y north, Z up here. Coordinates are exchanged, (x, y, z) to (y, x, -z). The axes of
-a body are forward, right, down instead of forward, left, up: its roll stays, its pitch changes its sign, and its yaw is
-counted from north, clockwise: yaw becomes pi/2 - yaw. MORSE 1.4 exchanged roll and yaw as well: its angles were wrong.
+In the world of a scene, X points east, Y north and Z up. The coordinates (x, y, z) become (y, x, -z). The axes of a
+body are forward, right, down instead of forward, left, up. Its roll is unchanged, its pitch changes sign, and its yaw
+is measured clockwise from north: yaw becomes pi/2 - yaw. MORSE 1.4 also exchanged roll and yaw, which was wrong.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FULL_TURN = 2.0 * math.pi
 
 
 class AbstractNED(AbstractModifier):
-    """Exchanges coordinates and angles; the change is its own inverse."""
+    """Converts coordinates and angles; the conversion is its own inverse."""
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -50,39 +50,39 @@ class AbstractNED(AbstractModifier):
 
 
 class CoordinatesToNED(AbstractNED):
-    """Gives a pose in the frame north, east, down."""
+    """Converts a pose to the north-east-down frame."""
 
     _names = ("NED",)
     _components = ("Pose", "Teleport")
 
     def modify(self) -> None:
-        """Change the coordinates, and the angles."""
+        """Convert the coordinates and the angles."""
         self.exchange_coordinates()
         self.exchange_angles()
 
 
 class PositionToNED(AbstractNED):
-    """Gives a position in the frame north, east, down, or takes one."""
+    """Converts a position to or from the north-east-down frame."""
 
     _names = ("NED",)
     _components = ("GPS", "Destination", "Waypoint")
 
     def modify(self) -> None:
-        """Change the coordinates."""
+        """Convert the coordinates."""
         self.exchange_coordinates()
 
 
 class AnglesToNED(AbstractNED):
-    """Gives angles in the frame north, east, down, or takes them."""
+    """Converts angles to or from the north-east-down frame."""
 
     _names = ("NED",)
     _components = ("Gyroscope", "Orientation")
 
     def modify(self) -> None:
-        """Change the angles."""
+        """Convert the angles."""
         self.exchange_angles()
 
 
-# the class paths by which scripts of 1.4 know the changes of commands: each change is its own inverse
+# class paths of 1.4 for conversions of commands; each conversion is its own inverse
 CoordinatesFromNED = PositionToNED
 AnglesFromNED = AnglesToNED

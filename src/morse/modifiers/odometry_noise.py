@@ -1,4 +1,4 @@
-"""The errors of odometry: wheels that are larger than they should be, and a gyroscope that drifts."""
+"""Errors of odometry: wrong wheel radius and drift of the gyroscope."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _LENGTHS = ("dS", "dx", "dy", "dz", "vx", "vy", "vz")
 
 
 class OdometryNoiseModifier(AbstractModifier):
-    """Measures each displacement wrongly by a factor, and the heading with a drift; the errors add up.
+    """Scales each displacement by a factor and adds a drift to the heading; the errors accumulate.
 
     Each measurement draws a factor from N(``factor``, ``factor_sigma``) and a drift from N(``gyro_drift``,
-    ``gyro_drift_sigma``), in radians a measurement. Displacements and velocities are multiplied by the factor. The
-    drift is added to the change of the heading. The integrated level follows the path that results from that.
+    ``gyro_drift_sigma``), in radians per measurement. Displacements and velocities are multiplied by the factor. The
+    drift is added to the change of the heading. The integrated level reports the resulting path.
     """
 
     _names = ("OdometryNoise",)
@@ -51,12 +51,12 @@ class OdometryNoiseModifier(AbstractModifier):
 
     @service
     def reset_noise(self) -> None:
-        """Forget the errors that have added up."""
+        """Reset the accumulated errors."""
         self._yaw_error = 0.0
         self._measured = self._true
 
     def modify(self) -> None:
-        """Measure with errors."""
+        """Add the errors."""
         data = self.data
         factor = self._random.normal(self._factor, self._factor_sigma) if self._factor_sigma else self._factor
         drift = self._random.normal(self._drift, self._drift_sigma) if self._drift_sigma else self._drift
@@ -71,7 +71,7 @@ class OdometryNoiseModifier(AbstractModifier):
             self._follow(factor, drift)
 
     def _follow(self, factor: float, drift: float) -> None:
-        """Add the displacement since the last measurement to the path that was measured."""
+        """Add the displacement since the last measurement to the measured path."""
         data = self.data
         x, y, yaw = data["x"], data["y"], data["yaw"]
         dx, dy = factor * (x - self._true[0]), factor * (y - self._true[1])

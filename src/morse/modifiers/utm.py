@@ -1,4 +1,4 @@
-"""Coordinates of the Universal Transverse Mercator grid: those of the world, shifted."""
+"""Coordinates of the Universal Transverse Mercator grid, as an offset to the coordinates of the world."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _PROPERTIES = {"x": "UTMXOffset", "y": "UTMYOffset", "z": "UTMZOffset"}
 
 
 class UTMModifier(AbstractModifier):
-    """Shifts coordinates by the place of the world's origin in the grid.
+    """Shifts coordinates by the position of the origin of the world in the grid.
 
     Options ``x_offset``, ``y_offset``, ``z_offset``, in metres; else the properties ``UTMXOffset``, ``UTMYOffset`` and
-    ``UTMZOffset`` of the environment, which may be strings; else nothing.
+    ``UTMZOffset`` of the environment, which may be strings; else 0.
     """
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType(
@@ -31,16 +31,16 @@ class UTMModifier(AbstractModifier):
         }
     )
     changes: Mapping[str, Mapping[str, Any]] = MappingProxyType(
-        # the axes of the grid are those of the world
+        # the axes of the grid are parallel to those of the world
         {name: {"frame": "utm"} for name in ("x", "y", "z", "roll", "pitch", "yaw")}
     )
     _sign = 1.0
 
     def initialize(self) -> None:
-        """Take the offsets.
+        """Get the offsets.
 
         Raises:
-            MorseBuilderError: one is not a number.
+            MorseBuilderError: an offset is not a number.
         """
         self._offsets = {axis: self._offset(axis) for axis in "xyz"}
 
@@ -64,14 +64,14 @@ class UTMModifier(AbstractModifier):
 
 
 class CoordinatesToUTM(UTMModifier):
-    """Gives the coordinates of a measurement in the grid."""
+    """Converts the coordinates of a measurement to the grid."""
 
     _names = ("UTM",)
     _components = ("Pose", "GPS")
 
 
 class CoordinatesFromUTM(UTMModifier):
-    """Takes the coordinates of a command in the grid."""
+    """Converts the coordinates of a command from the grid."""
 
     _names = ("UTM",)
     _components = ("Destination", "Waypoint")

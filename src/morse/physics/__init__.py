@@ -1,4 +1,4 @@
-"""The physics of a scene, on MuJoCo: the only room that knows the engine."""
+"""The physics of a scene, on MuJoCo; the only package that depends on the physics engine."""
 
 from morse.physics.gameobject import GameObject
 from morse.physics.stability import UnstableError

@@ -1,4 +1,4 @@
-"""Objects that are held: hanging on another one, or kept where they are."""
+"""Objects that are attached to another object or whose physics is suspended."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _Pose = tuple["Sequence[float]", "Sequence[float]"]
 
 
 class Attachments:
-    """Slots that go along with an object, and slots whose dynamics are suspended.
+    """Slots that are attached to an object, and slots whose dynamics are suspended.
 
-    A held body is put to its place before and after every tick. A weld would lag behind by
-    several millimetres; the grip of the original had no lag at all.
+    The pose of a held body is set before and after every tick. A weld constraint would lag behind by several
+    millimetres; the grip of MORSE 1.4 did not lag.
     """
 
     def __init__(self, state: EngineState, bodies: Bodies) -> None:
@@ -32,7 +32,7 @@ class Attachments:
         self._suspended: dict[int, _Pose] = {}
 
     def reset(self) -> None:
-        """Let everything go; the model is as it was compiled."""
+        """Release all slots, after the model was reset to its compiled values."""
         self._held.clear()
         self._suspended.clear()
 
@@ -56,10 +56,10 @@ class Attachments:
         }
 
     def set_state(self, state: SavedAttachments, objects: Mapping[str, Posed]) -> None:
-        """Take over a state that was checked; the arrays of the model are set elsewhere.
+        """Restore a validated state; the arrays of the model are set elsewhere.
 
         Args:
-            objects: every object by name.
+            objects: all objects by name.
         """
         self.reset()
         named = self._state.named
@@ -69,50 +69,50 @@ class Attachments:
             self._suspended[named[kept.slot]] = (kept.position, kept.rotation)
 
     def hold(self, index: int, holder: Posed) -> None:
-        """Let a slot hang on an object, where it is now; it collides with nothing meanwhile."""
+        """Attach a slot to an object at its present relative pose; it does not collide while it is attached."""
         state = self._state
         offset = rigid.relative(*holder.world_pose(), state.positions[index], state.rotations[index])
         self._held[index] = (holder, offset)
         self._bodies.set_collision(state.slots[index].frame.solid, False)
 
     def holder(self, index: int) -> Posed | None:
-        """What a slot hangs on."""
+        """Return the object to which a slot is attached, or None."""
         entry = self._held.get(index)
         return entry[0] if entry else None
 
     def release(self, index: int) -> None:
-        """Let a slot go."""
+        """Detach a slot."""
         if self._held.pop(index, None) is not None:
             solid = [node for node in self._state.slots[index].frame.solid if node.body.collides]
             self._bodies.set_collision(solid, True)
 
     def suspend(self, index: int) -> None:
-        """Keep a slot at its pose, independent of the forces on it."""
+        """Keep a slot at its present pose, independent of the forces on it."""
         if index not in self._suspended:
             state = self._state
             self._suspended[index] = (state.positions[index], state.rotations[index])
 
     def resume(self, index: int) -> None:
-        """Let a slot obey the physics again."""
+        """Resume the dynamics of a slot."""
         self._suspended.pop(index, None)
 
     def is_suspended(self, index: int) -> bool:
-        """Whether a slot is kept where it is."""
+        """Whether the dynamics of a slot are suspended."""
         return index in self._suspended
 
     def moved(self, index: int) -> None:
-        """A suspended slot was put somewhere else: keep it there."""
+        """Update the pose of a suspended slot that was moved."""
         if index in self._suspended:
             state = self._state
             self._suspended[index] = (state.positions[index], state.rotations[index])
 
     def before_step(self) -> None:
-        """The tick begins."""
+        """Called at the beginning of a tick."""
         if self._held or self._suspended:
             self._place()
 
     def after_step(self) -> None:
-        """The tick ends; the poses of the holders are those of its beginning plus their motion."""
+        """Called at the end of a tick, when the holders have moved."""
         if not self._held and not self._suspended:
             return
         sync(self._state)

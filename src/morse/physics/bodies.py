@@ -1,4 +1,4 @@
-"""Puts bodies somewhere, and gives them velocities and forces."""
+"""Sets poses, velocities and forces of bodies."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Bodies:
-    """What is done to single bodies from outside; a robot that glides stands on its feet before."""
+    """Operations on single bodies from outside the engine; a gliding robot is put on its feet first."""
 
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
@@ -39,7 +39,7 @@ class Bodies:
     # -- poses -----------------------------------------------------------------------------
 
     def place(self, index: int, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put a slot somewhere in the world; its velocity stays."""
+        """Set the pose of a slot in the world; its velocity is unchanged."""
         state = self._state
         slot, data = state.slots[index], state.data
         if slot.frame.motion is Motion.HINGE:
@@ -72,7 +72,7 @@ class Bodies:
         self._state.loose.add(index)
 
     def move_shapes(self, node: Node, offset: tuple[Sequence[float], Sequence[float]]) -> None:
-        """Take the collision shapes of a node along after it moved within its body.
+        """Move the collision shapes of a node after the node moved within its body.
 
         Args:
             offset: position and rotation of the node in its slot.
@@ -111,7 +111,7 @@ class Bodies:
     # -- velocities and forces -------------------------------------------------------------
 
     def velocity(self, index: int) -> tuple[Sequence[float], Sequence[float]]:
-        """Linear (m/s) and angular (rad/s) velocity of a slot's origin, both in world axes."""
+        """Return the linear (m/s) and angular (rad/s) velocity of the origin of a slot, both in world axes."""
         state = self._state
         slot = state.slots[index]
         if slot.frame.motion is Motion.FREE and slot.dof >= 0:
@@ -130,14 +130,14 @@ class Bodies:
         axle = rigid.turn(state.rotations[index], state.model.jnt_axis[state.model.body_jntadr[slot.body]].tolist())
         speed = float(state.data.qvel[slot.dof])
         carried = rigid.cross(angular, arm)
-        # the wheel turns about its own origin
+        # the wheel rotates about its own origin
         return (
             tuple(a + b for a, b in zip(linear, carried, strict=True)),
             tuple(a + speed * b for a, b in zip(angular, axle, strict=True)),
         )
 
     def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
-        """Set the velocity of a free slot, in world axes; others keep theirs."""
+        """Set the velocity of a free slot, in world axes; slots that are not free are unchanged."""
         state = self._state
         slot, qvel = state.slots[index], state.data.qvel
         if slot.frame.motion is not Motion.FREE or slot.dof < 0:
@@ -150,7 +150,7 @@ class Bodies:
             qvel[slot.dof + 3 : slot.dof + 6] = rigid.turn_back(state.rotations[index], angular)
 
     def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
-        """Push a body at its centre of mass during the next tick: N and N m, world axes."""
+        """Apply a force (N) and a torque (N m) at the centre of mass during the next tick, world axes."""
         state = self._state
         slot = state.slots[index]
         if slot.body > 0:
@@ -168,7 +168,7 @@ class Bodies:
         damping: float,
         strongest: float,
     ) -> None:
-        """Pull a point of a body, ``held`` in the world, towards a place; what does not obey forces is not pulled.
+        """Pull a point of a body, ``held`` in world coordinates, towards a target; only dynamic bodies are pulled.
 
         See `GameObject.pull`.
         """
@@ -187,16 +187,16 @@ class Bodies:
         if size > strongest:
             wanted *= strongest / size
         force = mass * wanted
-        # pulling at the rim of a large body must not make it spin wildly: the lever counts in part
+        # the lever is reduced, so that a large body does not spin fast when it is pulled at its rim
         centre = rigid.turn(state.rotations[index], state.model.body_ipos[slot.body].tolist())
         lever = np.subtract(held, np.add(state.positions[index], centre))
         torque = 0.3 * np.cross(lever, force)
         self.apply_wrench(index, force.tolist(), torque.tolist())
 
-    # -- what bodies obey ------------------------------------------------------------------
+    # -- collision and gravity -------------------------------------------------------------
 
     def set_collision(self, nodes: Sequence[Node], active: bool) -> None:
-        """Let the shapes of nodes collide, or pass through everything."""
+        """Enable or disable the collisions of the shapes of nodes."""
         state = self._state
         state.is_stirred = True
         for node in nodes:

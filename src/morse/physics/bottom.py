@@ -1,4 +1,4 @@
-"""How deep a body reaches."""
+"""The lowest point of a body."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def bottom_of(state: EngineState, node: Node) -> float | None:
-    """The height of the lowest point of a body with its wheels, m; None if nothing of it collides."""
+    """Return the height of the lowest point of a body with its wheels, m; None if it has no collision shapes."""
     own = state.slots[state.slot_of[node]]
     wheels = [slot for slot in state.slots if slot.frame.parent is own.frame and slot.frame.motion is Motion.HINGE]
     geoms = [geom for slot in (own, *wheels) for numbers in slot.geoms.values() for geom in numbers]

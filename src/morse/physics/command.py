@@ -1,4 +1,4 @@
-"""Velocity commands: what actuators ask of bodies for one tick."""
+"""Velocity commands of actuators for one tick."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Command(NamedTuple):
     Attributes:
         linear: m/s along the axes of the body.
         angular: rad/s about the axes of the body.
-        shift: the body moves by that much without gaining momentum.
-        ground: vertical speed, roll and pitch rates stay what they are.
+        shift: whether the body moves without gaining momentum.
+        ground: whether the vertical speed and the roll and pitch rates are left unchanged.
     """
 
     linear: Sequence[float]
@@ -28,15 +28,15 @@ class Command(NamedTuple):
 
     @property
     def is_rest(self) -> bool:
-        """True for a command to stand still."""
+        """Whether the command is zero."""
         return not (any(self.linear) or any(self.angular))
 
 
 def midway(linear: Sequence[float], angular: Sequence[float], period: float) -> tuple[float, float, float]:
-    """The constant velocity, in the frame at the start of a tick, that ends where the arc ends.
+    """Return the constant velocity, in the frame at the start of a tick, that leads to the end of the arc.
 
-    A body that turns at a constant rate runs along an arc; its chord points along the heading
-    in the middle of the tick and is shorter by ``sin(a)/a``, ``a`` half the angle turned.
+    A body that turns at a constant rate moves along an arc. The chord of the arc points along the heading in the middle
+    of the tick and is shorter by the factor ``sin(a)/a``, where ``a`` is half the angle turned.
     """
     wx, wy, wz = angular
     rate = math.sqrt(wx * wx + wy * wy + wz * wz)
@@ -45,7 +45,7 @@ def midway(linear: Sequence[float], angular: Sequence[float], period: float) -> 
         return linear[0], linear[1], linear[2]
     scale = 0.5 * period
     x, y, z = rigid.turn(rigid.rotation_of_vector((wx * scale, wy * scale, wz * scale)), linear)
-    # only the part across the axis is bent
+    # only the component perpendicular to the axis is rotated
     along = (wx * linear[0] + wy * linear[1] + wz * linear[2]) / (rate * rate)
     ax, ay, az = along * wx, along * wy, along * wz
     chord = math.sin(half) / half

@@ -1,4 +1,4 @@
-"""From a scene to a MuJoCo model."""
+"""Compiles a scene into a MuJoCo model."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ if TYPE_CHECKING:
 
     from morse.scene import CollisionShape, Node, Scene
 
-#: the engine takes no longer steps than this: pushing into a wall at 1/60 s a step sinks 10 mm
+#: longest time step of the engine, s: with a step of 1/60 s, a robot pushing into a wall penetrates it by 10 mm
 MAX_STEP = 1.0 / 240.0
-#: Coulomb coefficient of everything that names none
+#: default friction coefficient
 DEFAULT_FRICTION = 0.7
 _TORSIONAL, _ROLLING = 0.005, 0.0001
-#: a dynamic robot, unlike a rigid one, is turned by commands only: factor on its moment of inertia
+#: factor on the moment of inertia of a dynamic robot, which, unlike a rigid body, is only rotated by commands
 _UNTURNABLE = 1e6
-#: inertia of a wheel with its motor and gear, kg m^2: so large that friction does not turn a wheel that stands
+#: inertia of a wheel with its motor and gear, kg m^2, large enough that friction does not turn a wheel at rest
 _GEAR_INERTIA = 10.0
 
-#: bytes for each pair of bodies, and for the rest: the engine's own estimate forgets bodies that stand still,
-#: and ends the process when it runs out
+#: memory for each pair of bodies, and for the rest, bytes; the estimate of the engine ignores static bodies, and the
+#: engine ends the process when memory runs out
 _PAIR_MEMORY, _SPARE_MEMORY = 8, 1 << 22
-#: above the first number of moving bodies, the engine's own estimate of memory assumes contacts between all pairs of
-#: bodies; the second number, bytes for each body, is used instead. Memory that is not used costs nothing
+#: above the first number of moving bodies, the memory estimate of the engine assumes contacts between all pairs of
+#: bodies; the second number, bytes for each body, is used instead. Unused memory is not allocated
 _MANY, _BODY_MEMORY = 1000, 1 << 20
 
 _TYPES = {
@@ -53,16 +53,16 @@ _TYPES = {
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """Where a frame lives in the arrays of the engine; -1 or empty where it does not.
+    """The indices of a frame in the arrays of the engine; -1 or empty if the frame does not have the item.
 
     Attributes:
-        body: MuJoCo body id.
+        body: id of the MuJoCo body.
         qpos: address of the free joint (7 numbers) or hinge (1).
         dof: address of its velocity (6 or 1).
         mocap: mocap id.
         actuator: id of the wheel motor.
-        geoms: geom ids by node, one for each of its shapes.
-        feet: geom ids of the balls that a driven robot stands on.
+        geoms: geom ids by node, one for each shape of the node.
+        feet: geom ids of the spheres on which a driven robot stands.
     """
 
     frame: Frame
@@ -78,7 +78,7 @@ class Slot:
 
 @dataclass(eq=False, slots=True)
 class Compiled:
-    """A model ready to step.
+    """A compiled model.
 
     Attributes:
         steps: physics steps per tick.
@@ -93,9 +93,9 @@ class Compiled:
 
 
 def compile_scene(scene: Scene) -> Compiled:
-    """Build the MuJoCo model of a scene whose collision shapes are worked out.
+    """Build the MuJoCo model of a scene whose collision shapes have been computed.
 
-    Convex shapes that the engine refuses are left out of the scene, with a warning.
+    Convex shapes that the engine refuses are removed from the scene, with a warning.
     """
     try:
         return _compile(scene)
@@ -110,7 +110,7 @@ def _compile(scene: Scene) -> Compiled:
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
-    # only MuJoCo's own viewer shows it
+    # only shown by MuJoCo's own viewer
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
@@ -130,7 +130,7 @@ def _compile(scene: Scene) -> Compiled:
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
-    # a stable sort: bodies that move get the ids 1, 2, ... in the order of the scene
+    # a stable sort, so that moving bodies get the ids 1, 2, ... in the order of the scene
     return not frame.solid or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
 
 
@@ -214,7 +214,7 @@ class _Builder:
             self._add_feet(frame, slot, body, stand)
 
     def _add_feelers(self, node: Node, slot: Slot, body: Any) -> None:
-        """Shapes that only feel what is there: they have no mass and stop nothing."""
+        """Add shapes that only detect contacts: they have no mass and exert no forces."""
         position, rotation = relative_pose(node, slot.pose)
         for shape in node.shapes or ():
             geom = self._add_geom(body, shape, position, rotation)
@@ -222,7 +222,7 @@ class _Builder:
             self._geoms.append((geom, node, slot))
 
     def _stance(self, frame: Frame, slot: Slot) -> Stance | None:
-        """Feet are for robots that are driven as one body over a floor, not for wheels, rotors or props."""
+        """Return the stance of a robot that is driven as one body over a floor; wheels, rotors and props have none."""
         if frame.robot is None or frame.motion is not Motion.FREE or frame.robot.options.get("wheels"):
             return None
         if slot.pose.rotation[2][2] < 0.99 or not frame.node.properties.get("GroundRobot"):
@@ -234,7 +234,7 @@ class _Builder:
     def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
         if stand is None:
             return
-        # the engine has to count on weights that may be cancelled; see resolve
+        # the engine has to expect weightless bodies; see resolve
         body.gravcomp = 1.0
         for centre in stand.feet:
             foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
@@ -258,7 +258,7 @@ class _Builder:
         )
 
     def _hull(self, shape: CollisionShape) -> str:
-        """The name of the mesh of a convex shape; equal ones share it, as the robots of a fleet do."""
+        """Return the name of the mesh of a convex shape; equal shapes, as in a fleet of robots, share a mesh."""
         vertices = np.ascontiguousarray(shape.vertices, dtype=np.float32).ravel()
         key = vertices.tobytes()
         if key not in self._hulls:
@@ -271,7 +271,7 @@ class _Builder:
         friction = node.body.friction if node.body.friction is not None else frame.node.body.friction
         if friction is not None:
             geom.friction = [friction, _TORSIONAL, _ROLLING]
-            # the friction that a script names holds against everything, not only against slicker things
+            # the friction of a script applies to all contacts, not only to contacts with lower friction
             geom.priority = 1
         restitution = max(node.body.restitution, frame.node.body.restitution)
         if restitution > 0.0:
@@ -289,15 +289,15 @@ class _Builder:
         axis = wheel_axis(node, frame.parent.node)
         radius, half_width, rotation = wheel_size(node, axis)
         body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, name=node.name, axis=axis, armature=_GEAR_INERTIA)
-        # an ellipsoid touches the floor in one point
+        # an ellipsoid touches the floor at one point
         geom = body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
             size=[radius, radius, half_width],
             quat=_quaternion(rotation),
             mass=0.0,
         )
-        # No inertia about its axle: a wheel that is sped up would lift the front of a light robot. The other axes have
-        # that of a disc, m r^2 / 4.
+        # The inertia about the axle is 0, because an accelerating wheel would lift the front of a light robot. The
+        # inertia about the other axes is that of a disc, m r^2 / 4.
         body.explicitinertial = True
         body.mass = node.body.mass
         body.ipos, body.iquat = [0.0, 0.0, 0.0], _quaternion(rotation)
@@ -309,11 +309,11 @@ class _Builder:
         geom.priority = 1
         self._geoms.append((geom, node, slot))
         motor = self._spec.add_actuator(name=node.name, target=node.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        # closes nine tenths of the gap to the speed asked for in each step
+        # reduces the difference to the commanded speed by nine tenths in each step
         motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
-        """Take the ids that the compiler gave."""
+        """Store the ids that the compiler has assigned."""
         geom_node: list[Any] = [None] * model.ngeom
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
@@ -344,7 +344,7 @@ def _is_weightless(frame: Frame) -> bool:
 
 
 def set_damping(model: mujoco.MjModel, slot: Slot) -> None:
-    """Make a free body lose the share of its velocity per second that its settings say.
+    """Set the damping of a free body, given as the share of the velocity that it loses per second.
 
     ``v' = -c v`` with ``exp(-c) = 1 - d`` keeps ``1 - d`` of the velocity after a second.
     """

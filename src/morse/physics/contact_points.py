@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from morse.physics.engine_state import EngineState
     from morse.physics.gliding import Gliding
 
-#: what gliding changes so that the contacts of the feet need not be solved
+#: arrays that gliding changes so that the contacts of the feet need not be solved
 _OF_GLIDING = ("geom_contype", "geom_conaffinity", "geom_margin", "geom_gap", "body_margin", "body_gravcomp")
 
 
 class ContactPoints:
-    """Computes all contacts, also those that the engine skips for speed: of bodies at rest, and of driven feet.
+    """Computes all contacts, including those that the engine skips for speed: of sleeping bodies and of driven feet.
 
     It works on a copy of the state, so observers have no effect on the simulation.
     """
@@ -32,7 +32,7 @@ class ContactPoints:
         self._copy: mujoco.MjData | None = None
 
     def look(self) -> NDArray[np.float32]:
-        """(N, 6) point (m) and force (N) on the body that can move, or on the second one; world axes."""
+        """Return (N, 6) points (m) and forces (N) on the movable body, or on the second one; world axes."""
         model = self._state.model
         if self._copy is None:
             self._copy = mujoco.MjData(model)

@@ -1,4 +1,4 @@
-"""Takes the many forms in which scripts give vectors and rotations."""
+"""Converts vectors and rotations from the forms that scripts use."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
 
     from morse.physics.limits import Quantity
 
-#: messages quote no more of what was given, in characters
+#: maximum length of a quoted value in messages, characters
 _LONGEST = 200
 
 
 def floats3(value: Any, what: Quantity) -> tuple[float, float, float]:
-    """Three floats within the limits of a quantity.
+    """Convert a value to three floats within the limits of a quantity.
 
     Raises:
-        ValueError: if they are not three, not numbers, not finite or too large.
+        ValueError: the value is not three numbers, or a number is not finite or too large.
     """
     try:
         x, y, z = value
@@ -28,7 +28,7 @@ def floats3(value: Any, what: Quantity) -> tuple[float, float, float]:
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"a {what.name} is three numbers [x, y, z], not {_short(value)}") from None
     limit = what.limit
-    # every comparison with NaN is false
+    # comparisons with NaN are false
     if not (-limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit):
         raise ValueError(
             f"a {what.name} is three finite numbers from {-limit:g} to {limit:g} {what.unit}, not {_short(value)}"
@@ -42,10 +42,10 @@ def _short(value: Any) -> str:
 
 
 def rotation_of(value: Any) -> tuple[float, ...]:
-    """9 row-major numbers of a rotation given as 3x3 matrix, Euler angles or quaternion (w, x, y, z).
+    """Convert a 3x3 matrix, Euler angles or a quaternion (w, x, y, z) to 9 row-major numbers.
 
     Raises:
-        ValueError: if it is none of them, not finite, or far from a rotation.
+        ValueError: the value is none of these, is not finite, or is far from a rotation.
     """
     if isinstance(value, (Euler, Quaternion)):
         value = value.to_matrix()
@@ -57,7 +57,7 @@ def rotation_of(value: Any) -> tuple[float, ...]:
 
 
 def demand_rotation(flat: Sequence[float]) -> None:
-    """Raise ValueError for 9 numbers that are far from those of a rotation matrix."""
+    """Raise ValueError if 9 numbers are far from a rotation matrix."""
     if not (min(flat) >= -MATRIX_ENTRY and max(flat) <= MATRIX_ENTRY and sum(flat) == sum(flat)):
         raise ValueError(f"the numbers of a rotation matrix are finite and from -1 to 1, not {_short(flat)}")
 

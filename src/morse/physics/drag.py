@@ -1,9 +1,9 @@
-"""The friction that a robot feels which is driven as one body, if its script has named one.
+"""Friction on a robot that is driven as one body, if its script sets a friction.
 
 A command sets the velocity of such a robot once a tick. In MORSE 1.4 friction then acted in each of the two physics
-steps of the tick, so that a robot was slower than its command: by d in the first step and 2 d in the second, with
-d = mu mu_floor g T/2. Scripts count on that speed. Contact forces would also tip the robot over, as nothing pushes it
-forward at the height of the floor: so the velocity is reduced instead, and the robot slides.
+steps of the tick, so that a robot was slower than its command: by d in the first step and 2 d in the second, with d =
+mu mu_floor g T/2. Scripts depend on that speed. Contact forces would also tip the robot over, because no force pushes
+it forward at the height of the floor. Therefore the velocity is reduced instead, and the robot slides.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from morse.physics.compile import Slot
     from morse.physics.engine_state import EngineState
 
-#: friction of every floor in 1.4, by which that of a robot is multiplied
+#: friction of every floor in 1.4; the friction of a robot is multiplied by it
 _FLOOR = 0.5
 #: radius at which a robot without feet touches the floor, m
 _REACH = 0.3
 
 
 class Drag:
-    """Slows robots down that are driven over the ground with a friction."""
+    """Slows down robots that are driven over the ground with friction."""
 
     def __init__(self, state: EngineState) -> None:
         self._state = state
@@ -42,7 +42,7 @@ class Drag:
                 self._rough[index] = (friction, self._lever(slot), geoms)
 
     def _lever(self, slot: Slot) -> float:
-        """Metres from the vertical axis of a robot to where it touches the floor."""
+        """Return the distance from the vertical axis of a robot to its contact with the floor, m."""
         if not slot.feet:
             return _REACH
         places = self._state.model.geom_pos[slot.feet]
@@ -50,14 +50,14 @@ class Drag:
 
     @property
     def slots(self) -> Collection[int]:
-        """The slots that feel friction while they are driven."""
+        """The slots with friction while they are driven."""
         return self._rough.keys()
 
     def slowed(self, index: int, command: Command, touches: bool) -> Command:
-        """What friction leaves of a command.
+        """Return a command reduced by friction.
 
         Args:
-            touches: the robot is known to stand on something.
+            touches: whether the robot is known to stand on something.
         """
         friction, lever, geoms = self._rough[index]
         if command.shift or command.is_rest or not (touches or self._touches(geoms)):

@@ -1,4 +1,4 @@
-"""Carries out the velocity commands of a tick."""
+"""Executes the velocity commands of a tick."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _PLANE, _TWIST, _BYTES = Struct("=2d"), Struct("=6d"), 8
 
 
 class Drives:
-    """The commands that hold during the tick to come.
+    """The velocity commands for the next tick.
 
-    Velocities are written once a tick. So that the floor does not eat a part of them within
-    the tick, a body that is driven slides without friction or damping; if its script named a
-    friction, the command is reduced. With a command of zero, the robot stands like any other body.
+    Velocities are written once per tick. A driven body slides without friction or damping, so that the floor does not
+    slow it down within the tick; if its script sets a friction, the command is reduced. With a command of zero, the
+    robot has friction like any other body.
     """
 
     def __init__(self, state: EngineState, gliding: Gliding, bodies: Bodies) -> None:
@@ -46,7 +46,7 @@ class Drives:
         self._fleets: list[Fleet] = []
         self._sliding: set[int] = set()
         count = len(state.slots)
-        # the same by slot, for fleets; and whose commands nothing changes on their way
+        # the same by slot, for fleets; and the slots whose commands are not changed by friction
         self._slides = np.zeros(count, dtype=np.uint8)
         self._plain = np.ones(count, dtype=np.uint8)
         self._plain[list(self._drag.slots)] = 0
@@ -55,7 +55,7 @@ class Drives:
         self._turn_after: list[tuple[int, float, float, bool]] = []
 
     def reset(self) -> None:
-        """Forget everything; the model is as it was compiled."""
+        """Clear all commands, after the model was reset to its compiled values."""
         self._sliding.clear()
         self._slides[:] = 0
         self._commands.clear()
@@ -81,7 +81,7 @@ class Drives:
         }
 
     def set_state(self, state: SavedDrives) -> None:
-        """Take over a state that was checked; the arrays of the model are set elsewhere."""
+        """Restore a validated state; the arrays of the model are set elsewhere."""
         self.reset()
         named = self._state.named
         self._sliding.update(named[name] for name in state.sliding)
@@ -90,12 +90,12 @@ class Drives:
             self._commands[named[entry.slot]] = Command(entry.linear, entry.angular, entry.shift, entry.ground)
 
     def command(self, index: int, command: Command) -> None:
-        """Have a slot move so during the next tick; the last command wins."""
+        """Set the command of a slot for the next tick; the last command wins."""
         self._withdraw(index)
         self._commands[index] = command
 
     def command_fleet(self, fleet: Fleet) -> None:
-        """Have a fleet move as `Fleet.command` said."""
+        """Use the commands of a fleet that were set by `Fleet.command`."""
         for index in [index for index in self._commands if index in fleet.rows]:
             del self._commands[index]
         for other in self._fleets:
@@ -119,12 +119,12 @@ class Drives:
         return index in self._commands or any(index in fleet.rows for fleet in self._fleets)
 
     def cancel(self, index: int) -> None:
-        """Take the command of a slot back."""
+        """Remove the command of a slot."""
         self._withdraw(index)
         self._commands.pop(index, None)
 
     def apply(self) -> None:
-        """The tick begins: write the velocities."""
+        """Write the velocities at the beginning of a tick."""
         commands, gliding = self._commands, self._gliding
         self._state.kinematic.clear()
         gliding.look()
@@ -159,7 +159,7 @@ class Drives:
                 self._move(index, command)
 
     def _sleeps(self, slot: Slot) -> bool:
-        """Whether a body is at rest, and will be until something is done to it."""
+        """Whether a body sleeps."""
         return bool(self._asleep[self._state.model.body_treeid[slot.body]] >= 0)
 
     def _glide(self, index: int, slot: Slot, command: Command) -> None:
@@ -186,7 +186,7 @@ class Drives:
         wx, wy, wz = command.angular
         if command.ground:
             old = qvel[a + 3 : a + 6].tolist()
-            # the yaw rate of the world changes; roll and pitch rates stay: w' = w + R^T z (target - z.R w)
+            # the yaw rate about the world Z axis changes; roll and pitch rates do not: w' = w + R^T z (target - z.R w)
             change = r[6] * wx + r[7] * wy + r[8] * wz - (r[6] * old[0] + r[7] * old[1] + r[8] * old[2])
             qvel[a] = vx
             qvel[a + 1] = vy
@@ -201,7 +201,7 @@ class Drives:
             self._gliding.consider(index, command)
 
     def _shift(self, qvel: Sequence[float], a: int, velocity: Sequence[float], command: Command) -> None:
-        # axes that the command leaves alone stay with gravity and contacts
+        # axes without a command are left to gravity and contacts
         qvel[a], qvel[a + 1] = velocity[0], velocity[1]  # type: ignore[index]
         if velocity[2]:
             qvel[a + 2] = velocity[2]  # type: ignore[index]
@@ -221,7 +221,7 @@ class Drives:
         state.kinematic[index] = (rigid.turn(turned, command.linear), rigid.turn(turned, command.angular))
 
     def release(self) -> None:
-        """The tick ends: a shift leaves no momentum, a velocity points along the new heading."""
+        """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""
         qvel = self._qvel
         for a, c, s, shift in self._turn_after:
             if shift:

@@ -1,4 +1,4 @@
-"""What the engine holds, and where everything is; no behaviour."""
+"""The state of the engine and the poses of all slots, without behaviour."""
 
 from __future__ import annotations
 
@@ -27,35 +27,35 @@ class EngineState:
 
     Attributes:
         model, data: the MuJoCo model and state; only this package touches them.
-        slots: where each rigid group lives in the arrays of the engine.
+        slots: indices of each rigid group in the arrays of the engine.
         slot_of: index of the slot of each node.
         wheels: slot of a robot to the slots of its wheels.
         geom_node: node of each geom.
         steps: physics steps per tick.
         period: seconds per tick.
         moving: number of slots that the engine moves.
-        engine_positions, engine_rotations: of those, as the engine has them now.
-        by_hand: slots that only hands move: they have neither joints nor shapes.
-        stamp: changes whenever anything has moved.
-        displacements: changes whenever an object was put elsewhere in its slot.
-        positions: of each slot, [x, y, z] in metres, world frame.
-        rotations: of each slot, 9 row-major numbers.
-        quaternions: w, x, y, z of each slot that was put somewhere by hand; of the others as at the start.
-        touched: slots that were put elsewhere since the engine worked out where everything is.
-        loose: slots that stand still in the scene, but were put elsewhere since.
-        rearranged: nodes whose shapes moved within their slots since the rays looked at them.
-        kinematic: linear and angular velocity, world axes, of slots that are moved without forces in this tick.
+        engine_positions, engine_rotations: present poses of these slots in the engine.
+        by_hand: slots that are only moved by explicit calls, because they have neither joints nor shapes.
+        stamp: changes whenever an object has moved.
+        displacements: changes whenever an object was moved within its slot.
+        positions: position of each slot, [x, y, z] in m, world frame.
+        rotations: rotation of each slot, 9 row-major numbers.
+        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the others at the start.
+        touched: slots that were moved by explicit calls since the last forward kinematics of the engine.
+        loose: static slots that were moved by explicit calls.
+        rearranged: nodes whose shapes moved within their slots since the last ray cast.
+        kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
         has_forces: whether forces or torques wait for the next tick.
-        is_stirred: whether something was done, since the last tick, to a body that does not glide.
-        known_contacts: (N, 2) geoms that touched at the end of a tick that another engine did, or None.
-        names: of the first node of each slot; ``named`` finds the slot by it.
+        is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
+        known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
+        names: name of the first node of each slot; ``named`` maps it to the slot.
     """
 
     def __init__(self, compiled: Compiled, period: float) -> None:
         self.take(compiled, period)
 
     def take(self, compiled: Compiled, period: float) -> None:
-        """Begin with what was compiled, where the scene has it."""
+        """Use a compiled model, with all poses from the scene."""
         self.model: mujoco.MjModel = compiled.model
         self.data: mujoco.MjData = compiled.data
         self.slots: list[Slot] = compiled.slots

@@ -1,4 +1,4 @@
-"""The numbers of the engine that determine its future."""
+"""The values of the engine that determine its future."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from morse.physics.engine_state import EngineState
     from morse.physics.saved import SavedEngine
 
-#: the arrays of the model that are written while a simulation runs
+#: the arrays of the model that change while a simulation runs
 CHANGED_WHILE_RUNNING = (
     "body_pos",
     "body_quat",
@@ -33,12 +33,12 @@ CHANGED_WHILE_RUNNING = (
     "geom_gap",
     "body_margin",
 )
-#: what MuJoCo calls the state that a continuation needs
+#: the components of MuJoCo's state that a continuation needs
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.int32]) -> None:
-    """Go to another state of the same model; nothing is left of the present one.
+    """Set another state of the same model; nothing of the present state remains.
 
     Args:
         numbers: MuJoCo's ``mjSTATE_INTEGRATION``.
@@ -46,7 +46,7 @@ def rewind(state: EngineState, numbers: NDArray[np.float64], asleep: NDArray[np.
     """
     model, data = state.model, state.data
     mujoco.mj_resetData(model, data)
-    # what sleeps or stands still is worked out here, and not any more in a step
+    # the poses of sleeping and static bodies are computed here, because steps do not compute them
     flags = model.opt.enableflags
     model.opt.enableflags = flags & ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     mujoco.mj_setState(model, data, numbers, STATE)
@@ -76,7 +76,7 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
     model = state.model
     size = mujoco.mj_stateSize(model, STATE)
     if saved.integration.shape != (size,):
-        raise ValueError(f"the engine has {size} numbers here, the state {saved.integration.shape}")
+        raise ValueError(f"the engine has {size} numbers, but the state has {saved.integration.shape}")
     check_asleep(saved.asleep, model.ntree)
     if set(saved.model) != set(CHANGED_WHILE_RUNNING):
         raise ValueError(f"the state holds other arrays than {', '.join(CHANGED_WHILE_RUNNING)}")
@@ -92,11 +92,11 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
         raise ValueError(f"contacts are pairs of geoms, not {pairs.dtype} {pairs.shape}")
     if len(pairs) and not (pairs.min() >= 0 and pairs.max() < model.ngeom):
-        raise ValueError(f"the state names a geom that there is not; there are {model.ngeom}")
+        raise ValueError(f"the state names a geom that does not exist; there are {model.ngeom}")
 
 
 def set_state(state: EngineState, saved: SavedEngine) -> None:
-    """Take over numbers that were checked; everything is where they say afterwards."""
+    """Restore validated values, and update all poses."""
     model = state.model
     for name, values in saved.model.items():
         getattr(model, name)[:] = values

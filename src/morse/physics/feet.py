@@ -1,9 +1,9 @@
 """Feet under driven robots.
 
-A hull that rests on a floor with its whole underside is slow to simulate and catches on the
-seams of floors. Four balls at the rim of the underside carry the robot instead: they glide over
-seams, and the engine knows a closed formula for a ball on a box. The hull itself is trimmed by a
-few millimetres so that it does not touch the floor it used to stand on.
+A hull that rests on a floor with its whole underside is slow to simulate and catches on the seams of floors. Four
+spheres at the rim of the underside carry the robot instead. They slide over seams, and the engine has a closed-form
+solution for the contact of a sphere and a box. The hull is trimmed by a few millimetres so that it does not touch the
+floor.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ _RADIUS, _RADIUS_LIMITS = 0.15, (0.005, 0.05)
 
 @dataclass(frozen=True, slots=True)
 class Stance:
-    """Where a robot stands.
+    """The contact geometry of a robot with the floor.
 
     Attributes:
-        feet: (4, 3) centres of the balls in the frame of the robot.
-        radius: of the balls, m.
-        floor: height of the underside in the frame of the robot.
-        clearance: the hull ends that much higher, m.
-        height: of the hull, m.
+        feet: (4, 3) centres of the spheres in the frame of the robot, m.
+        radius: radius of the spheres, m.
+        floor: height of the underside in the frame of the robot, m.
+        clearance: height by which the hull is trimmed, m.
+        height: height of the hull, m.
     """
 
     feet: NDArray[np.float64]
@@ -45,10 +45,10 @@ class Stance:
 
 
 def stance(points: NDArray[np.float64]) -> Stance | None:
-    """The stance of a hull, given its corners (P, 3) in the frame of the robot.
+    """Return the stance of a hull, given its corners (P, 3) in the frame of the robot.
 
     Returns:
-        None for a hull without an underside to stand on, e.g. a ball or a blade.
+        None for a hull without a flat underside, e.g. a sphere or a blade.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     height = float(high[2] - low[2])
@@ -61,25 +61,25 @@ def stance(points: NDArray[np.float64]) -> Stance | None:
     centre = (under[:, :2].min(axis=0) + under[:, :2].max(axis=0)) / 2
     reach = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]) * (half - radius)
     if _corner_share(under[:, :2] - centre, half) < 0.9:
-        # a round underside has no corners: the feet stand on the circle
+        # a round underside has no corners, so the feet are placed on the circle
         reach *= math.sqrt(0.5)
     feet = np.column_stack([centre + reach, np.full(4, low[2] + radius)])
     return Stance(feet, radius, float(low[2]), clearance, height)
 
 
 def _corner_share(points: NDArray[np.float64], half: NDArray[np.float64]) -> float:
-    """How far the underside reaches towards the corners of its bounding rectangle: 1 for a rectangle."""
+    """Return how far the underside reaches towards the corners of its bounding rectangle: 1 for a rectangle."""
     return float((np.abs(points) / half).sum(axis=1).max() / 2.0)
 
 
 def trimmed(
     shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64], stand: Stance
 ) -> CollisionShape | None:
-    """The shape without what reaches below the clearance; None if it cannot be trimmed.
+    """Cut off the part of a shape below the clearance; return None if it cannot be trimmed.
 
     Args:
-        position: (3,) of the shape's node in the frame of the robot.
-        rotation: (3, 3) of the same.
+        position: (3,) position of the node of the shape in the frame of the robot, m.
+        rotation: (3, 3) rotation of the node of the shape.
     """
     bottom = stand.floor + stand.clearance
     if shape.kind is ShapeKind.CONVEX:
@@ -107,7 +107,7 @@ def trimmed(
 
 
 def corners(shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points (P, 3) on a shape, in the frame of the robot, whose hull is the shape (nearly, if it is round)."""
+    """Return points (P, 3) in the frame of the robot whose convex hull is the shape (approximately, if it is round)."""
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
         return np.asarray(shape.vertices @ rotation.T + position)

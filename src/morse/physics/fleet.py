@@ -1,4 +1,4 @@
-"""Bodies that are driven together, a tick in one call."""
+"""Bodies that are driven together, with one call per tick."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 
 class Fleet:
-    """Bodies that get a velocity in the plane of their X and Y axes each, in the same ticks.
+    """Bodies whose velocities in the plane of their X and Y axes are commanded in the same ticks.
 
-    Most robots glide: their velocities are written in one call. The others are left to `Drives`, one by one.
+    Most robots glide, so their velocities are written in one call. The other robots are handled by `Drives` one by one.
 
     Attributes:
-        rows: by slot.
+        rows: row of each slot.
     """
 
     def __init__(self, slots: Sequence[int]) -> None:
@@ -50,23 +50,23 @@ class Fleet:
         shifts: Sequence[bool] | bool,
         is_ground: Callable[[int], bool],
     ) -> None:
-        """What they do in the next tick.
+        """Set the commands for the next tick.
 
         Args:
             forward, aside: (N,) velocity along their X and Y axes, m/s.
-            rate: (N,) about their Z axes, rad/s.
-            shifts: (N,) those that move without gaining momentum.
+            rate: (N,) angular velocity about their Z axes, rad/s.
+            shifts: (N,) booleans: rows that move without gaining momentum.
             is_ground: whether a row keeps its vertical speed, and its roll and pitch rates.
         """
         for target, values in ((self._forward, forward), (self._aside, aside), (self._rate, rate)):
-            # a list of floats is read in half the time so
+            # twice as fast for a list of floats
             target[:] = array("d", values) if isinstance(values, list) else values
         self._shifts[:] = shifts
         self._is_ground = is_ground
         self._withdrawn.clear()
 
     def withdraw(self, slot: int) -> None:
-        """One of them gets no command, or that of somebody else."""
+        """Remove the command of one slot, which gets no command or a command from elsewhere."""
         self._withdrawn.add(self.rows[slot])
 
     def _row_command(self, row: int) -> Command:
@@ -78,7 +78,7 @@ class Fleet:
         )
 
     def commands(self) -> dict[int, Command]:
-        """The same as single commands, by slot."""
+        """Return the commands as single commands, by slot."""
         return {slot: self._row_command(row) for slot, row in self.rows.items() if row not in self._withdrawn}
 
     def begin(
@@ -88,13 +88,13 @@ class Fleet:
         plain: NDArray[np.uint8],
         sliding: NDArray[np.uint8],
     ) -> dict[int, Command]:
-        """The tick begins: write the velocities of those that glide.
+        """Write the velocities of the gliding robots at the beginning of a tick.
 
         Args:
             plain, sliding: (K,) see `GliderArrays`.
 
         Returns:
-            The commands of the others, by slot.
+            The commands of the other robots, by slot.
         """
         if self._work is None or self._state is not state:
             self._work, self._state = gliders(self._arrays(state, gliding, plain, sliding)), state
@@ -110,7 +110,7 @@ class Fleet:
         return {int(self._slots[row]): self._row_command(row) for row in rows}
 
     def end(self) -> None:
-        """The tick is over."""
+        """Called at the end of a tick."""
         if self._work is not None:
             self._work.end()
 

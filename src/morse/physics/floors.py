@@ -1,4 +1,4 @@
-"""Level floors: the tops of boxes that stand still."""
+"""Level floors: the top faces of static boxes."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ if TYPE_CHECKING:
 
     from morse.physics.engine_state import EngineState
 
-#: an unsloped floor, to rounding: over a kilometre it rises by less than a micrometre
+#: maximum slope of a level floor, for rounding: less than a micrometre per kilometre
 _LEVEL = 1e-10
 #: collision masks have 31 bits; one bit is for all shapes that are not floors
 _MOST = 30
-#: bits of what touches everything
+#: collision bits of shapes that touch everything
 ALL_BITS = 0x7FFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """A level rectangle to stand on.
+    """A level rectangle on which robots stand.
 
     Attributes:
         geom: id of the box.
-        slot: of the box.
-        bit: stands for the box in the collision masks.
-        height: metres, world frame.
-        centre: x, y in metres.
-        axes: unit vectors along the sides, seen from above.
-        half: lengths of the sides by two, metres.
+        slot: slot of the box.
+        bit: bit of the box in the collision masks.
+        height: height in the world, m.
+        centre: x, y in the world, m.
+        axes: horizontal unit vectors along the sides.
+        half: half lengths of the sides, m.
     """
 
     geom: int
@@ -48,14 +48,14 @@ class Floor:
     half: tuple[float, float]
 
     def room(self, x: float, y: float) -> float:
-        """Metres from a point to the nearest edge; negative outside."""
+        """Return the distance from a point to the nearest edge, m; negative outside."""
         dx, dy = x - self.centre[0], y - self.centre[1]
         (ax, ay), (bx, by) = self.axes
         return min(self.half[0] - abs(ax * dx + ay * dy), self.half[1] - abs(bx * dx + by * dy))
 
 
 def find_floors(state: EngineState) -> list[Floor]:
-    """The largest level tops of the boxes of a world that stand still."""
+    """Return the largest level top faces of the static boxes of a world."""
     model, data = state.model, state.data
     found: list[tuple[float, int, int, NDArray[np.float64], int]] = []
     for slot_index, slot in enumerate(state.slots):

@@ -1,4 +1,4 @@
-"""The handle that components hold of an object in the world."""
+"""The handle of components for an object in the world."""
 
 from __future__ import annotations
 
@@ -35,20 +35,19 @@ class GameObject(LegacyNames):
 
     Positions are metres, rotations are 3x3 matrices, velocities m/s and rad/s. "World" values
     are in the axes of the world, "local" ones in the axes of the parent (poses) or of the
-    object itself (velocities and forces). The attribute names are those that components of
-    MORSE 1.4 use.
+    object itself (velocities and forces). The attribute names are those of MORSE 1.4.
 
     Attributes:
-        node: the node of the scene that this object came from.
-        slot: index of the rigid group that it moves with.
-        mounting: where it is in that group.
+        node: the node of the scene for this object.
+        slot: index of the rigid group of the object.
+        mounting: pose of the object in that group.
     """
 
     def __init__(self, world: ObjectWorld, node: Node, slot: int) -> None:
         self._world = world
         self.properties: dict[str, Any] = scene_properties(node)
-        # poses in the parent's frame are what counts: those in the rigid group follow from them, so
-        # that turning a part again and again adds no rounding errors
+        # poses in the frame of the parent are stored, and poses in the rigid group are derived from them, so that
+        # rotating a part repeatedly does not accumulate rounding errors
         self._local: _Pose = (_ORIGIN, rigid.IDENTITY)
         self.mounting = Mounting.of(None)
         self._stamp = -1
@@ -73,7 +72,7 @@ class GameObject(LegacyNames):
         return isinstance(self._world, Gone)
 
     def _poses_of_scene(self) -> tuple[_Pose, _Pose | None]:
-        """The pose in the parent's frame, and that in the rigid group (None for its first node)."""
+        """Return the pose in the frame of the parent, and the pose in the rigid group (None for its first node)."""
         frame = self._world.slots[self.slot]
         if frame.frame.node is self.node:
             return (_ORIGIN, rigid.IDENTITY), None
@@ -86,7 +85,7 @@ class GameObject(LegacyNames):
         )
 
     def restore(self) -> None:
-        """Back to what the scene says; called by the reset of the world."""
+        """Restore the values of the scene; called by the reset of the world."""
         self._local = self._start_local
         self._take_offset(self._start_offset)
         self._stamp = -1
@@ -98,7 +97,7 @@ class GameObject(LegacyNames):
     # -- saving ----------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """What differs from the scene; see `morse.physics.saved.SavedObject`."""
+        """Return the differences from the scene; see `morse.physics.saved.SavedObject`."""
         state: dict[str, Any] = {}
         if are_changed(self.properties, self.node):
             state["properties"] = plain_properties(self.name, self.properties)
@@ -109,7 +108,7 @@ class GameObject(LegacyNames):
         return state
 
     def set_state(self, state: SavedObject) -> None:
-        """Take over a state that was checked; parents before their children, after all were restored."""
+        """Restore a validated state; called for parents before their children, after all objects were reset."""
         if state.properties is not None:
             self.properties = plain_properties(self.name, state.properties)
         if state.visible is not None:
@@ -126,12 +125,12 @@ class GameObject(LegacyNames):
 
     @property
     def is_dynamic(self) -> bool:
-        """Whether it obeys forces."""
+        """Whether the object is a dynamic body."""
         return self._world.slots[self.slot].frame.motion is Motion.FREE
 
     @property
     def mass(self) -> float:
-        """kg; 0 for what does not obey forces."""
+        """Mass, kg; 0 for an object that is not dynamic."""
         slot = self._world.slots[self.slot]
         return float(self._world.model.body_mass[slot.body]) if self.is_dynamic and slot.body > 0 else 0.0
 
@@ -148,7 +147,7 @@ class GameObject(LegacyNames):
 
     @property
     def parent(self) -> GameObject | None:
-        """What it is attached to, in the scene or since then."""
+        """The object to which this object is attached, in the scene or later by `setParent`."""
         if self._leads:
             holder = self._world.attachments.holder(self.slot)
             if holder is not None:
@@ -157,21 +156,21 @@ class GameObject(LegacyNames):
 
     @property
     def children(self) -> ObjectList[GameObject]:
-        """The objects attached to it."""
+        """The objects that are attached to this object."""
         return ObjectList([self._world.object_of(child) for child in self.node.children])
 
     @property
     def childrenRecursive(self) -> ObjectList[GameObject]:  # noqa: N802
-        """The objects attached to it, to those, and so on."""
+        """All objects below this object in the tree."""
         return ObjectList([self._world.object_of(node) for node in self.node.walk() if node is not self.node])
 
     def setParent(self, parent: GameObject, compound: bool = True, ghost: bool = True) -> None:  # noqa: N802
-        """Hang this object, as it is now, on another one."""
+        """Attach this object to another object at its present relative pose."""
         if self._leads:
             self._world.attachments.hold(self.slot, parent)
 
     def removeParent(self) -> None:  # noqa: N802
-        """Let go of what `setParent` hung it on."""
+        """Undo `setParent`."""
         self._world.attachments.release(self.slot)
 
     # -- properties ------------------------------------------------------------------------
@@ -192,17 +191,17 @@ class GameObject(LegacyNames):
         return iter(self.properties)
 
     def get(self, name: str, default: Any = None) -> Any:
-        """A property, or ``default``."""
+        """Return a property, or ``default``."""
         return self.properties.get(name, default)
 
     def getPropertyNames(self) -> list[str]:  # noqa: N802
-        """The names of the properties."""
+        """Return the names of the properties."""
         return list(self.properties)
 
     # -- pose ------------------------------------------------------------------------------
 
     def world_pose(self) -> _Pose:
-        """Position (3) and rotation (9, row-major) in the world, as plain floats."""
+        """Return the position (3) and rotation (9, row-major) in the world, as plain floats."""
         world = self._world
         if self._stamp != world.stamp:
             position, rotation = world.positions[self.slot], world.rotations[self.slot]
@@ -213,16 +212,16 @@ class GameObject(LegacyNames):
 
     @property
     def stamp(self) -> int:
-        """Changes whenever anything has moved."""
+        """A value that changes whenever an object has moved."""
         return self._world.stamp
 
     def pose_of(self, _row: int) -> _Pose:
-        """`world_pose`, for a pose that follows it."""
+        """Return `world_pose`, for a pose that follows this object."""
         return self.world_pose()
 
     @property
     def _leads(self) -> bool:
-        """Whether it is the first node of its rigid group."""
+        """Whether the object is the first node of its rigid group."""
         return self._world.slots[self.slot].frame.node is self.node
 
     def local_pose(self) -> _Pose:
@@ -233,7 +232,7 @@ class GameObject(LegacyNames):
         return self.world_pose() if parent is None else rigid.relative(*parent.world_pose(), *self.world_pose())
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put the object, and what is attached to it, somewhere in the world; its velocity stays.
+        """Set the pose of the object in the world, with all attached objects; its velocity is unchanged.
 
         Raises:
             ValueError: a value is not finite or exceeds `morse.physics.limits.POSITION`.
@@ -250,7 +249,7 @@ class GameObject(LegacyNames):
         self._set_local(rigid.relative(*outer, position, rotation))
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put the object somewhere in the frame of its parent; see `set_pose`."""
+        """Set the pose of the object in the frame of its parent; see `set_pose`."""
         position = floats3(position, POSITION)
         demand_rotation(rotation)
         if not self._leads:
@@ -268,7 +267,7 @@ class GameObject(LegacyNames):
         self._world.note_displaced(self)
 
     def _follow(self) -> None:
-        """Compute again the poses in the rigid group, of this object and its children."""
+        """Update the poses of this object and its children in the rigid group."""
         world = self._world
         assert self.node.parent is not None
         outer = world.object_of(self.node.parent)
@@ -281,18 +280,18 @@ class GameObject(LegacyNames):
                 below._follow()
 
     def _take_offset(self, offset: _Pose | None) -> None:
-        # most components sit on their robots unturned, many at its origin: their poses cost less
+        # most components have the orientation of their robots, and many are at its origin, which is faster to compute
         self.mounting = Mounting.of(offset)
 
     @property
     def offset(self) -> _Pose:
-        """Position and rotation in the rigid group it belongs to."""
+        """Position and rotation in the rigid group of the object."""
         return self.mounting.offset, self.mounting.turned
 
     # -- velocity and forces ---------------------------------------------------------------
 
     def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
-        """Linear and angular velocity of its origin, in world axes."""
+        """Return the linear and angular velocity of its origin, in world axes."""
         linear, angular = self._world.bodies.velocity(self.slot)
         if self.mounting.is_apart:
             origin, here = self._world.positions[self.slot], self.world_pose()[0]
@@ -312,23 +311,23 @@ class GameObject(LegacyNames):
     def drive(
         self, linear: Sequence[float], angular: Sequence[float], *, position: bool = False, ground: bool = False
     ) -> None:
-        """Move with a velocity, in its own axes, during the next tick.
+        """Move with a velocity in the axes of the object during the next tick.
 
         Args:
-            position: without gaining momentum.
-            ground: leave the vertical speed and the roll and pitch rates to gravity and contacts.
+            position: whether the object moves without gaining momentum.
+            ground: whether the vertical speed and the roll and pitch rates are left to gravity and contacts.
         """
         self._world.drives.command(
             self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)
         )
 
     def halt(self) -> None:
-        """Come to rest."""
+        """Set the velocity to 0."""
         self._world.drives.cancel(self.slot)
         self.set_velocity(_ORIGIN, _ORIGIN)
 
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
-        """Push the body at its centre of mass during the next tick, N and N m."""
+        """Apply a force (N) and a torque (N m) at the centre of mass during the next tick."""
         force, torque = floats3(force, FORCE), floats3(torque, TORQUE)
         if local:
             rotation = self.world_pose()[1]
@@ -338,11 +337,11 @@ class GameObject(LegacyNames):
     def pull(
         self, anchor: Sequence[float], target: Sequence[float], stiffness: float, damping: float, strongest: float
     ) -> None:
-        """Pull a point of the body towards a place during the next tick, as a damped spring does.
+        """Pull a point of the body towards a target during the next tick, like a damped spring.
 
         Args:
             anchor: the point, in the frame of the object, m.
-            target: the place in the world, m.
+            target: the target in the world, m.
             stiffness: spring constant divided by the mass, 1/s^2.
             damping: damping constant divided by the mass, 1/s.
             strongest: largest acceleration, m/s^2.
@@ -355,16 +354,16 @@ class GameObject(LegacyNames):
         self._world.attachments.suspend(self.slot)
 
     def restoreDynamics(self) -> None:  # noqa: N802
-        """Obey the physics again."""
+        """Resume the physics of the object."""
         self._world.attachments.resume(self.slot)
 
     @property
     def isSuspendDynamics(self) -> bool:  # noqa: N802
-        """Whether it is kept where it is."""
+        """Whether the physics of the object is suspended."""
         return self._world.attachments.is_suspended(self.slot)
 
     def disable_gravity(self) -> None:
-        """Do not fall any more."""
+        """Disable gravity for the object."""
         self._world.bodies.set_weightless(self.slot)
 
     def wheels(self) -> list[Wheel]:
@@ -373,14 +372,14 @@ class GameObject(LegacyNames):
         wheels = (world.slots[index].frame.node for index in world.wheels.get(self.slot, ()))
         return [Wheel(world, world.object_of(node), self) for node in wheels]
 
-    # -- looking around --------------------------------------------------------------------
+    # -- distances and rays ----------------------------------------------------------------
 
     def getDistanceTo(self, other: GameObject | Sequence[float]) -> float:  # noqa: N802
-        """Distance between origins, m."""
+        """Return the distance between origins, m."""
         return math.dist(self.world_pose()[0], _point(other))
 
     def getVectTo(self, other: GameObject | Sequence[float]) -> tuple[float, Vector, Vector]:  # noqa: N802
-        """Distance (m) and unit vector to an object or point, in world axes and in its own."""
+        """Return the distance (m) and the unit vector to an object or point, in world axes and in object axes."""
         position, rotation = self.world_pose()
         target = _point(other)
         delta = tuple(b - a for a, b in zip(position, target, strict=True))
@@ -398,12 +397,12 @@ class GameObject(LegacyNames):
         xray: int = 0,
         poly: int = 0,
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """The first thing on the way to a point: object, hit point and normal, or three None.
+        """Return the first object on the line to a point: object, hit point and normal, or three None.
 
         Args:
-            dist: look that far, in metres, also beyond the target; 0 for up to the target.
-            prop: only stop at objects that have this property.
-            xray: see through the objects that have not.
+            dist: length of the ray, m, which may be beyond the target; 0 for up to the target.
+            prop: if given, only objects with this property are hit.
+            xray: whether the ray passes through objects without the property.
         """
         start = self.world_pose()[0] if objfrom is None else _point(objfrom)
         return self._world.cast(start, _point(objto), dist, prop, bool(xray), self)
@@ -411,11 +410,11 @@ class GameObject(LegacyNames):
     def rayCastTo(  # noqa: N802
         self, other: GameObject | Sequence[float], dist: float = 0.0, prop: str = ""
     ) -> GameObject | None:
-        """The first thing on the way to a point, or None."""
+        """Return the first object on the line to a point, or None."""
         return self.rayCast(other, None, dist, prop)[0]
 
     def setVisible(self, visible: bool, recursive: bool = False) -> None:  # noqa: N802
-        """Show or hide it."""
+        """Show or hide the object."""
         self.visible = bool(visible)
         self._world.appearance_changed(self)
         if recursive:

@@ -1,4 +1,4 @@
-"""A robot that glides, and how one stood before."""
+"""Records of gliding robots, and of robots that may glide."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from morse.physics.compile import Slot
     from morse.physics.floors import Floor
 
-#: ticks that a robot which was disturbed waits before it glides again: at first, and at most
+#: number of ticks before a disturbed robot may glide again: initial and maximum
 FIRST_WAIT, LONGEST_WAIT = 4, 256
 #: ticks that robots which have room around them drift after one look for contacts
 FORESIGHT = 8
@@ -19,14 +19,14 @@ FORESIGHT = 8
 
 @dataclass(slots=True)
 class Stand:
-    """How a robot stood a tick ago, and what it has met.
+    """The stance of a robot in the last tick, and its disturbances.
 
     Attributes:
-        tick: when.
-        height: of its origin, m.
-        up: the vertical in its own axes.
-        wait: ticks until it may glide, if it is disturbed again.
-        until: it may not glide before that tick.
+        tick: tick of the stance.
+        height: height of the origin of the robot, m.
+        up: vertical direction in the axes of the robot.
+        wait: number of ticks to wait after the next disturbance.
+        until: first tick in which the robot may glide.
     """
 
     tick: int = -1
@@ -38,13 +38,13 @@ class Stand:
 
 @dataclass(slots=True)
 class Glide:
-    """A robot that glides.
+    """A gliding robot.
 
     Attributes:
-        up: the vertical in its own axes.
-        look: tick at which it could be near an edge.
-        speed: m/s at which that was worked out.
-        since: tick at which it began.
+        up: vertical direction in the axes of the robot.
+        look: first tick in which the robot could be near an edge.
+        speed: speed for which ``look`` was computed, m/s.
+        since: tick in which gliding began.
         margin: metres, at least twice as far as any part of it moves in a tick.
     """
 

@@ -1,12 +1,12 @@
 """The engine's steps of a tick while robots glide.
 
-If nothing else is awake, there is nothing to solve at all: one step as long as the tick does the same as
-several short ones, as long as nothing comes near enough to be met within the tick. And if nothing was done to other
-bodies either, the robots *drift*: that step is no more than a look for contacts, and positions moved by velocities.
-Where there is room around all of them, one look for contacts serves for several ticks.
+If no other body is awake, there are no contacts to solve. One step as long as the tick then gives the same result as
+several short steps, provided that no other body is within reach of a robot during the tick. If also no other body was
+changed by an explicit call, the robots *drift*: the step consists of a check for contacts and the integration of
+positions. Where there is room around all of them, one look for contacts serves for several ticks.
 
-Should anything touch a robot within a tick, or should anything try to lift, turn over or push it down,
-the tick is taken back and done again with its feet on the floor.
+If a robot is touched, lifted, tilted or pushed down within a tick, the tick is undone and repeated with its feet on the
+floor.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from morse.physics.rescue import Rescue
     from morse.physics.saved import SavedGliding
 
-#: speeds within a tick that are not those of the command, m/s and rad/s: something acts on the robot
+#: deviations from the commanded speed, m/s and rad/s, beyond which a robot is disturbed
 _DISTURBED = 1e-7
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class GlideSteps:
-    """Takes the engine's steps of a tick."""
+    """Runs the steps of the engine for a tick."""
 
     def __init__(self, state: EngineState, gliding: Gliding, rescue: Rescue) -> None:
         self._state = state
@@ -59,7 +59,7 @@ class GlideSteps:
         }
 
     def set_state(self, state: SavedGliding) -> None:
-        """Take over a state that was checked."""
+        """Restore a validated state."""
         self._stride_at, self._stride_wait = state.stride_at, state.stride_wait
         self._far_at, self._far_wait = state.far_at, state.far_wait
         if state.tick < state.clear_until:
@@ -67,7 +67,7 @@ class GlideSteps:
             self._state.data.ncon = 0
 
     def step(self) -> None:
-        """Let the engine take the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
+        """Run the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
 
         Raises:
             UnstableError: the simulation diverges even after every body has been put back.
@@ -111,10 +111,10 @@ class GlideSteps:
         return can
 
     def _drift(self) -> bool:
-        """Move on with the present velocities; False, and nothing changed, if the engine has to see to something.
+        """Integrate the present velocities; return False without changes if a step of the engine is needed.
 
-        The engine's step is also what wakes sleeping bodies that were pushed or moved, so that it must not be left out
-        after anything was done to a body that does not glide.
+        The step of the engine also wakes sleeping bodies that were pushed or moved. It is therefore required after a
+        body that does not glide was changed by an explicit call.
         """
         state, gliding = self._state, self._gliding
         if state.is_stirred or state.has_forces or not self._rescue.all_is_well():
@@ -145,7 +145,7 @@ class GlideSteps:
         return True
 
     def _stride(self) -> bool:
-        """Try one step as long as the tick; False, and all as before, if something is near or wakes up."""
+        """Try one step as long as the tick; undo it and return False if a body is near or wakes up."""
         gliding = self._gliding
         model, data = self._state.model, self._state.data
         model.opt.timestep = self._step * self._state.steps
@@ -166,10 +166,10 @@ class GlideSteps:
         self._stride_wait = min(2 * self._stride_wait, LONGEST_WAIT)
         return False
 
-    # -- what happens within a tick ----------------------------------------------------------
+    # -- disturbances within a tick ----------------------------------------------------------
 
     def _take_back(self) -> bool:
-        """If a robot was disturbed while it glided, go back to the state remembered, and let it stand on its feet."""
+        """If a gliding robot was disturbed, restore the state before the tick, and put the robot on its feet."""
         data, gliding = self._state.data, self._gliding
         if not gliding.glides or data.maxuse_con == 0:
             return False

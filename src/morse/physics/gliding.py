@@ -1,9 +1,9 @@
 """Driven robots that glide over a level floor.
 
-A driven robot slides without friction. While all of its feet stand on one level floor and nothing else
-touches it, the floor does no more than carry its weight: its height and tilt stay, and it moves across
-as its velocity says. Then the contacts of its feet need not be solved: the robot is made weightless,
-and passes through that floor, which it never enters; that spares two thirds of the time of a physics step.
+A driven robot slides without friction. While all its feet stand on one level floor and no other body touches it, the
+floor only carries its weight: its height and tilt are constant, and it moves with its horizontal velocity. The contacts
+of its feet then need not be solved. The robot is made weightless, and its collisions with that floor are disabled. This
+saves two thirds of the time of a physics step.
 
 Contacts with all other bodies are still solved, by `morse.physics.glide_steps`.
 """
@@ -30,32 +30,32 @@ if TYPE_CHECKING:
     from morse.physics.saved import SavedGliding
     from morse.scene import Node
 
-#: a robot has come to stand if a tick changes neither its height (m) nor its tilt by more
+#: largest changes of height (m) and tilt per tick of a robot that has settled
 _SETTLED = 1e-9
-#: feet stand on a floor that is so near to them, m: a body sinks in by a little
+#: largest distance between feet and a floor that carries them, m; bodies penetrate floors slightly
 _NEAR = 2e-3
-#: what lies lower than the feet by more than that, m, cannot be met
+#: shapes that are lower than the feet by more than this, m, cannot be touched
 _CLEAR = 1e-6
-#: the tilt is looked at so often, in ticks: a body that turns about a slanting axis begins to tumble
+#: interval of checks of the tilt, ticks, because a body that turns about a tilted axis begins to tumble
 _LOOK = 300
-#: metres to the edge of the floor at which feet touch it again
+#: distance to the edge of the floor at which gliding ends, m
 _EDGE = 0.01
-#: a centre of mass that is so near above the origin, m, follows it in one step as in several
+#: largest horizontal distance of the centre of mass from the origin, m, for which one long step equals several steps
 _CENTRED = 1e-7
 
 
 class Gliding:
-    """The robots of a world that glide.
+    """The gliding robots of a world.
 
     Attributes:
         glides: the gliding robots, by slot.
-        stands: how the others stood, by slot.
-        owner: (G,) slot of each geom, if it belongs to a robot that may glide; else -1.
-        lopsided: slots that glide, but whose centre of mass does not follow the origin in a long step.
-        tick: number of the present one.
-        newest: tick at which the last robot began to glide.
-        speeds, margins: (K,) of `Glide`, by slot; a negative speed for slots that do not glide.
-        extents: (K,) metres from the origin of a robot to its outermost point, by slot.
+        stands: stances of the other robots, by slot.
+        owner: (G,) slot of each geom of a robot that may glide; -1 for other geoms.
+        lopsided: gliding slots that cannot take long steps because of their centre of mass.
+        tick: number of the present tick.
+        newest: last tick in which a robot began to glide.
+        speeds, margins: (K,) values of `Glide` by slot; the speed is negative for slots that do not glide.
+        extents: (K,) distance from the origin of a robot to its outermost point, by slot, m.
         foresight: ticks within which the engine notices what the robots could meet; 0: only what they meet.
         clear_until: before that tick no robot can meet anything.
     """
@@ -85,7 +85,7 @@ class Gliding:
         return len(slot.feet) == 4
 
     def _reach(self, slot: Slot) -> float:
-        """Metres from the origin of a robot to its outermost foot, seen from above."""
+        """Return the horizontal distance from the origin of a robot to its outermost foot, m."""
         places = self._state.model.geom_pos[slot.feet]
         return float(np.hypot(places[:, 0], places[:, 1]).max())
 
@@ -98,7 +98,7 @@ class Gliding:
         self._unmeasured.discard(index)
 
     def _outline(self, slot: Slot) -> float:
-        """Metres from the origin of a robot to its outermost point; 0 for one that takes no long steps."""
+        """Return the distance from the origin of a robot to its outermost point, m; 0 if it takes no long steps."""
         model = self._state.model
         if np.abs(model.body_ipos[slot.body, :2]).max() > _CENTRED:
             return 0.0
@@ -110,7 +110,7 @@ class Gliding:
         return [*(geom for geoms in slot.geoms.values() for geom in geoms), *slot.feet]
 
     def reset(self) -> None:
-        """Let no robot glide; the model is as it was compiled."""
+        """End all gliding, after the model was reset to its compiled values."""
         self.glides: dict[int, Glide] = {}
         self.stands: dict[int, Stand] = {}
         self.tick = 0
@@ -126,7 +126,7 @@ class Gliding:
     # -- masks -----------------------------------------------------------------------------
 
     def set_collision(self, geoms: Iterable[int], active: bool) -> None:
-        """Let shapes collide, or pass through everything."""
+        """Enable or disable the collisions of shapes."""
         model = self._state.model
         for geom in geoms:
             bits = self._bits[geom] or ALL_BITS
@@ -136,14 +136,14 @@ class Gliding:
 
     @property
     def slots(self) -> Iterable[int]:
-        """The indices of the slots that glide."""
+        """The indices of the gliding slots."""
         return self.glides.keys()
 
     def __contains__(self, index: int) -> bool:
         return index in self.glides
 
     def consider(self, index: int, command: Command) -> None:
-        """A robot is driven over the ground during this tick: let it glide if it can."""
+        """Let a robot that is driven over the ground in this tick glide if possible."""
         if index not in self._able:
             return
         state = self._state
@@ -165,7 +165,7 @@ class Gliding:
             self._begin(index, slot, floor, command)
 
     def _floor_under(self, index: int, slot: Slot) -> Floor | None:
-        """The floor that all feet stand on, none of them near its edge."""
+        """Return the floor on which all feet stand, away from its edge, or None."""
         state = self._state
         soles = self._soles(slot)
         x, y, _ = state.positions[index]
@@ -178,7 +178,7 @@ class Gliding:
         return None
 
     def _soles(self, slot: Slot) -> NDArray[np.float64]:
-        """(4,) heights of the undersides of the feet, m."""
+        """Return (4,) heights of the undersides of the feet, m."""
         return np.asarray(self._state.data.geom_xpos[slot.feet, 2] - self._state.model.geom_size[slot.feet, 0])
 
     def _touches_else(self, index: int, floor: Floor) -> bool:
@@ -188,9 +188,9 @@ class Gliding:
         return bool((own.any(axis=1) & ~expected).any())
 
     def _lift(self, slot: Slot, floor: Floor) -> None:
-        """Let a robot pass through its floor, without weight."""
+        """Disable gravity and collisions with the floor for a robot."""
         model = self._state.model
-        # what lies lower than its feet cannot be met either
+        # shapes lower than its feet cannot be touched either
         mask = ALL_BITS & ~floor.bit
         lowest = float(self._soles(slot).min()) - _CLEAR
         for other in self._floors:
@@ -208,7 +208,7 @@ class Gliding:
         self.glides[index] = glide = Glide(slot, floor, self._state.rotations[index][6:9], 0, 0.0, self.tick)
         self._plan(index, glide, math.hypot(command.linear[0], command.linear[1]))
         self.look_ahead(0)
-        # how far it gets in a tick is known from the next command on
+        # the distance per tick is known from the next command on
         self.newest = self.tick
         if not self._extent[index]:
             self.lopsided.add(index)
@@ -216,7 +216,7 @@ class Gliding:
             self.leave(index)
 
     def _plan(self, index: int, glide: Glide, speed: float) -> None:
-        """Work out until when the robot cannot be near an edge."""
+        """Compute the first tick in which the robot could be near an edge."""
         x, y, _ = self._state.positions[index]
         room = glide.floor.room(x, y) - self._able[index] - _EDGE
         glide.speed = self.speeds[index] = max(2.0 * speed, 0.1)
@@ -225,14 +225,14 @@ class Gliding:
         self._look = min(self._look, glide.look) if len(self.glides) > 1 else glide.look
 
     def unsettle(self, index: int) -> None:
-        """A robot was put somewhere else: it does not glide, and has to come to stand before it does again."""
+        """End the gliding of a robot that was moved by an explicit call; it has to settle before it glides again."""
         stand = self.stands.get(index)
         if stand is not None:
             stand.tick = -1
         self.leave(index)
 
     def leave(self, index: int) -> None:
-        """Stand on the feet again."""
+        """End the gliding of a robot."""
         glide = self.glides.pop(index, None)
         if glide is None:
             return
@@ -249,7 +249,7 @@ class Gliding:
         self._set_margin(slot, 0.0)
 
     def _set_margin(self, slot: Slot, margin: float) -> None:
-        """Have the engine notice what is so near, without pushing it."""
+        """Set the distance at which the engine detects contacts without forces."""
         model = self._state.model
         geoms = self._geoms(slot)
         model.geom_margin[geoms] = model.geom_gap[geoms] = margin
@@ -268,14 +268,14 @@ class Gliding:
         return 0.5 * (self.foresight + 1) * glide.margin if self.foresight else 0.0
 
     def leave_all(self) -> None:
-        """Stand on the feet again: a floor may have moved."""
+        """End all gliding, because a floor may have moved."""
         for index in list(self.glides):
             self.leave(index)
 
     # -- a tick ----------------------------------------------------------------------------
 
     def may_go_on(self, index: int, command: Command) -> bool:
-        """Whether a robot that glides can do so under this command."""
+        """Whether a gliding robot can continue to glide with this command."""
         glide = self.glides[index]
         vx, vy, vz = command.linear
         wx, wy, wz = command.angular
@@ -295,7 +295,7 @@ class Gliding:
         return True
 
     def look(self) -> None:
-        """Check, at the start of a tick, the robots that could be near an edge."""
+        """Check the robots that could be near an edge, at the start of a tick."""
         self.tick += 1
         if self.glides and self.tick >= self._look:
             for index, glide in list(self.glides.items()):
@@ -313,18 +313,18 @@ class Gliding:
             self.leave(index)
 
     def all_stand(self) -> None:
-        """Let the engine collide the gliding feet. The caller restores the model."""
+        """Enable the collisions of gliding feet in the engine. The caller restores the model."""
         for glide in self.glides.values():
             self._stand(glide.slot)
 
     def supports(self) -> list[tuple[int, int]]:
-        """The contacts that are not solved: pairs of geoms, foot and floor."""
+        """Return the contacts that are not solved: pairs of geoms, foot and floor."""
         return [(foot, glide.floor.geom) for glide in self.glides.values() for foot in glide.slot.feet]
 
     # -- other scenes ------------------------------------------------------------------------
 
     def floor_bits(self) -> dict[Node, dict[int, int]]:
-        """Of each node the bits of those of its shapes that are floors, by their numbers among its shapes."""
+        """Return for each node the bits of its shapes that are floors, by index of the shape."""
         found: dict[Node, dict[int, int]] = {}
         for floor in self._floors:
             node = self._state.geom_node[floor.geom]
@@ -332,7 +332,7 @@ class Gliding:
         return found
 
     def lift_all(self) -> None:
-        """Restore the gliding of all gliding robots in a model that was compiled again."""
+        """Restore the gliding of all gliding robots in a recompiled model."""
         self.clear_until = 0
         for glide in self.glides.values():
             self._lift(glide.slot, glide.floor)
@@ -374,7 +374,7 @@ class Gliding:
         }
 
     def check_state(self, state: SavedGliding) -> None:
-        """Raise ValueError if a state names robots that cannot glide here, or floors that there are not."""
+        """Raise ValueError if a state names robots that cannot glide, or floors that do not exist."""
         bits = {floor.bit for floor in self._floors}
         for name in [*(glide.slot for glide in state.glides), *(stand.slot for stand in state.stands)]:
             if self._state.named[name] not in self._able:

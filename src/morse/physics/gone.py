@@ -1,4 +1,4 @@
-"""What stands for the world of an object that has been removed from it."""
+"""The placeholder for the world of a removed object."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class RemovedError(LookupError):
 
 
 class Gone:
-    """The world that a removed object has: asked for anything, it says that the object is gone."""
+    """The world of a removed object; every access raises `RemovedError`."""
 
     def __init__(self, name: str) -> None:
         self._name = name

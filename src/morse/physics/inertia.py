@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
     from morse.scene import CollisionShape
 
-#: share of its height at which a driven robot carries its centre of mass: batteries and motors
-#: sit low, and a robot described only by its hull must not topple at the first kerb
+#: height of the centre of mass of a driven robot as a share of its height; it is low because batteries and motors are
+#: mounted low, and the robot would topple too easily otherwise
 ROBOT_CENTRE_HEIGHT = 0.2
 
 
 def volume(shape: CollisionShape) -> float:
-    """Volume of a shape, m^3 (of the bounding box for a convex hull)."""
+    """Return the volume of a shape, m^3 (for a convex hull, of its bounding box)."""
     s = shape.size
     match shape.kind:
         case ShapeKind.BOX:
@@ -41,7 +41,7 @@ def volume(shape: CollisionShape) -> float:
 def bounding_box(
     shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lower and upper corner (3,) of a shape whose node sits at a pose in the frame asked for."""
+    """Return the lower and upper corner (3,) of a shape, given the pose of its node in the wanted frame, m."""
     if shape.kind is ShapeKind.CONVEX:
         assert shape.vertices is not None
         points = shape.vertices @ rotation.T + position
@@ -54,7 +54,7 @@ def bounding_box(
 
 
 def half_sizes(shape: CollisionShape) -> NDArray[np.float64]:
-    """Half sizes (3,) of the box around a primitive, in its own frame."""
+    """Return the half sizes (3,) of the box around a primitive, in its own frame, m."""
     s = shape.size
     match shape.kind:
         case ShapeKind.SPHERE:
@@ -70,10 +70,9 @@ def half_sizes(shape: CollisionShape) -> NDArray[np.float64]:
 def robot_inertia(
     mass: float, lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre of mass (3,) and principal inertia (3,) of a robot that fills a box.
+    """Return the centre of mass (3,) and the principal inertia (3,) of a robot that fills a box.
 
-    The inertia is that of a solid box (m/12 (b^2 + c^2)); the centre lies low, see
-    `ROBOT_CENTRE_HEIGHT`.
+    The inertia is that of a solid box (m/12 (b^2 + c^2)). For the height of the centre see `ROBOT_CENTRE_HEIGHT`.
     """
     size = np.maximum(upper - lower, 0.02)
     centre = (lower + upper) / 2

@@ -1,4 +1,4 @@
-"""Works out where everything is from the state of the engine."""
+"""Computes the poses of all slots from the state of the engine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def place_as_compiled(state: EngineState) -> None:
-    """Every slot where the scene has it."""
+    """Set every slot to its pose in the scene."""
     count = len(state.slots)
     moving = state.moving
     state.positions, state.rotations = Rows(np.zeros((count, 3)), moving), Rows(np.zeros((count, 9)), moving)
@@ -28,13 +28,13 @@ def place_as_compiled(state: EngineState) -> None:
 
 
 def sync(state: EngineState) -> None:
-    """Work out where everything is, from the state as it is now."""
+    """Compute all poses from the present state."""
     mujoco.mj_kinematics(state.model, state.data)
     refresh(state)
 
 
 def refresh(state: EngineState) -> None:
-    """Take the poses of the moving bodies from the engine."""
+    """Copy the poses of the moving bodies from the engine."""
     state.positions.take(state.engine_positions)
     state.rotations.take(state.engine_rotations)
     state.touched.clear()
@@ -42,8 +42,8 @@ def refresh(state: EngineState) -> None:
 
 
 def settle_fixed(state: EngineState) -> None:
-    """Work out where the bodies are that stand still, after one of them was put elsewhere."""
-    # what never moves is computed once while sleeping is allowed
+    """Update the poses of static bodies, after one of them was moved by an explicit call."""
+    # with sleeping enabled, the engine computes the poses of static bodies only once
     flag = int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     state.model.opt.enableflags &= ~flag
     mujoco.mj_kinematics(state.model, state.data)
@@ -51,7 +51,7 @@ def settle_fixed(state: EngineState) -> None:
 
 
 def contact_pairs(state: EngineState) -> NDArray[np.int32]:
-    """(N, 2) geoms that touched when the engine looked last."""
+    """Return (N, 2) pairs of geoms that were in contact at the last collision detection."""
     if state.known_contacts is not None:
         return state.known_contacts
     return np.asarray(state.data.contact.geom[: state.data.ncon])

@@ -1,4 +1,4 @@
-"""Which node of the scene belongs to which body of the physics."""
+"""Assigns the nodes of a scene to the bodies of the physics."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class Frame:
 
     Attributes:
         node: the node whose frame it is.
-        motion: free bodies obey forces; kinematic ones go where they are put and push others;
-            hinges turn about the local Z axis of their node; virtual ones have no shape.
-        members: the node and those below it that move with it.
-        solid: the members with a shape that collides or is seen by rays.
-        parent: the frame a hinge hangs on.
-        robot: its robot, if it is one.
+        motion: free frames are dynamic; kinematic frames are moved by explicit calls and push others; hinge frames
+            rotate about the local Z axis of their node; virtual frames have no shape.
+        members: the node and the nodes below it that move with it.
+        solid: the members with a shape that collides or is hit by rays.
+        parent: the frame to which a hinge is attached.
+        robot: the declaration of the robot if the frame is a robot, else None.
     """
 
     node: Node
@@ -45,21 +45,21 @@ class Frame:
 
 
 def has_shape(node: Node) -> bool:
-    """True for nodes that take part in collisions, or only in contacts and rays."""
+    """Whether a node takes part in collisions, or only in contacts and rays."""
     return bool(node.shapes) and (
         node.body.moves or node.body.type in (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
     )
 
 
 def driven_wheels(robot: ComponentDeclaration | None) -> list[str]:
-    """Names of the wheels with motors of a robot."""
+    """Return the names of the driven wheels of a robot."""
     names = () if robot is None else robot.options.get("wheels", ())
     assert isinstance(names, (list, tuple))
     return [str(name) for name in names]
 
 
 def frames_of(scene: Scene) -> list[Frame]:
-    """The frames of a scene, in the order of its nodes."""
+    """Return the frames of a scene, in the order of its nodes."""
     robots = {c.node: c for c in scene.components if c.kind in ("robot", "external_robot")}
     wheels: dict[str, ComponentDeclaration] = {}
     for declaration in robots.values():

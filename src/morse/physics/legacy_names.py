@@ -1,4 +1,4 @@
-"""The attributes of objects under the names that components of MORSE 1.4 use."""
+"""The attributes of objects under the names of MORSE 1.4."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class LegacyNames:
         raise NotImplementedError
 
     def set_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put it somewhere in the world."""
+        """Set the pose in the world."""
         raise NotImplementedError
 
     def set_local_pose(self, position: Sequence[float], rotation: Sequence[float]) -> None:
-        """Put it somewhere in the frame of the parent."""
+        """Set the pose in the frame of the parent."""
         raise NotImplementedError
 
     def velocity(self) -> tuple[Sequence[float], Sequence[float]]:
@@ -47,7 +47,7 @@ class LegacyNames:
         raise NotImplementedError
 
     def wrench(self, force: Sequence[float], torque: Sequence[float], local: bool) -> None:
-        """Push it at its centre of mass during the next tick."""
+        """Apply a force and a torque at the centre of mass during the next tick."""
         raise NotImplementedError
 
     @property
@@ -86,7 +86,7 @@ class LegacyNames:
     def localOrientation(self, value: Any) -> None:
         self.set_local_pose(self.local_pose()[0], rotation_of(value))
 
-    # 1.4 read these in the world and wrote them in the parent's frame; scripts rely on both
+    # 1.4 read these in the world frame and wrote them in the frame of the parent; scripts rely on both
     position = property(lambda self: self.worldPosition, lambda self, value: setattr(self, "localPosition", value))
     orientation = property(
         lambda self: self.worldOrientation, lambda self, value: setattr(self, "localOrientation", value)
@@ -150,7 +150,7 @@ class LegacyNames:
         return self.localLinearVelocity if local else self.worldLinearVelocity
 
     def setLinearVelocity(self, velocity: Any, local: bool = False) -> None:
-        """Give it a velocity, m/s."""
+        """Set the velocity of its origin, m/s."""
         if local:
             self.localLinearVelocity = velocity
         else:
@@ -161,29 +161,29 @@ class LegacyNames:
         return self.localAngularVelocity if local else self.worldAngularVelocity
 
     def setAngularVelocity(self, velocity: Any, local: bool = False) -> None:
-        """Give it an angular velocity, rad/s."""
+        """Set the angular velocity, rad/s."""
         if local:
             self.localAngularVelocity = velocity
         else:
             self.worldAngularVelocity = velocity
 
     def applyForce(self, force: Any, local: bool = False) -> None:
-        """Push its centre of mass during the next tick, N."""
+        """Apply a force at the centre of mass during the next tick, N."""
         self.wrench(force, (0.0, 0.0, 0.0), local)
 
     def applyTorque(self, torque: Any, local: bool = False) -> None:
-        """Twist it during the next tick, N m."""
+        """Apply a torque during the next tick, N m."""
         self.wrench((0.0, 0.0, 0.0), torque, local)
 
     def applyMovement(self, movement: Any, local: bool = False) -> None:
-        """Shift it at once, m."""
+        """Move the object immediately, m."""
         p, r = self.world_pose()
         m = floats3(movement, MOVEMENT)
         x, y, z = rigid.turn(r, m) if local else m
         self.set_pose((p[0] + x, p[1] + y, p[2] + z), r)
 
     def applyRotation(self, rotation: Any, local: bool = False) -> None:
-        """Turn it at once, rad about each axis."""
+        """Rotate the object immediately, rad about each axis."""
         p, r = self.world_pose()
         turned = rotation_of(list(floats3(rotation, ROTATION)))
         self.set_pose(p, rigid.product(r, turned) if local else rigid.product(turned, r))

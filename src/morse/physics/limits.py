@@ -1,7 +1,7 @@
-"""How large the numbers are that the engine takes.
+"""The limits of the values that the engine accepts.
 
-They are wide enough for ships, rockets and satellites. What is larger is a mistake, and is refused where it enters: the
-engine squares and multiplies such numbers until none are left.
+The limits are wide enough for ships, rockets and satellites. Larger values are mistakes and are refused on input,
+because products and squares of such values overflow in the engine.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 
 class Quantity(NamedTuple):
-    """What a vector is, and how large its components may be.
+    """The kind of a vector, and the limit of its components.
 
     Attributes:
-        name: as messages call it.
+        name: name in messages.
         limit: the largest absolute value of a component.
-        unit: of the components.
+        unit: unit of the components.
     """
 
     name: str
@@ -31,11 +31,11 @@ VELOCITY = Quantity("velocity", 1e5, "m/s")
 ANGULAR_VELOCITY = Quantity("angular velocity", 1e5, "rad/s")
 FORCE = Quantity("force", 1e9, "N")
 TORQUE = Quantity("torque", 1e9, "N m")
-#: where rays go to; they end where single precision does
+#: targets of rays, limited by single precision
 POINT = Quantity("point", 1e30, "m")
 
-#: entries of a rotation matrix are at most 1; scaled and sheared ones are taken as far as that
+#: limit of the entries of a rotation matrix, which are at most 1 without scale and shear
 MATRIX_ENTRY = 10.0
 
-#: what moves faster (m/s, rad/s), or is farther away (m), than anything that was asked for has blown up
+#: speed (m/s, rad/s) and distance (m) beyond which a body has diverged, because no input can be that large
 RUNAWAY_SPEED, RUNAWAY_DISTANCE = 1e6, 1e9

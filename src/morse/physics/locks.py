@@ -1,4 +1,4 @@
-"""Bodies that do not move along, or turn about, some axes of the world."""
+"""Bodies whose translation or rotation is locked for some axes of the world."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 
 class Locks:
-    """Holds the locked coordinates of free bodies during every tick.
+    """Keeps the locked coordinates of free bodies constant during every tick.
 
-    Velocities along locked axes are taken away before the engine steps, and what it moved along
-    them is put back afterwards; a body can still be put somewhere else by hand. Rotations are
-    locked as a whole: the axes of a body turn with it.
+    Velocities along locked axes are set to 0 before the steps of the engine, and motion along these axes is undone
+    afterwards. A body can still be moved by explicit calls. Rotations are locked for all axes together, because the
+    axes of a body rotate with it.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -40,13 +40,13 @@ class Locks:
         self._held = np.zeros(len(positions))
 
     def before_step(self) -> None:
-        """The tick begins, and the velocities asked for are set."""
+        """Called at the beginning of a tick, after the commanded velocities are set."""
         if len(self._positions):
             self._state.data.qvel[self._velocities] = 0.0
             self._held = self._state.data.qpos[self._positions]
 
     def after_step(self) -> None:
-        """The tick ends."""
+        """Called at the end of a tick."""
         if len(self._positions):
             self._state.data.qpos[self._positions] = self._held
             self._state.data.qvel[self._velocities] = 0.0

@@ -1,4 +1,4 @@
-"""Where an object is in the rigid group that it moves with."""
+"""The pose of an object in its rigid group."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Mounted(Protocol):
 class Mounting(NamedTuple):
     """A pose in a rigid group.
 
-    Most components sit on their robots unturned, many at its origin: their poses cost less.
+    Most components have the orientation of their robots, and many are at its origin. Their poses are faster to compute.
 
     Attributes:
-        offset: metres.
+        offset: position, m.
         turned: 9 numbers of the rotation, row by row.
-        is_apart: whether it is not just the pose of the group.
-        is_turned: whether it has axes of its own.
+        is_apart: whether the pose differs from the pose of the group.
+        is_turned: whether the rotation differs from the rotation of the group.
     """
 
     offset: Sequence[float]
@@ -38,7 +38,7 @@ class Mounting(NamedTuple):
 
     @classmethod
     def of(cls, pose: tuple[Sequence[float], Sequence[float]] | None) -> Mounting:
-        """A pose in the group; None for that of the group itself."""
+        """Create a mounting from a pose in the group; None for the pose of the group itself."""
         if pose is not None:
             is_turned = _differ(pose[1], rigid.IDENTITY)
             if is_turned or _differ(pose[0], _ORIGIN):
@@ -46,7 +46,7 @@ class Mounting(NamedTuple):
         return cls(_ORIGIN, rigid.IDENTITY, False, False)
 
     def carried(self, position: Sequence[float], rotation: Sequence[float]) -> tuple[Sequence[float], Sequence[float]]:
-        """The pose in the world, if the group has that one."""
+        """Return the pose in the world, given the pose of the group."""
         if not self.is_apart:
             return position, rotation
         if self.is_turned:

@@ -1,4 +1,4 @@
-"""The poses of what moves, for the view."""
+"""The poses of moving nodes, for the view."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Part(Protocol):
 
 
 class MovingPoses:
-    """The poses of the slots that move, and of parts that moved within them.
+    """The poses of the moving slots, and of parts that moved within them.
 
     Attributes:
         displaced: the parts that moved relative to their parents.
@@ -43,26 +43,26 @@ class MovingPoses:
         self.layout = 0
 
     def note_displaced(self, part: Part) -> None:
-        """A node has moved relative to its parent."""
+        """Record that a node has moved relative to its parent."""
         if part not in self.displaced and self._state.slots[part.slot].frame.node is not part.node:
             self.displaced.append(part)
             self.layout += 1
 
     def nodes(self) -> list[tuple[Node, str]]:
-        """The nodes whose poses `read` gives, each with ``world`` or ``parent``, its frame."""
+        """Return the nodes in the order of `read`, each with its frame, ``world`` or ``parent``."""
         slots = self._state.slots
         nodes = [(slot.frame.node, "world") for slot in slots if slot.frame.motion is not Motion.FIXED]
         return nodes + [(part.node, "parent") for part in self.displaced]
 
     def read(self) -> NDArray[np.float32]:
-        """(M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `nodes`."""
+        """Return (M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `nodes`."""
         state, rest = self._state, self._state.by_hand
         count = state.moving
         end = count + len(rest)
         result = np.empty((end + len(self.displaced), 7), dtype=np.float32)
         result[:count, :3] = state.data.xpos[1 : count + 1]
         result[:count, 3:] = state.data.xquat[1 : count + 1]
-        # numbers one after the other are read in half the time that rows of them take
+        # a flat sequence of numbers is converted twice as fast as rows
         positions = chain.from_iterable([state.positions[i] for i in rest])
         quaternions = chain.from_iterable([state.quaternions[i] for i in rest])
         result[count:end, :3] = np.fromiter(positions, np.float32, 3 * len(rest)).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Which bodies are near some shapes, by the boxes around them along the axes of the world."""
+"""Finds bodies near some shapes by their axis-aligned bounding boxes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
     from morse.physics.engine_state import EngineState
 
-#: shapes that are nearer than that may touch, m
+#: distance below which shapes may touch, m
 _NEAR = 0.02
 
 
 def boxes_of(state: EngineState, geoms: Sequence[int] | NDArray[np.intp]) -> NDArray[np.float64]:
-    """(N, 2, 3) lower and upper corners of the boxes around some geoms, m."""
+    """Return (N, 2, 3) lower and upper corners of the axis-aligned bounding boxes of some geoms, m."""
     chosen = np.asarray(geoms, dtype=np.intp)
     local = state.model.geom_aabb[chosen].reshape(-1, 2, 3)
     turns = state.data.geom_xmat[chosen].reshape(-1, 3, 3)
@@ -28,7 +28,7 @@ def boxes_of(state: EngineState, geoms: Sequence[int] | NDArray[np.intp]) -> NDA
 
 
 def trees_near(state: EngineState, boxes: NDArray[np.float64]) -> set[int]:
-    """The trees of bodies that could touch one of some boxes (N, 2, 3)."""
+    """Return the trees of bodies that could touch one of some boxes (N, 2, 3)."""
     model = state.model
     trees = model.body_treeid[model.geom_bodyid]
     geoms = np.flatnonzero(trees >= 0)

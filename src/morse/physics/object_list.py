@@ -1,4 +1,4 @@
-"""Objects, found by number or by name."""
+"""A list of objects that is indexed by number or by name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Named(Protocol):
-    """What has a name in the scene."""
+    """An object with a name in the scene."""
 
     @property
     def name(self) -> str:
@@ -19,17 +19,17 @@ class Named(Protocol):
 
     @property
     def node(self) -> Node:
-        """The node of the scene that it came from."""
+        """The node of the scene for this object."""
 
 
 T = TypeVar("T", bound=Named)
 
 
 class ObjectList(Sequence[T], Generic[T]):
-    """A list of objects that can also be asked for a name.
+    """A list of objects that can also be indexed by name.
 
-    A name matches exactly, or as it stands in the model file: the second robot of a kind has
-    its ``left_eye`` too, although the scene calls it ``left_eye.001``.
+    A name matches the name in the scene or the name in the model file: the second robot of a kind has a ``left_eye``,
+    although its name in the scene is ``left_eye.001``.
     """
 
     def __init__(self, objects: list[T]) -> None:
@@ -64,11 +64,11 @@ class ObjectList(Sequence[T], Generic[T]):
         return iter(self._objects)
 
     def get(self, name: str, default: T | None = None) -> T | None:
-        """The object of that name, or ``default``."""
+        """Return the object of that name, or ``default``."""
         return self._named(name) or default
 
     def keys(self) -> list[str]:
-        """The names."""
+        """Return the names."""
         return [obj.name for obj in self._objects]
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""What objects and rays see of the world that they are in."""
+"""The interface of the world for objects and rays."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class ObjectWorld(EngineState):
     """The state of the engine, and the object of each node; see `morse.physics.world.World`.
 
     Attributes:
-        bodies: puts them somewhere, and gives them velocities and forces.
-        drives: carries out velocity commands.
-        attachments: what is held.
+        bodies: sets poses, velocities and forces.
+        drives: executes velocity commands.
+        attachments: the held objects.
     """
 
     bodies: Bodies
@@ -40,16 +40,16 @@ class ObjectWorld(EngineState):
 
     @abstractmethod
     def find_object(self, node: Node) -> GameObject | None:
-        """The object of a node, or None if the node is not in the world any more."""
+        """Return the object of a node, or None if the node was removed from the world."""
 
     @abstractmethod
     def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, to be read at once."""
+        """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
 
     @property
     @abstractmethod
     def is_stale(self) -> bool:
-        """Whether something was put elsewhere since the engine last worked out where everything is."""
+        """Whether an object was moved by an explicit call since the last forward kinematics of the engine."""
 
     @abstractmethod
     def cast(
@@ -61,12 +61,12 @@ class ObjectWorld(EngineState):
         xray: bool,
         exclude: GameObject,
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """See `GameObject.rayCast`; the body of ``exclude`` is looked through."""
+        """See `GameObject.rayCast`; the ray ignores the body of ``exclude``."""
 
     @abstractmethod
     def note_displaced(self, obj: GameObject) -> None:
-        """A node has moved relative to its parent: from now on the view gets its pose."""
+        """Record that a node has moved relative to its parent, so that the view gets its pose from now on."""
 
     @abstractmethod
     def appearance_changed(self, obj: GameObject) -> None:
-        """Something about the looks of an object changed: the view has to know."""
+        """Notify the view that the appearance of an object changed."""

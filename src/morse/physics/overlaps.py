@@ -1,6 +1,6 @@
-"""Robots and other bodies that start inside each other.
+"""Robots and other bodies that overlap at the start.
 
-Things of a world that are set into its ground, as the crates of hilly worlds are, are none of the user's business.
+Objects of a world model that overlap its ground, such as crates on hills, are not reported.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from morse.physics.layout import Frame
     from morse.scene import Node
 
-#: metres; what is put on a floor or on top of something else by hand reaches into it by less
+#: minimum depth of a reported overlap, m; objects that were placed on a floor by hand overlap it by less
 _DEEP = 0.03
 _NAMED = 5
 
 
 def overlaps(state: EngineState) -> str:
-    """A sentence about the pairs of objects that reach into each other, the deepest first; empty if there are none.
+    """Return a message about the pairs of overlapping objects, the deepest first; empty if there are none.
 
     Call it before the first tick.
     """
@@ -42,7 +42,7 @@ def overlaps(state: EngineState) -> str:
 
 
 def _frame(state: EngineState, geom: int) -> Frame:
-    """The body that a shape belongs to; of a wheel, the robot."""
+    """Return the body of a shape; for a wheel, the robot."""
     frame = state.slots[state.slot_of[state.geom_node[geom]]].frame
     return frame.parent or frame
 

@@ -1,4 +1,4 @@
-"""Plain data: what a saved state may hold."""
+"""Plain data: the values that a saved state may contain."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ _SINGLE = (type(None), bool, int, float, str, bytes)
 
 
 class NotPlainError(ValueError):
-    """A value is of a type that a saved state cannot hold; the text names the type."""
+    """A saved state cannot contain values of this type; the message names the type."""
 
 
 def plain_copy(value: Any) -> Any:
-    """A copy that shares nothing that can be changed.
+    """Return a copy that shares no mutable objects with the original.
 
     Raises:
-        NotPlainError: it holds something else than None, booleans, numbers, strings, bytes, arrays of numbers,
-            and lists, tuples and dictionaries with string keys of these.
+        NotPlainError: the value contains something else than None, booleans, numbers, strings, bytes, arrays of
+            numbers, and lists, tuples and dictionaries with string keys of these.
     """
     if type(value) in _SINGLE:
         return value

@@ -1,4 +1,4 @@
-"""What has a pose in the world."""
+"""The protocol of objects with a pose in the world."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Posed(Protocol):
-    """An object with a place in the world; see `morse.physics.gameobject.GameObject`."""
+    """An object with a pose in the world; see `morse.physics.gameobject.GameObject`."""
 
     node: Node
 

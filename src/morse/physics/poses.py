@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 def as_array(matrix: Any) -> NDArray[np.float64]:
-    """The rows of a matrix, (R, C)."""
+    """Convert a matrix to an array (R, C)."""
     return np.array([list(row) for row in matrix], dtype=np.float64)
 
 
 def relative_pose(node: Node, frame: RigidFrame) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Position (3,) and rotation (3, 3) of a node in a frame."""
+    """Return the position (3,) and rotation (3, 3) of a node in a frame."""
     own = rigid_frame(node)
     turned = as_array(frame.rotation).T
     return turned @ (np.array(own.position) - np.array(frame.position)), turned @ as_array(own.rotation)

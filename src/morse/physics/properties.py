@@ -1,4 +1,4 @@
-"""The properties of objects: what the scene gave them, and what a saved state holds of them."""
+"""The properties of objects, from the scene and in saved states."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: objects and properties that were named already because they cannot be saved
+#: objects and properties for which a warning was logged because they cannot be saved
 _said: set[tuple[str, str]] = set()
 
 
 def scene_properties(node: Node) -> dict[str, Any]:
-    """A copy of the properties of a node; lists in it are copies, too."""
+    """Return a deep copy of the properties of a node."""
     return {name: _copy(value) for name, value in node.properties.items()}
 
 
 def are_changed(properties: dict[str, Any], node: Node) -> bool:
-    """Whether properties differ from those of the scene; what can be changed in place counts as changed."""
+    """Whether properties differ from those of the scene; mutable values count as changed."""
     original = node.properties
     return (
         len(properties) != len(original)
@@ -33,7 +33,7 @@ def are_changed(properties: dict[str, Any], node: Node) -> bool:
 
 
 def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
-    """A copy of the properties that are plain data. The log names every other property once."""
+    """Return a copy of the properties that are plain data, and log a warning once for each other property."""
     result = {}
     for name, value in properties.items():
         try:
@@ -52,7 +52,7 @@ def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def keep_unsaved(present: dict[str, Any], restored: dict[str, Any]) -> None:
-    """Add to restored properties those of the present that no state can hold."""
+    """Add the present properties that cannot be saved to restored properties."""
     for name, value in present.items():
         if name not in restored and not _is_plain(value):
             restored[name] = value

@@ -33,7 +33,7 @@ _SPEEDS, _PLACES = RUNAWAY_SPEED**2, RUNAWAY_DISTANCE**2
 _EVENT = 1.0
 #: maximum number of resets that are kept
 _REMEMBERED = 100
-#: bodies that are reset one by one in a tick; after that, all diverged bodies are reset together
+#: maximum number of bodies that are reset one by one in a tick; further diverged bodies are reset together
 _ONE_BY_ONE = 8
 
 
@@ -43,8 +43,8 @@ class Recovery:
 
     Attributes:
         time: simulated seconds.
-        body: its name.
-        what: the value that diverged.
+        body: name of the body.
+        what: description of the value that diverged.
     """
 
     time: float
@@ -76,9 +76,9 @@ class Rescue:
         self._last.clear()
 
     def all_is_well(self) -> bool:
-        """Whether the state has not diverged. A comparison with NaN is false, as is infinity below a limit."""
+        """Whether the state has not diverged. NaN and infinity fail the comparison with the limits."""
         speeds, places = self._qvel, self._qpos
-        # vdot, unlike dot, warns of nothing
+        # vdot, unlike dot, does not emit warnings
         return bool(np.vdot(speeds, speeds) < _SPEEDS) and bool(np.vdot(places, places) < _PLACES)
 
     def repeat(self, numbers: NDArray[np.float64], asleep: NDArray[np.int32], run: Callable[[], None]) -> None:
@@ -86,7 +86,7 @@ class Rescue:
 
         Args:
             numbers, asleep: the state before the tick, see `engine_values.rewind`; bodies are put back in it.
-            run: does the tick.
+            run: function that runs the tick.
 
         Raises:
             UnstableError: the simulation diverges even after every body has been put back.
@@ -134,7 +134,7 @@ class Rescue:
     # -- which bodies diverged -------------------------------------------------------------------------
 
     def _wrong(self) -> list[tuple[Slot, str]]:
-        """The bodies whose numbers are not sane, with what is wrong."""
+        """Return the bodies with diverged values, and a description of each."""
         data, found = self._state.data, []
         for slot in self._state.slots:
             if slot.dof < 0:
@@ -153,7 +153,7 @@ class Rescue:
         return found
 
     def _culprits(self) -> list[tuple[Slot, str]]:
-        """Those that go wrong first when the tick is done step by step, the fastest before it first."""
+        """Return the bodies that diverge first when the tick is repeated step by step, sorted by previous speed."""
         state = self._state
         model, data = state.model, state.data
         for _ in range(state.steps + 1):
@@ -173,14 +173,14 @@ class Rescue:
         return slot.body > 0 and not np.isfinite(self._state.data.xfrc_applied[slot.body]).all()
 
     def _urge(self, slot: Slot, speeds: NDArray[np.float64], pushes: NDArray[np.float64]) -> float:
-        """The speed of a body before a step, with what a force adds in it."""
+        """Return the speed of a body before a step plus the speed that the forces add in the step."""
         model = self._state.model
         dofs = 6 if slot.frame.motion is Motion.FREE else 1
         mass = max(float(model.body_mass[slot.body]), 1e-9)
         added = float(pushes[slot.body]) / mass * float(model.opt.timestep)
         return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + added
 
-    # -- putting back ----------------------------------------------------------------------
+    # -- reset -----------------------------------------------------------------------------
 
     def _put_back(self, slot: Slot) -> None:
         """Put a body with its wheels to where it was before the tick; if that is lost, to where the scene has it."""

@@ -1,7 +1,6 @@
 """Rigid transforms on plain floats: positions of 3, rotations of 9 (row-major) numbers.
 
-For single poses these are several times quicker than arrays, and every component takes one
-pose every tick.
+For single poses these functions are several times faster than arrays, and every component needs its pose in every tick.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ def transpose(r: Rotation) -> tuple[float, ...]:
 def compose(
     p: Position, r: Rotation, offset: Position, turned: Rotation
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The pose ``(offset, turned)``, given in the frame ``(p, r)``, in the world."""
+    """Return the world pose of ``(offset, turned)``, which is given in the frame ``(p, r)``."""
     x, y, z = turn(r, offset)
     return (p[0] + x, p[1] + y, p[2] + z), product(r, turned)
 
@@ -52,13 +51,13 @@ def compose(
 def relative(
     p: Position, r: Rotation, position: Position, rotation: Rotation
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The world pose ``(position, rotation)`` as seen from the frame ``(p, r)``."""
+    """Return the world pose ``(position, rotation)`` in the frame ``(p, r)``."""
     delta = (position[0] - p[0], position[1] - p[1], position[2] - p[2])
     return turn_back(r, delta), product(transpose(r), rotation)
 
 
 def rotation_of_vector(v: Position) -> tuple[float, ...]:
-    """The rotation by ``|v|`` radians about ``v`` (Rodrigues)."""
+    """Return the rotation by ``|v|`` radians about ``v`` (Rodrigues)."""
     x, y, z = v
     angle = math.sqrt(x * x + y * y + z * z)
     if angle < 1e-12:
@@ -74,7 +73,7 @@ def rotation_of_vector(v: Position) -> tuple[float, ...]:
 
 
 def quaternion(r: Rotation) -> tuple[float, float, float, float]:
-    """w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
+    """Return w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
     trace = r[0] + r[4] + r[8]
     if trace > 0.0:
         s = 2.0 * math.sqrt(trace + 1.0)
@@ -90,7 +89,7 @@ def quaternion(r: Rotation) -> tuple[float, float, float, float]:
 
 
 def rotation_of_quaternion(q: Sequence[float]) -> tuple[float, ...]:
-    """The rotation of a quaternion w, x, y, z (normalised first)."""
+    """Return the rotation of a quaternion w, x, y, z, which is normalised first."""
     w, x, y, z = q
     n = math.sqrt(w * w + x * x + y * y + z * z) or 1.0
     w, x, y, z = w / n, x / n, y / n, z / n

@@ -1,4 +1,4 @@
-"""Rows of an array as lists of floats, made when they are read."""
+"""Rows of an array as lists of floats, converted on demand."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _FEW = 16
 
 
 class Rows:
-    """The rows of an array, as scalar code reads them.
+    """The rows of an array for scalar code.
 
-    After `share`, the caller owns the array: it is copied before the next write.
+    After `share`, the caller owns the array; the rows are copied before the next write.
 
     Args:
         array: (N, D).
@@ -35,7 +35,7 @@ class Rows:
         self._none: list[Sequence[float] | None] = [None] * taken
 
     def take(self, values: NDArray[np.float64]) -> None:
-        """Other values of the first rows."""
+        """Set new values for the first rows."""
         if self._is_shared:
             self._own()
         self._first[:] = values
@@ -49,11 +49,11 @@ class Rows:
 
     @property
     def array(self) -> NDArray[np.float64]:
-        """(N, D) all rows, to be read at once, and not to be changed."""
+        """Return all rows (N, D); the array must be read immediately and not be modified."""
         return self._array
 
     def share(self) -> NDArray[np.float64]:
-        """(N, D) all rows as they are now; the array never changes afterwards."""
+        """Return all present rows (N, D); the array does not change afterwards."""
         self._is_shared = True
         return self._array
 
@@ -78,7 +78,7 @@ class Rows:
         if row is None:
             rows = self._rows
             if len(rows) <= _FEW:
-                # what was put there by hand stays the very numbers it was given
+                # values that were set explicitly are returned unchanged
                 self._rows = rows = [
                     made if kept is None else kept for kept, made in zip(rows, self._array.tolist(), strict=True)
                 ]

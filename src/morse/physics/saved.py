@@ -1,4 +1,4 @@
-"""What a saved state of the physics holds: plain data, in these structures while it is checked."""
+"""The structures of a saved state of the physics, used to validate plain data."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from msgspec import Meta, Struct
 
 from morse.physics.glide import FORESIGHT
 
-#: number of the format; states of another one are refused
+#: version of the format; states of other versions are refused
 VERSION = 2
 
 Vector3 = tuple[float, float, float]
@@ -25,7 +25,7 @@ class _Part(Struct, forbid_unknown_fields=True):
 
 
 class SavedPose(_Part):
-    """Where a slot that the engine does not move is, or where any slot was put since the last tick."""
+    """The pose of a slot that the engine does not move, or that was moved by an explicit call since the last tick."""
 
     slot: str
     position: Vector3
@@ -34,7 +34,7 @@ class SavedPose(_Part):
 
 
 class SavedStale(_Part):
-    """Where the engine still believes a slot to be that was put elsewhere since the last tick."""
+    """The old pose, still stored in the engine, of a slot that was moved by an explicit call since the last tick."""
 
     slot: str
     position: Vector3
@@ -42,7 +42,7 @@ class SavedStale(_Part):
 
 
 class SavedTwist(_Part):
-    """The velocity, world axes, of a slot that is moved without forces."""
+    """The velocity, world axes, of a slot that moves kinematically."""
 
     slot: str
     linear: Vector3
@@ -67,7 +67,7 @@ class SavedDrives(_Part):
 
 
 class SavedGrip(_Part):
-    """A slot that hangs on an object."""
+    """A slot that is attached to an object."""
 
     slot: str
     holder: str
@@ -76,7 +76,7 @@ class SavedGrip(_Part):
 
 
 class SavedSuspension(_Part):
-    """A slot that is kept where it is."""
+    """A slot whose dynamics are suspended."""
 
     slot: str
     position: Vector3
@@ -84,14 +84,14 @@ class SavedSuspension(_Part):
 
 
 class SavedAttachments(_Part):
-    """What is held, in the order in which it was taken."""
+    """The held slots, in the order in which they were attached."""
 
     held: list[SavedGrip]
     suspended: list[SavedSuspension]
 
 
 class SavedGlide(_Part):
-    """A robot that glides; see `morse.physics.glide.Glide`. ``floor`` is the bit of its floor."""
+    """A gliding robot; see `morse.physics.glide.Glide`. ``floor`` is the bit of its floor."""
 
     slot: str
     floor: int
@@ -103,7 +103,7 @@ class SavedGlide(_Part):
 
 
 class SavedStand(_Part):
-    """How a robot stood; see `morse.physics.glide.Stand`."""
+    """The stance of a robot; see `morse.physics.glide.Stand`."""
 
     slot: str
     tick: _Ticks
@@ -133,7 +133,7 @@ class SavedGliding(_Part):
 
 
 class SavedObject(_Part, omit_defaults=True):
-    """What differs in an object from the scene: its properties, whether it is seen, its pose below its parent."""
+    """The differences of an object from the scene: properties, visibility, pose relative to its parent."""
 
     properties: dict[str, Any] | None = None
     visible: bool | None = None
@@ -142,15 +142,15 @@ class SavedObject(_Part, omit_defaults=True):
 
 
 class SavedEngine(_Part):
-    """The numbers of the engine.
+    """The values of the engine.
 
     Attributes:
         integration: MuJoCo's ``mjSTATE_INTEGRATION``.
         asleep: MuJoCo's ``tree_asleep``.
         model: the arrays of the model that change while it runs.
-        contacts: (N, 2) geoms that touch.
-        forces: whether forces wait for the next tick.
-        stirred: whether something was done to a body that does not glide.
+        contacts: (N, 2) geoms in contact.
+        forces: whether forces are set for the next tick.
+        stirred: whether a body that does not glide was changed by an explicit call.
     """
 
     integration: Array
@@ -162,7 +162,7 @@ class SavedEngine(_Part):
 
 
 class SavedWorld(_Part):
-    """All of it."""
+    """The whole state of a world."""
 
     version: int
     slots: tuple[str, ...]
@@ -178,10 +178,10 @@ class SavedWorld(_Part):
 
 
 def checked(state: object) -> SavedWorld:
-    """A state as structures, its numbers finite, in whose names and sizes nothing is checked yet.
+    """Convert a state into structures and check that its numbers are finite; names and sizes are not checked.
 
     Raises:
-        ValueError: it is not made like a state of this version; the text says where.
+        ValueError: the state does not have the format of this version; the message names the location.
     """
     if isinstance(state, dict) and state.get("version", VERSION) != VERSION:
         raise ValueError(f"this state has version {state['version']!r}, this MORSE reads version {VERSION}")
@@ -197,7 +197,7 @@ def checked(state: object) -> SavedWorld:
 
 
 def _array(_kind: type, value: Any) -> Any:
-    # arrays are the only type that msgspec does not know
+    # arrays are the only type that msgspec does not support
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return value
     raise ValueError(f"expected an array of numbers, got {type(value).__name__}")

@@ -1,4 +1,4 @@
-"""All state of a world as plain data, and back."""
+"""Converts the whole state of a world to plain data and back."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Saving:
-    """Gathers what each part of a world holds, and hands it out again."""
+    """Collects the states of all parts of a world, and restores them."""
 
     def __init__(
         self, world: ObjectWorld, gliding: Gliding, steps: GlideSteps, objects: Mapping[str, GameObject]
@@ -67,10 +67,10 @@ class Saving:
         }
 
     def checked(self, state: object) -> saved.SavedWorld:
-        """A state that fits this world.
+        """Validate a state for this world and return it.
 
         Raises:
-            ValueError: it is damaged, or of another scene; the text says what is wrong.
+            ValueError: the state is damaged, or belongs to another scene; the message describes the problem.
         """
         world = self._world
         found = saved.checked(state)
@@ -88,7 +88,7 @@ class Saving:
         return found
 
     def set_state(self, state: saved.SavedWorld) -> None:
-        """Take over a state that was checked."""
+        """Restore a validated state."""
         world, named = self._world, self._world.named
         world.bodies.moved_shapes.reset()
         for name, obj in self._objects.items():
@@ -112,7 +112,7 @@ class Saving:
         for stale in state.stale:
             index = named[stale.slot]
             world.touched.add(index)
-            # the engine notices by the difference that a sleeping body was moved
+            # the engine detects by the difference that a sleeping body was moved
             world.data.xpos[world.slots[index].body] = stale.position
             world.data.xquat[world.slots[index].body] = stale.quaternion
         world.drives.set_state(state.drives)
@@ -124,7 +124,7 @@ class Saving:
 
 
 def _slots_of(state: saved.SavedWorld) -> Iterator[str]:
-    """Every slot that a state names."""
+    """Iterate over all slots that a state names."""
     drives, attachments, gliding = state.drives, state.attachments, state.gliding
     yield from (*state.loose, *drives.sliding)
     groups: tuple[Any, ...] = (

@@ -1,4 +1,4 @@
-"""Adds nodes to a scene that runs and takes nodes out of it, and takes that back if it fails."""
+"""Adds nodes to a running scene or removes nodes from it, with undo."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class SceneChange:
         self._lists.append((kept, list(kept)))
 
     def add(self, roots: Sequence[Node], components: Iterable[ComponentDeclaration]) -> None:
-        """Add nodes without parents, with all below them, and declarations of components.
+        """Add nodes without parents, with all nodes below them, and declarations of components.
 
         Raises:
-            ValueError: a name is there already, or a node has a parent.
+            ValueError: a name exists already, or a node has a parent.
         """
         for root in roots:
             if root.parent is not None:
@@ -52,11 +52,11 @@ class SceneChange:
             taken.add(node.name)
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
-        """Let the scene consist of just these, in this order."""
+        """Let the scene consist of exactly these nodes and components, in this order."""
         self.scene.roots[:], self.scene.components[:], self.scene.zones[:] = roots, components, zones
 
     def remove(self, nodes: Iterable[Node]) -> None:
-        """Take nodes and all below them out, with the components that are declared for them, and zones."""
+        """Remove nodes and all nodes below them, with their components and zones."""
         scene = self.scene
         gone: set[Node] = set()
         for node in nodes:
@@ -72,12 +72,12 @@ class SceneChange:
         scene.zones[:] = [zone for zone in scene.zones if zone.node not in gone]
 
     def replace(self, old: Node, new: Node) -> None:
-        """Put a node with all below it into the place of another one.
+        """Replace a node, with all nodes below it, by another node.
 
-        Declarations of components and zones go over to the node of the same name.
+        Declarations of components and zones are transferred to the node of the same name.
 
         Raises:
-            ValueError: a name is there already, or nodes that carry components are missing below the new node.
+            ValueError: a name exists already, or nodes that carry components are missing below the new node.
         """
         scene = self.scene
         gone, come = set(old.walk()), {node.name: node for node in new.walk()}
@@ -101,7 +101,7 @@ class SceneChange:
                 zone.node = come[zone.node.name]
 
     def move(self, node: Node, parent: Node) -> None:
-        """Let a node with all below it hang on another node, with the same pose relative to it."""
+        """Attach a node to another parent node, with the same relative pose."""
         siblings = self.scene.roots if node.parent is None else node.parent.children
         self._remember(siblings)
         self._remember(parent.children)
@@ -111,7 +111,7 @@ class SceneChange:
         node.parent = parent
 
     def undo(self) -> None:
-        """The scene as it was."""
+        """Restore the scene before the change."""
         for kept, before in reversed(self._lists):
             kept[:] = before
         for node, parent in reversed(self._parents):

@@ -1,4 +1,4 @@
-"""One ray at a time, for components that ask for it."""
+"""Casts single rays for components."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def cast_ray(
     xray: bool,
     exclude: GameObject,
 ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-    """The first object that a ray meets; see `GameObject.rayCast`."""
+    """Return the first object that a ray hits; see `GameObject.rayCast`."""
     reach = math.dist(start, target)
     if not 0.0 < reach < math.inf:
         return None, None, None
@@ -47,7 +47,7 @@ def cast_ray(
 
 
 def _without(world: ObjectWorld, rays: Rays, prop: str) -> NDArray[np.bool_]:
-    """(S,) the solids that do not have a property; neither have the bodies that the solids are part of."""
+    """Return (S,) booleans: solids that do not have a property, and whose bodies do not have it either."""
     lacking = rays.without(prop)
     for solid in np.flatnonzero(lacking):
         lacking[solid] = prop not in body_of(world, rays.object_of(int(solid)))

@@ -1,4 +1,4 @@
-"""Which trees of bodies sleep; the engine has no function that sets it."""
+"""Sets which trees of bodies sleep, because the engine has no function for that."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
     from morse.physics.engine_state import EngineState
 
-#: the engine counts awake trees up from here to -1, "ready to sleep"
+#: value of an awake tree, from which the engine counts up to -1, "ready to sleep"
 WIDE_AWAKE = -(1 + mujoco.mjMINAWAKE)
 
 
 def check_asleep(asleep: NDArray[np.int32], trees: int) -> None:
-    """Raise ValueError unless the numbers say of each tree that it is awake, or what sleeps with it in a circle."""
+    """Raise ValueError unless each tree is awake or is part of a cycle of sleeping trees."""
     if asleep.shape != (trees,) or asleep.dtype.kind not in "iu":
         raise ValueError(f"the engine has {trees} trees of bodies, not {asleep.shape}")
     sleepers = np.flatnonzero(asleep >= 0)
@@ -26,13 +26,13 @@ def check_asleep(asleep: NDArray[np.int32], trees: int) -> None:
 
 
 def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:
-    """Let trees sleep as MuJoCo's ``tree_asleep`` says, and all that it derives from that."""
+    """Set MuJoCo's ``tree_asleep`` and all values that the engine derives from it."""
     model, data = state.model, state.data
     data.tree_asleep[:] = asleep
     awake = np.asarray(asleep) < 0
     data.tree_awake[:] = awake
     trees = model.body_treeid
-    # bodies without joints stand still, unless they are moved by hand: those count as awake
+    # bodies without joints are static, except those moved by explicit calls, which count as awake
     bodies = np.where(model.body_mocapid >= 0, 1, -1)
     bodies[trees >= 0] = awake[trees[trees >= 0]]
     data.body_awake[:] = bodies

@@ -1,4 +1,4 @@
-"""Where some objects were at one moment, worked out for those that somebody asks for."""
+"""Poses of objects at one moment, computed on demand."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Snapshot:
     """The poses of some objects at one moment.
 
     Args:
-        positions, rotations: (K, 3), (K, 9) of all rigid groups; these arrays never change.
-        slots: the groups of the objects.
-        mountings: where the objects are in them.
+        positions, rotations: (K, 3), (K, 9) poses of all rigid groups; these arrays never change.
+        slots: groups of the objects.
+        mountings: poses of the objects in their groups.
     """
 
     __slots__ = ("_mountings", "_positions", "_rotations", "_slots")
@@ -37,12 +37,12 @@ class Snapshot:
         self._slots, self._mountings = slots, mountings
 
     def pose(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
-        """Position (3) and rotation (9, row by row) of an object in the world."""
+        """Return the position (3) and rotation (9, row by row) of an object in the world."""
         slot = self._slots[row]
         return self._mountings[row].carried(self._positions[slot].tolist(), self._rotations[slot].tolist())
 
     def positions(self) -> NDArray[np.float64]:
-        """(N, 3) m, in the world."""
+        """Return the positions (N, 3) in the world, m."""
         turned = self._rotations[self._slots]
         offsets = np.array([mounting.offset for mounting in self._mountings])
         columns = [turned[:, k] * offsets[:, 0] + turned[:, k + 1] * offsets[:, 1] + turned[:, k + 2] * offsets[:, 2]
@@ -51,13 +51,13 @@ class Snapshot:
         return moved
 
     def rotations(self) -> NDArray[np.float64]:
-        """(N, 3, 3) from the axes of each object to those of the world."""
+        """Return the rotations (N, 3, 3) from the axes of each object to those of the world."""
         turned = np.array([mounting.turned for mounting in self._mountings]).reshape(-1, 3, 3)
         return np.asarray(self._rotations[self._slots].reshape(-1, 3, 3) @ turned)
 
 
 class Snapshots:
-    """Takes snapshots of the same objects again and again; that costs next to nothing."""
+    """Takes snapshots of the same objects repeatedly, at little cost."""
 
     def __init__(self, state: EngineState, objects: Sequence[Mounted]) -> None:
         self._state, self._objects = state, objects
@@ -66,7 +66,7 @@ class Snapshots:
         self._mountings: list[Mounting] = []
 
     def now(self) -> Snapshot:
-        """The present poses."""
+        """Return a snapshot of the present poses."""
         state = self._state
         if self._displacements != state.displacements:
             self._displacements = state.displacements

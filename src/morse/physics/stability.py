@@ -1,4 +1,4 @@
-"""Warnings of the engine, and what is raised when it has no answer any more."""
+"""Warnings of the engine, and the error for unstable physics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import mujoco
 
 logger = logging.getLogger(__name__)
 
-#: what the engine warned of already; it repeats itself every step
+#: warnings that were logged already, because the engine repeats them in every step
 _said: set[str] = set()
 
 
@@ -19,7 +19,7 @@ def _warn(text: str) -> None:
         logger.warning("%s", text)
 
 
-# the engine would write its warnings to a file in the user's directory
+# without this handler, the engine would write its warnings to a file in the working directory
 mujoco.set_mju_user_warning(_warn)
 
 
@@ -27,7 +27,7 @@ class UnstableError(Exception):
     """The physics diverges even after a reset of the bodies concerned; see `morse.physics.rescue`.
 
     Attributes:
-        body: name of the body that went first.
+        body: name of the body that diverged first.
     """
 
     def __init__(self, body: str, what: str) -> None:

@@ -1,6 +1,6 @@
-"""MuJoCo's own viewer, for a look at the physics from the inside.
+"""MuJoCo's own viewer, for inspecting the physics.
 
-It comes with the extra ``studio`` and shows itself in a browser.
+It is installed by the extra ``studio`` and runs in a browser.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from morse.physics.world import World
 
-#: wall-clock seconds that the viewer gets to open its port
+#: timeout for the viewer to open its port, wall-clock seconds
 _PATIENCE = 15.0
 
 
 class StudioMissingError(OSError):
-    """The viewer is not installed; the text says how to get it."""
+    """The viewer is not installed; the message contains the command that installs it."""
 
 
 class Studio:
     """A running viewer of one world.
 
     Args:
-        host: address that it binds to.
+        host: address to which the viewer binds.
         port: TCP port; 0 for the first free one from 8080.
 
     Raises:
-        StudioMissingError: it is not installed.
-        OSError: it did not start.
+        StudioMissingError: the viewer is not installed.
+        OSError: the viewer did not start.
     """
 
     def __init__(self, world: World, host: str, port: int = 0) -> None:
@@ -40,7 +40,7 @@ class Studio:
         bind = server.bind_public_socket
 
         def bind_here(_host: str, asked: int = 0) -> Any:
-            # the viewer itself listens on every interface, and has no option against it
+            # the viewer listens on all interfaces and has no option for the address
             bound.append(bind(host, asked))
             ready.set()
             return bound[0]
@@ -56,7 +56,7 @@ class Studio:
         self._handle.set_model(world.model, data=world.data)
 
     def update(self) -> None:
-        """Show the state as it is now, and take over what the user pushes or changes there."""
+        """Show the present state, and apply forces and changes that the user makes in the viewer."""
         if self._handle.is_running():
             self._handle.sync(self._world.model, self._world.data)
 

@@ -1,4 +1,4 @@
-"""What the shape of a sensor touches."""
+"""Finds the objects that touch the shape of a sensor."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 
 
 class Touching:
-    """Finds the objects whose shapes touch the shapes of another one, whether these collide or only feel.
+    """Finds the objects whose shapes touch the shapes of another object, which may collide or only detect contacts.
 
-    The engine needs some microseconds for the distance of two shapes. So all shapes that are too far away are sorted
-    out first, by the boxes around those that stand still, and the spheres around those that move.
+    The engine needs some microseconds to compute the distance of two shapes. Shapes that are too far away are therefore
+    excluded first, by the bounding boxes of static shapes and the bounding spheres of moving shapes.
     """
 
     def __init__(self, world: ObjectWorld) -> None:
         self._world = world
         model, data = world.model, world.data
-        # of each shape, as the engine keeps them up to date: to ask for an array takes longer than to use it
+        # references to the arrays of the engine, because each access through the model takes longer than the use
         self._places, self._turns, self._radii = data.geom_xpos, data.geom_xmat, model.geom_rbound
         self._halves = np.abs(model.geom_aabb[:, :3]) + model.geom_aabb[:, 3:]
         self._feelers: dict[Node, list[int]] = {}
@@ -42,9 +42,9 @@ class Touching:
         self._loosened = False
 
     def objects(self, obj: GameObject, margin: float) -> list[GameObject]:
-        """The objects that are nearer than ``margin`` (m) to the shapes of an object, but for what moves with it.
+        """Return the objects nearer than ``margin`` (m) to the shapes of an object, except those that move with it.
 
-        What is made of several shapes is there once.
+        An object with several shapes is returned once.
         """
         world = self._world
         own = self._body_of_slot[obj.slot]
@@ -64,12 +64,12 @@ class Touching:
 
     @cached_property
     def _body_of_slot(self) -> list[int]:
-        """The slot of the body that each slot is a part of: wheels are parts of robots."""
+        """Return the slot of the body of each slot: wheels are parts of robots."""
         return [owner(self._world, slot) for slot in range(len(self._world.slots))]
 
     @cached_property
     def _solids(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """The shapes that can be touched: those that stand still in the scene, and the others."""
+        """Return the shapes that can be touched: static shapes, and moving shapes."""
         fixed: list[int] = []
         moving: list[int] = []
         for slot in self._world.slots:
@@ -80,7 +80,7 @@ class Touching:
 
     @cached_property
     def _movers(self) -> tuple[NDArray[np.float64], list[int]]:
-        """Of the shapes that move: the radius of the sphere around each, and the body that each is a part of."""
+        """Return the radius of the bounding sphere and the body of each moving shape."""
         world, moving = self._world, self._solids[1]
         return self._radii[moving], [self._body_of_slot[world.slot_of[world.geom_node[geom]]] for geom in moving]
 
@@ -102,12 +102,12 @@ class Touching:
                 yield from (int(moving[index]) for index in np.flatnonzero(near).tolist() if bodies[index] != own)
 
     def _half_of_box(self, geom: int) -> NDArray[np.float64]:
-        """(3,) half sizes of a box around a shape, along the axes of the world, about the origin of the shape."""
+        """Return (3,) half sizes of an axis-aligned box around a shape, centred at the origin of the shape, m."""
         turned: NDArray[np.float64] = np.abs(self._turns[geom]).reshape(3, 3) @ self._halves[geom]
         return turned
 
     def _boxes(self, fixed: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(N, 3) lower and upper corners around static bodies; computed again after a static body was moved."""
+        """Return (N, 3) lower and upper corners around static bodies; computed again after a static body was moved."""
         world = self._world
         if self._kept is None or world.loose or self._loosened:
             where = np.hstack([self._places[fixed], self._turns[fixed]])

@@ -1,17 +1,18 @@
-"""What the floor lends to robots on driven wheels.
+"""Traction of robots on driven wheels.
 
-The wheels of a robot that turns slide: four wheels that cannot be steered always do, and the contact of a tyre is not a
-point. Coulomb friction in single contact points makes of that a motion that depends on rounding and on the load of each
-wheel. So the friction of all wheels of a robot is taken together: they roll without friction in the engine, and once a
-tick the velocity of the robot comes closer to that at which its wheels turn, by no more than the friction allows.
+The wheels of a turning robot slide: four wheels without steering always slide, and the contact of a tyre is not a
+point. With Coulomb friction at single contact points, the resulting motion would depend on rounding and on the load of
+each wheel. Therefore the friction of all wheels of a robot is computed together. The wheels have no friction in the
+engine, and once per tick the velocity of the robot is moved towards the velocity of its turning wheels, limited by the
+friction.
 
-The velocity at which the wheels turn is that of a steadily turning robot. Wheels at (x_i, y_i) from their middle whose
-treads run at s_i push against their slip; forces and moments are in balance, for slips of equal size, at
+The velocity of the turning wheels is that of a steadily turning robot. Wheels at (x_i, y_i) from their centre, whose
+treads run at s_i, exert forces against their slip. For slips of equal size, forces and moments are balanced at
 
     v = mean(s_i)        w = -sum(y_i s_i) / sum(x_i^2 + y_i^2)
 
-For two wheels that is rolling without slip; for four see J. L. Martinez et al., "Approximating kinematics for tracked
-mobile robots", Int. J. Robotics Research 24 (2005).
+For two wheels this is rolling without slip. For four wheels see J. L. Martinez et al., "Approximating kinematics for
+tracked mobile robots", Int. J. Robotics Research 24 (2005).
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ if TYPE_CHECKING:
     from morse.physics.drives import Drives
     from morse.physics.engine_state import EngineState
 
-#: a robot whose wheels stand and that moves more slowly than this, m/s and rad/s, is held by plain friction
+#: speed, m/s and rad/s, below which a robot with stopped wheels is held by plain friction
 _CREEP = 0.02
 
 
 class Traction:
-    """Moves the robots of a world that stand on driven wheels."""
+    """Moves the robots of a world that have driven wheels."""
 
     def __init__(self, state: EngineState) -> None:
         self._state = state
@@ -73,7 +74,7 @@ class Traction:
     def _chassis(
         self, index: int, wheels: list[int]
     ) -> tuple[list[int], list[int], Floats, Floats, float, float, float]:
-        """Geoms, motors, radii and levers of the wheels; axle, friction and turning; see `ChassisArrays`."""
+        """Return geoms, motors, radii and levers of the wheels; axle, friction and turning; see `ChassisArrays`."""
         state, model = self._state, self._state.model
         slots = [state.slots[wheel] for wheel in wheels]
         bodies = [slot.body for slot in slots]
@@ -96,10 +97,10 @@ class Traction:
         )
 
     def apply(self, drives: Drives) -> None:
-        """The tick begins: change the velocities of the robots.
+        """Change the velocities of the robots at the beginning of a tick.
 
         Args:
-            drives: knows which slots are commanded as bodies, independent of their wheels.
+            drives: the velocity commands, which show the slots that are driven as bodies, independent of their wheels.
         """
         if not self._slots:
             return

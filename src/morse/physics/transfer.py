@@ -1,4 +1,4 @@
-"""Carries the state of a world over to the engine's model of a scene that has changed."""
+"""Transfers the state of a world to the recompiled model of a changed scene."""
 
 from __future__ import annotations
 
@@ -22,35 +22,35 @@ if TYPE_CHECKING:
 
 _OF_BODIES = ("body_pos", "body_quat")
 _OF_SURFACES = ("geom_pos", "geom_quat", "geom_condim", "geom_priority")
-#: the margins are those of robots that glide
+#: the margins belong to gliding robots
 _OF_SHAPES = (*_OF_SURFACES, "geom_margin", "geom_gap")
 
 
 class Transfer:
-    """What stays when the scene of a world changes.
+    """The part of the state that is kept when the scene of a world changes.
 
     Args:
-        old: the engine before.
-        new: the engine after; in the state that was compiled.
-        floors: bits of the floors before to those after.
+        old: the engine before the change.
+        new: the engine after the change, in its compiled state.
+        floors: bits of the floors before the change to bits after the change.
     """
 
     def __init__(self, old: EngineState, new: EngineState, floors: dict[int, int]) -> None:
         self._old, self._new = old, new
         self._floors = floors
         pairs = [(old.slots[old.named[name]], new.slots[new.named[name]]) for name in new.names if name in old.named]
-        #: slots before and after that move in the same way; those that also have the same shapes
+        #: pairs of old and new slots that move in the same way; and those that also have the same shapes
         self._kept = [(a, b) for a, b in pairs if a.frame.motion is b.frame.motion]
         self._same = [(a, b) for a, b in self._kept if _shapes(a) == _shapes(b) and len(a.feet) == len(b.feet)]
         self._kept_names = {b.frame.node.name for _, b in self._kept}
         self._same_names = {b.frame.node.name for _, b in self._same}
 
     def state(self, before: saved.SavedWorld, objects: Iterable[str]) -> saved.SavedWorld:
-        """The state of the new world.
+        """Return the state of the new world.
 
         Args:
-            before: of the old one; what is held by something that goes was let go.
-            objects: names of the objects that stay what they are.
+            before: state of the old world, in which objects attached to removed objects are already detached.
+            objects: names of the unchanged objects.
         """
         kept, same, staying = self._kept_names, self._same_names, set(objects)
         gliding = self._gliding(before.gliding)
@@ -115,7 +115,7 @@ class Transfer:
         return saved.SavedEngine(numbers, self._asleep(), model, self._contacts(before), before.engine.forces, True)
 
     def _carry_motion(self, a: Slot, b: Slot) -> None:
-        """Positions, velocities and forces of a slot."""
+        """Transfer the positions, velocities and forces of a slot."""
         old, new = self._old.data, self._new.data
         free = b.frame.motion is Motion.FREE
         if b.qpos >= 0:
@@ -131,7 +131,7 @@ class Transfer:
             new.xfrc_applied[b.body] = old.xfrc_applied[a.body]
 
     def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]], names: Sequence[str]) -> None:
-        """What drives, gliding and hands changed of the shapes of a slot."""
+        """Transfer changes of the shapes of a slot by drives, gliding and explicit calls."""
         old = self._old.model
         for one, other in zip(_geoms(a), _geoms(b), strict=True):
             for name in names:
@@ -154,7 +154,7 @@ class Transfer:
     # -- sleep -----------------------------------------------------------------------------
 
     def _asleep(self) -> NDArray[np.int32]:
-        """Bodies that sleep keep sleeping, unless a body near them was added, removed or changed."""
+        """Return the sleep state: bodies keep sleeping, unless a body near them was added, removed or changed."""
         old, new = self._old, self._new
         woken = self._disturbed_trees()
         tree = {
@@ -177,7 +177,7 @@ class Transfer:
         return result
 
     def _disturbed_trees(self) -> set[int]:
-        """The trees of the old engine near shapes that come, go or change."""
+        """Return the trees of the old engine near shapes that are added, removed or changed."""
         old, new = self._old, self._new
         stays_old = {geom for a, _ in self._same for geom in _geoms(a)}
         stays_new = {geom for _, b in self._same for geom in _geoms(b)}
@@ -192,12 +192,12 @@ def _geoms(slot: Slot) -> list[int]:
 
 
 def _shapes(slot: Slot) -> list[tuple[object, int]]:
-    """The nodes of a slot with the numbers of their geoms, and what it hangs on."""
+    """Return the nodes of a slot with the numbers of their geoms, and its parent."""
     parent = slot.frame.parent
     outer: list[tuple[object, int]] = [] if parent is None else [(parent.node, -1)]
     return outer + [(node, len(geoms)) for node, geoms in slot.geoms.items()]
 
 
 def _as_far_as(entry: saved.SavedObject, stays: bool) -> saved.SavedObject:
-    """What an object keeps; one whose node was replaced takes the place that this says."""
+    """Return the state that an object keeps; an object whose node was replaced gets the pose of the new node."""
     return entry if stays else saved.SavedObject(entry.properties, entry.visible)

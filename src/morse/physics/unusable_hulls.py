@@ -1,4 +1,4 @@
-"""Convex shapes of which the engine makes no hull."""
+"""Convex shapes for which the engine cannot compute a hull."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _NAMED = 5
 
 
 def replace_unusable_hulls(scene: Scene) -> bool:
-    """Take out every convex shape that the engine refuses, and name its objects in one warning.
+    """Remove all convex shapes that the engine refuses, and log one warning with the names of the objects.
 
-    Bodies that move need a shape to have an inertia: they get the box around the points instead.
+    Moving bodies need a shape for their inertia, so they get the box around the points instead.
 
     Returns:
-        Whether there was any.
+        Whether any shape was removed.
     """
     unusable: dict[int, bool] = {}
     concerned: list[Node] = []

@@ -1,4 +1,4 @@
-"""Makes the engine obey weights that were cancelled while it runs."""
+"""Enables gravity compensation in the engine at run time."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def count_weightless(state: EngineState) -> None:
-    """Have the engine count the weightless bodies, which it does at compile time only.
+    """Count the weightless bodies, which the engine does at compile time only.
 
-    Its function for that spoils positions, and takes the masks of bodies from those that their shapes have at the
-    moment: a robot that glides just then would fall through the floor later.
+    The function of the engine for that modifies positions, and computes the collision masks of bodies from the present
+    masks of their shapes. A robot that is gliding at that time would later fall through the floor.
     """
     model, data = state.model, state.data
     kept = data.qpos.copy(), model.body_contype.copy(), model.body_conaffinity.copy()

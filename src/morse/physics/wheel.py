@@ -1,4 +1,4 @@
-"""The handle that a wheeled robot holds of one of its wheels."""
+"""The handle of a wheeled robot for one of its wheels."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Wheel:
 
     Attributes:
         object: the wheel in the world.
-        radius: metres.
-        offset_y: metres to the left of the robot's centre.
-        offset_x: metres ahead of it.
+        radius: radius, m.
+        offset_y: distance to the left of the centre of the robot, m.
+        offset_x: distance in front of the centre of the robot, m.
     """
 
-    #: made from the scene, without a state of its own: what it remembers of the engine is not saved
+    #: created from the scene, without a state; cached values of the engine are not saved
     is_apparatus = True
 
     def __init__(self, state: EngineState, wheel: Posed, robot: Posed) -> None:
@@ -42,7 +42,7 @@ class Wheel:
         return self._state.slots[self._state.slot_of[self.object.node]]
 
     def set_speed(self, speed: float) -> None:
-        """Turn at ``speed`` rad/s; positive drives forward. A motor that is asked for more turns as fast as it can.
+        """Set the speed of the motor, rad/s; positive drives forward. Larger values are limited to the maximum speed.
 
         Raises:
             ValueError: the value is not a number.
@@ -54,13 +54,13 @@ class Wheel:
             speed = min(max(speed, -limit), limit)
         state = self._state
         if self._model is not state.model:
-            # things have come or gone: the engine's model is another one
+            # objects were added or removed, so the model of the engine is a new one
             self._model, self._actuator = state.model, self._slot.actuator
         state.data.ctrl[self._actuator] = speed
 
     @property
     def angle(self) -> float:
-        """Angle turned since the start, rad."""
+        """Angle since the start, rad."""
         return float(self._state.data.qpos[self._slot.qpos])
 
     @property

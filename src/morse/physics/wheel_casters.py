@@ -1,8 +1,8 @@
-"""Casters of robots on wheels.
+"""Casters of wheeled robots.
 
-A robot on two driven wheels and rigid casters stands on three points: casters that reach a millimetre too low lift a
-driven wheel, and the robot turns on the spot or not at all. Real ones are sprung. Here they end a little higher than
-the wheels, so that these always carry their share.
+A robot with two driven wheels and rigid casters stands on three points. Casters that reach a millimetre too low lift a
+driven wheel, and the robot turns on the spot or does not move. Real casters have springs. The casters in the simulation
+end slightly higher than the wheels, so that the wheels always carry a load.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from morse.scene import CollisionShape, Node
     from morse.scene.frames import RigidFrame
 
-#: metres between the lowest point of a caster and that of the wheels
+#: distance between the lowest points of casters and wheels, m
 _CLEARANCE = 0.001
 
 
 def is_caster(node: Node) -> bool:
-    """Whether a part slides, and carries only what the wheels do not."""
+    """Whether a part is a caster."""
     return "caster" in node.plain_name.lower()
 
 
 def caster_floor(frame: Frame, pose: RigidFrame) -> float | None:
-    """How low casters of a robot may reach: height in its frame, m; None if it has no driven wheels."""
+    """Return the lowest height of casters in the frame of the robot, m; None if it has no driven wheels."""
     names = driven_wheels(frame.robot)
     bottoms = []
     for node in frame.node.walk():
@@ -45,7 +45,7 @@ def caster_floor(frame: Frame, pose: RigidFrame) -> float | None:
 def rise(
     shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64], floor: float | None
 ) -> float:
-    """How far a shape of a caster has to be raised to end above a floor, m."""
+    """Return the distance by which a shape of a caster has to be raised to end above a floor, m."""
     if floor is None:
         return 0.0
     low, _ = bounding_box(shape, position, rotation)

@@ -21,12 +21,12 @@ def _rotation(node: Node) -> NDArray[np.float64]:
 
 
 def wheel_axis(wheel: Node, robot: Node) -> NDArray[np.float64]:
-    """The axle (3,) in the wheel's frame: the robot's Y axis, so that positive speed drives forward."""
+    """Return the axle (3,) in the frame of the wheel: the Y axis of the robot, so that positive speed is forward."""
     return _rotation(wheel).T @ _rotation(robot)[:, 1]
 
 
 def wheel_size(wheel: Node, axis: NDArray[np.float64]) -> tuple[float, float, NDArray[np.float64]]:
-    """Radius, half width (m), and rotation (3, 3) that turns Z into the axle, of a wheel's shapes."""
+    """Return radius and half width of the shapes of a wheel, m, and the rotation (3, 3) from Z to the axle."""
     z = axis / np.linalg.norm(axis)
     helper = np.array([1.0, 0.0, 0.0]) if abs(z[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = np.cross(helper, z)

@@ -1,4 +1,4 @@
-"""The physics of a running scene: step it, reset it, ask it where things are."""
+"""The physics of a running scene: steps, reset, poses and queries."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class World(ObjectWorld):
     """A compiled scene and its state; every node of the scene has a `GameObject`.
 
     Attributes:
-        repainted: objects whose looks changed since the view looked at them.
-        repaints: how often looks have changed.
-        arrangement: changes whenever objects come or go, or are replaced.
+        repainted: objects whose appearance changed since the view last read it.
+        repaints: number of changes of appearance.
+        arrangement: changes whenever objects are added, removed or replaced.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -66,7 +66,7 @@ class World(ObjectWorld):
         self.reset()
 
     def _build(self) -> None:
-        """Make what belongs to the model that was compiled last."""
+        """Create the parts that belong to the latest compiled model."""
         mujoco.mj_forward(self.model, self.data)
         self.gliding = Gliding(self)
         self._steps = GlideSteps(self, self.gliding, self._rescue)
@@ -83,7 +83,7 @@ class World(ObjectWorld):
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
 
     def _take_objects(self) -> None:
-        """One object for each node; those whose names stay, stay."""
+        """Create one object for each node; objects whose names stay are kept."""
         before, self._names = self._names, {}
         self._objects = {}
         for node in self.scene.nodes():
@@ -97,61 +97,61 @@ class World(ObjectWorld):
             self.repainted.discard(obj)
             obj.remove()
 
-    # -- coming and going ------------------------------------------------------------------
+    # -- adding and removing ---------------------------------------------------------------
 
     def add(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration] = ()) -> list[GameObject]:
-        """Add nodes, with all below them, while the simulation runs.
+        """Add nodes, with all nodes below them, while the simulation runs.
 
-        The engine's model is compiled again. Existing bodies keep their state and their objects.
+        The model is recompiled. Existing bodies keep their state and their objects.
 
         Args:
-            roots: nodes without a parent whose collision shapes are worked out; they come last in the scene.
-            components: the declarations that belong to them; those of robots tell how they move.
+            roots: nodes without a parent, with computed collision shapes; they come last in the scene.
+            components: the declarations of their components; the declarations of robots determine how they move.
 
         Returns:
-            The objects of all nodes that came.
+            The objects of all added nodes.
 
         Raises:
-            ValueError: a name is there already, or the engine refuses a shape; nothing has changed then.
+            ValueError: a name exists already, or the engine refuses a shape; the world is then unchanged.
         """
         self._change(lambda change: change.add(roots, components))
         return [self._objects[node] for root in roots for node in root.walk()]
 
     def remove(self, objects: Sequence[GameObject]) -> None:
-        """Remove objects, with all below them; what hangs on one of them is let go.
+        """Remove objects, with all objects below them; objects that were attached with `setParent` are detached.
 
         A removed object raises `RemovedError` when it is used.
         """
         self._change(lambda change: change.remove([obj.node for obj in objects]))
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
-        """Let the world consist of just these nodes, in this order; objects that stay keep their state.
+        """Let the world consist of exactly these nodes, in this order; existing objects keep their state.
 
         Raises:
-            ValueError: the engine refuses a shape; nothing has changed then.
+            ValueError: the engine refuses a shape; the world is then unchanged.
         """
         self._change(lambda change: change.arrange(roots, components, zones))
 
     def replace(self, node: Node, new: Node) -> GameObject:
-        """Put a node, with all below it, into the place of another one, while the simulation runs.
+        """Replace a node, with all nodes below it, by another node, while the simulation runs.
 
-        Nodes of the same names stay the same objects. Bodies that move stay where they are; what stands still comes
-        to where the new node has it.
+        Objects of nodes with the same names are kept. Moving bodies keep their poses; static bodies get the pose of the
+        new node.
 
         Raises:
-            ValueError: as `add`, or nodes that carry components are missing below the new node.
+            ValueError: as for `add`, or nodes that carry components are missing below the new node.
         """
         self._change(lambda change: change.replace(node, new))
         return self._objects[new]
 
     def rebuild(self, edit: Callable[[SceneChange], None]) -> None:
-        """Change the nodes of the scene in several ways at once, while the simulation runs; see `add`, `replace`.
+        """Apply several changes to the nodes of the scene at once, while the simulation runs; see `add`, `replace`.
 
         Args:
-            edit: is given what to make the changes with.
+            edit: function that makes the changes; its argument is a `SceneChange`.
 
         Raises:
-            ValueError: the engine refuses a shape, or a change cannot be made; nothing has changed then.
+            ValueError: the engine refuses a shape, or a change is not possible; the world is then unchanged.
         """
         self._change(edit)
 
@@ -197,15 +197,15 @@ class World(ObjectWorld):
 
     @property
     def objects_by_name(self) -> dict[str, GameObject]:
-        """Every object of the world."""
+        """All objects of the world by name."""
         return self._names
 
     def objects(self) -> Iterator[GameObject]:
-        """Every object, parents before their children."""
+        """Iterate over all objects, parents before their children."""
         return iter(self._objects.values())
 
     def object_list(self) -> ObjectList[GameObject]:
-        """Every object, found by number or by name."""
+        """All objects, indexed by number or by name."""
         return ObjectList(list(self._objects.values()))
 
     def object_of(self, node: Node) -> GameObject:
@@ -213,7 +213,7 @@ class World(ObjectWorld):
         return self._objects[node]
 
     def find_object(self, node: Node) -> GameObject | None:
-        """The object of a node, or None if the node is not in the world any more."""
+        """Return the object of a node, or None if the node was removed from the world."""
         return self._objects.get(node)
 
     def game_object(self, name: str) -> GameObject:
@@ -225,13 +225,13 @@ class World(ObjectWorld):
         return self._names[name]
 
     def geom_object(self, geom: int) -> GameObject:
-        """The object whose shape a MuJoCo geom is."""
+        """Return the object to which a MuJoCo geom belongs."""
         return self._objects[self.geom_node[geom]]
 
     # -- time ------------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Everything as the scene says, at rest."""
+        """Reset all objects to the scene, at rest."""
         for name, values in self._pristine.items():
             getattr(self.model, name)[:] = values
         self.bodies.moved_shapes.reset()
@@ -254,7 +254,7 @@ class World(ObjectWorld):
         kinematics.refresh(self)
 
     def step(self) -> None:
-        """One tick: apply the commands, let the engine take its steps, read the poses."""
+        """Run one tick: apply the commands, run the steps of the engine, read the poses."""
         self.attachments.before_step()
         self.traction.apply(self.drives)
         self.drives.apply()
@@ -277,43 +277,43 @@ class World(ObjectWorld):
 
     @property
     def recovered(self) -> int:
-        """How often a body was put back since the world was made."""
+        """Number of resets of bodies since the world was created."""
         return self._rescue.count
 
     def fleet(self, objects: Sequence[GameObject]) -> Fleet:
-        """Objects that shall be driven together, by `drive_fleet`."""
+        """Create a fleet of objects that are driven together with `drive_fleet`."""
         return Fleet([obj.slot for obj in objects])
 
     def snapshots(self, objects: Sequence[GameObject]) -> Snapshots:
-        """Tells where objects are, all at once."""
+        """Create a source of snapshots of the poses of some objects."""
         return Snapshots(self, objects)
 
     def drive_fleet(self, fleet: Fleet) -> None:
-        """Have a fleet move during the next tick as `Fleet.command` said."""
+        """Use the commands that were set by `Fleet.command` for the next tick."""
         self.drives.command_fleet(fleet)
 
     def sync(self) -> None:
-        """Work out where everything is, from the state as it is now."""
+        """Compute all poses from the present state."""
         kinematics.sync(self)
 
-    # -- looking around ----------------------------------------------------------------------
+    # -- queries -----------------------------------------------------------------------------
 
     @cached_property
     def rays(self) -> Rays:
-        """Casts rays; made when it is first needed."""
+        """The ray caster, created on demand."""
         return Rays(self)
 
     @property
     def is_stale(self) -> bool:
-        """Whether something was put elsewhere since the engine last worked out where everything is."""
+        """Whether an object was moved by an explicit call since the last forward kinematics of the engine."""
         return bool(self.touched or self.rearranged)
 
     def slot_poses(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, to be read at once."""
+        """Return positions (K, 3) and rotations (K, 3, 3) of the slots with shapes, which must be read immediately."""
         return self.positions.array, self.rotations.array.reshape(-1, 3, 3)
 
     def is_fixed(self, slot: int) -> bool:
-        """Whether a slot stands still unless somebody puts it elsewhere."""
+        """Whether a slot is static, apart from explicit calls."""
         return self.slots[slot].frame.motion is Motion.FIXED
 
     def cast(
@@ -325,26 +325,26 @@ class World(ObjectWorld):
         xray: bool,
         exclude: GameObject,
     ) -> tuple[GameObject | None, Vector | None, Vector | None]:
-        """See `GameObject.rayCast`; the body of ``exclude`` is looked through."""
+        """See `GameObject.rayCast`; the ray ignores the body of ``exclude``."""
         return cast_ray(self, self.rays, start, target, distance, prop, xray, exclude)
 
     def contacts(self) -> list[tuple[GameObject, GameObject]]:
-        """The pairs of objects that touch now."""
+        """Return the pairs of objects that are in contact."""
         pairs = self.data.contact.geom[: self.data.ncon].tolist() + self.gliding.supports()
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
     def touched_by(self, obj: GameObject, margin: float = 0.0) -> list[GameObject]:
-        """The objects whose shapes are nearer than ``margin`` (m) to those of an object, which may only feel."""
+        """Return the objects whose shapes are nearer than ``margin`` (m) to the shapes of an object, see `Touching`."""
         if self._touching is None:
             self._touching = Touching(self)
         return self._touching.objects(obj, margin)
 
     def contact_forces(self) -> bytes:
-        """Where bodies touch, at rest or not: see `ContactPoints.look`; (N, 6) float32."""
+        """Return all contact points as bytes of (N, 6) float32, see `ContactPoints.look`."""
         return self._contact_points.look().tobytes()
 
     def mass_centres(self) -> list[tuple[str, float, tuple[float, float, float]]]:
-        """Name, mass (kg) and centre of mass (m, in its own frame) of every body that obeys forces."""
+        """Return the name, mass (kg) and centre of mass (m, in its own frame) of every dynamic body."""
         found = []
         for slot in self.slots[: self.moving]:
             if slot.frame.motion in (Motion.FREE, Motion.HINGE):
@@ -356,44 +356,44 @@ class World(ObjectWorld):
 
     @property
     def layout(self) -> int:
-        """Changes whenever `moving_nodes` does."""
+        """A value that changes whenever `moving_nodes` changes."""
         return self._moving_poses.layout
 
     def moving_nodes(self) -> list[tuple[Node, str]]:
-        """The nodes whose poses `poses` gives, each with ``world`` or ``parent``, its frame."""
+        """Return the nodes in the order of `poses`, each with its frame, ``world`` or ``parent``."""
         return self._moving_poses.nodes()
 
     def poses(self) -> NDArray[np.float32]:
-        """(M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `moving_nodes`."""
+        """Return (M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `moving_nodes`."""
         return self._moving_poses.read()
 
     def note_displaced(self, obj: GameObject) -> None:
-        """A node has moved relative to its parent: from now on the view gets its pose."""
+        """Record that a node has moved relative to its parent, so that the view gets its pose from now on."""
         self._moving_poses.note_displaced(obj)
 
     def appearance_changed(self, obj: GameObject) -> None:
-        """Something about the looks of an object changed: the view has to know."""
+        """Notify the view that the appearance of an object changed."""
         self.repainted.add(obj)
         self.repaints += 1
 
     # -- the whole state -------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """Everything that determines the future of the physics, as plain data that shares nothing with the world.
+        """Return the state that determines the future of the physics, as plain data that shares nothing with the world.
 
-        Two worlds of one scene whose states are equal go on equally, to the bit, if the same happens to them.
+        Two worlds of the same scene with equal states continue identically, bit for bit, with the same inputs.
         """
         return self._saving.get_state()
 
     def check_state(self, state: object) -> None:
-        """Raise `ValueError` for what `set_state` would refuse."""
+        """Raise `ValueError` if `set_state` would refuse the state."""
         self._saving.checked(state)
 
     def set_state(self, state: object) -> None:
-        """Go on from a state that `get_state` gave, of this world or another one of the same scene.
+        """Restore a state that `get_state` returned, of this world or of another world of the same scene.
 
         Raises:
-            ValueError: it is damaged, or of another scene; nothing has changed then.
+            ValueError: the state is damaged, or belongs to another scene; the world is then unchanged.
         """
         checked = self._saving.checked(state)
         self._saving.set_state(checked)

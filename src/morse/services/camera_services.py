@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 
     from morse.scene import ViewSettings
 
-#: 4x4 numbers, row by row
+#: 4x4 matrix, row by row
 Transform = Annotated[list[list[float]], Range(POSITION["low"], POSITION["high"], shape=(4, 4))]
 #: aspect ratio and sensor width (mm) of the viewpoint camera
 _ASPECT, _SENSOR = 16.0 / 9.0, 32.0
 
 
 class ViewpointServices(AbstractObject):
-    """The camera ``CameraFP`` that looks at the scene.
+    """Services for ``CameraFP``, the viewpoint camera of the scene.
 
     Args:
-        changed: told after every change.
+        changed: callback after every change.
     """
 
     def __init__(self, view: ViewSettings, changed: Callable[[], None]) -> None:
@@ -40,7 +40,7 @@ class ViewpointServices(AbstractObject):
 
     @service(changes=False)
     def set_camarafp_far_clip(self, far_clip: Length) -> None:
-        """Set the distance up to which the viewpoint camera sees, m; greater than its near distance."""
+        """Set the far clipping distance of the viewpoint camera, m; it must be greater than the near distance."""
         near, _ = self._view.camera_clip
         if far_clip <= near:
             raise MorseRPCInvokationError(
@@ -56,7 +56,7 @@ class ViewpointServices(AbstractObject):
 
     @service(changes=False)
     def set_camarafp_position(self, position: Point) -> None:
-        """Put the viewpoint camera somewhere, m."""
+        """Set the position of the viewpoint camera, m."""
         x, y, z = map(float, position)
         self._view.camera_location = (x, y, z)
         self._changed()

@@ -1,4 +1,4 @@
-"""The pseudo component ``communication``: what robots could tell each other by radio or sight."""
+"""The pseudo component ``communication``: distance and visibility between robots."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class CommunicationServices(AbstractObject):
 
     @service(changes=False)
     def distance_and_view(self, robot1: str, robot2: str) -> list[Any]:
-        """Distance between two robots (m), and whether nothing stands between their origins."""
+        """Return the distance between two robots (m), and whether the line of sight between their origins is free."""
         first, second = self._robot(robot1), self._robot(robot2)
         hit = first.rayCastTo(second, first.getDistanceTo(second) + 1e-3)
         return [first.getDistanceTo(second), hit is None or hit.slot == second.slot]

@@ -1,4 +1,4 @@
-"""What a client needs to know to build its picture of the simulation."""
+"""The description of a simulation for clients."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def details(context: Context) -> dict[str, Any]:
-    """Robots with their components, each with its services and streams; and the environment."""
+    """Return the robots with their components, services and streams, and the environment."""
     declarations = {d.name: d for d in context.scene.components}
     return {
         "robots": [_robot(context, name, robot, declarations) for name, robot in context.robots.items()],

@@ -1,4 +1,4 @@
-"""Services that let a client hold the clock; part of the pseudo component ``simulation``."""
+"""Services that let a client control the clock; part of the pseudo component ``simulation``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from morse.core.validation.arguments import Range
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: more ticks than that in one call is a mistake: a week at 60 Hz
+#: maximum number of ticks in one call: a week at 60 Hz
 _MAX_STEPS = 7 * 24 * 3600 * 60
 _MAX_SEED = 2**63 - 1
 
@@ -20,29 +20,29 @@ Seed = Annotated[int, Range(0, _MAX_SEED)]
 
 
 class Steppable(Protocol):
-    """What the services need of a simulation."""
+    """The part of a simulation that the services need."""
 
     def pause(self) -> None:
-        """Stop time."""
+        """Pause the simulation."""
 
     def resume(self) -> None:
-        """Let time pass."""
+        """Resume the simulation."""
 
     def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Let some ticks pass and no more, then call ``ended``; returns what cancels them."""
+        """Do some ticks, then pause and call ``ended``; return a function that cancels the request."""
 
     def restart(self, seed: int | None) -> None:
-        """Start anew, with that seed or the present one."""
+        """Restart with ``seed`` or the present seed."""
 
     def seed(self) -> int:
         """The seed of all random numbers."""
 
     def state_hash(self) -> str:
-        """A fingerprint of everything."""
+        """Return the hash of the state."""
 
 
 class LockstepServices(AbstractObject):
-    """Pause, step by step, resume, start anew."""
+    """Pause, step, resume, restart."""
 
     def __init__(self, simulation: Steppable) -> None:
         super().__init__()
@@ -54,12 +54,12 @@ class LockstepServices(AbstractObject):
 
     @service(changes=False)
     def pause(self) -> None:
-        """Stop time; services are still answered. Steps that go on end as preempted."""
+        """Pause the simulation; services are still answered. Running step requests end as preempted."""
         self._simulation.pause()
 
     @service(changes=False)
     def resume(self) -> None:
-        """Let time pass again."""
+        """Resume the simulation."""
         self._simulation.resume()
 
     @concurrent_service(changes=False)
@@ -69,24 +69,24 @@ class LockstepServices(AbstractObject):
         n: Steps = 1,
         tell_sent: bool = False,
     ) -> Any:
-        """Let ``n`` ticks pass, and answer when they are done and the last message of every stream is sent.
+        """Run ``n`` ticks, and answer when they are done and the last message of every stream has been sent.
 
-        A simulation that was running is paused then. Steps that were asked for before come first.
+        The simulation is paused afterwards. Earlier step requests come first.
 
         Args:
             n: number of ticks.
-            tell_sent: let the socket answer how many messages each client of a stream has been sent, by address of the
-                client and port of the stream, as in ``"127.0.0.1:40000 60000"``: data on one connection may arrive
-                after an answer on another that was sent later.
+            tell_sent: the answer of the socket contains the number of messages that were sent to each client of a
+                stream, by address of the client and port of the stream, as in ``"127.0.0.1:40000 60000"``. Clients need
+                it because data on one connection may arrive later than a newer answer on another connection.
         """
         return self._simulation.request_steps(n, ended)
 
     @service(changes=False)  # the simulation itself notes it
     def reset(self, seed: Seed | None = None) -> None:
-        """Start anew, as if the simulation had just been launched with that seed.
+        """Restart, as if the simulation had just been launched with ``seed``.
 
-        Without one, with the present seed. Streams and connections stay; services that go on end as preempted. A
-        simulation that was paused is paused at its beginning.
+        Without ``seed``, the present seed is used. Streams and connections stay open; running services end as
+        preempted. A paused simulation stays paused at tick 0.
         """
         self._simulation.restart(seed)
 
@@ -97,5 +97,5 @@ class LockstepServices(AbstractObject):
 
     @service(changes=False)
     def state_hash(self) -> str:
-        """SHA-256 of the physics and of the data of all components, in hexadecimal digits."""
+        """Return the SHA-256 of the physics and of the data of all components, in hexadecimal digits."""
         return self._simulation.state_hash()

@@ -1,4 +1,4 @@
-"""Services that let robots and things come and go; part of the pseudo component ``simulation``."""
+"""Services that spawn and delete robots and objects; part of the pseudo component ``simulation``."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ _LONGEST_NAME = 100
 
 
 class Populated(Protocol):
-    """What the services need of a simulation."""
+    """The part of a simulation that the services need."""
 
     def spawn(self, name: str, kind: str, position: Sequence[float], rotation: Sequence[float]) -> Any:
-        """Let a robot or a thing come."""
+        """Spawn a robot or an object."""
 
     def delete(self, name: str) -> None:
-        """Let a robot or a thing go."""
+        """Delete a robot or an object."""
 
 
 class PopulationServices(AbstractObject):
-    """Robots and things come and go."""
+    """Spawning and deletion of robots and objects."""
 
     def __init__(self, simulation: Populated) -> None:
         super().__init__()
@@ -38,10 +38,10 @@ class PopulationServices(AbstractObject):
 
     @service(changes=False)  # the simulation itself notes it
     def spawn(self, name: str, kind: str, position: Point | None = None, orientation: EulerAngles | None = None) -> str:
-        """Let a robot or a thing come into the scene.
+        """Spawn a robot or an object in the scene.
 
         Args:
-            name: no object of the scene has it.
+            name: name of the new object, which must not exist in the scene.
             kind: name of a robot as scene scripts write it, e.g. ``ATRV``, or of a model, e.g. ``props/crates``.
             position: x, y, z in the world, m; the origin if it is not given.
             orientation: roll, pitch, yaw, rad.
@@ -55,7 +55,7 @@ class PopulationServices(AbstractObject):
 
     @service(changes=False)  # the simulation itself notes it
     def delete(self, name: str) -> None:
-        """Let a robot or a thing go, with all that is part of it."""
+        """Delete a robot or an object with all its parts."""
         self._attempt(lambda: self._simulation.delete(name))
 
     @staticmethod

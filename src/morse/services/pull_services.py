@@ -1,4 +1,4 @@
-"""Services that pull at a body, as the pointer of the live view does; part of the pseudo component ``simulation``."""
+"""Services that pull a body, like the pointer of the live view; part of the pseudo component ``simulation``."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 #: stiffness per mass, 1/s^2; with critical damping the body follows within half a second
 _STIFFNESS = 60.0
 _DAMPING = 2.0 * math.sqrt(_STIFFNESS)
-#: m/s^2: the pull is never stronger than eight times the weight on Earth
+#: maximum pull per mass, m/s^2: eight times the weight on Earth
 _STRONGEST = 8.0 * 9.81
 
 
 class PullServices(AbstractObject):
-    """Pulls one body as if by a spring, until told to let go."""
+    """Pulls one body with a virtual spring, until `let_go` is called."""
 
     def __init__(self, context: Context) -> None:
         super().__init__()
@@ -36,13 +36,13 @@ class PullServices(AbstractObject):
 
     @service
     def pull(self, object_name: str, anchor: Point, target: Point) -> None:
-        """Pull a point of an object towards a place, as a spring does, until `let_go`.
+        """Pull a point of an object towards a position with a virtual spring, until `let_go`.
 
-        An object that does not obey forces stays where it is.
+        A static or kinematic object does not move.
 
         Args:
             anchor: the point, x, y, z in the frame of the object, m.
-            target: the place, x, y, z in the world, m.
+            target: the position, x, y, z in the world, m.
         """
         objects = self._context.world.objects_by_name
         if object_name not in objects:
@@ -51,23 +51,23 @@ class PullServices(AbstractObject):
 
     @service
     def let_go(self) -> None:
-        """Pull no longer."""
+        """Stop pulling."""
         self._pulled = None
 
     def restart(self) -> None:
-        """The simulation starts anew: nothing is pulled."""
+        """Stop pulling when the simulation restarts."""
         self._pulled = None
 
     def get_state(self) -> list[Any]:
-        """What is pulled, at which point, and whereto; empty for nothing."""
+        """Return the pulled object, the anchor and the target; empty if no object is pulled."""
         return [] if self._pulled is None else list(self._pulled)
 
     def set_state(self, state: list[Any]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         self._pulled = (state[0], list(state[1]), list(state[2])) if state else None
 
     def apply(self) -> None:
-        """Pull during this tick."""
+        """Apply the force during this tick."""
         if self._pulled is None:
             return
         name, anchor, target = self._pulled

@@ -17,17 +17,17 @@ _SUFFIX = ".morse-state"
 
 
 class Saveable(Protocol):
-    """What the services need of a simulation."""
+    """The part of a simulation that the services need."""
 
     def save(self, path: Path | None = None) -> Any:
-        """The state as it is now."""
+        """Return the present state."""
 
     def restore(self, state: Any) -> None:
-        """Go on from a state."""
+        """Restore a state."""
 
 
 class StateServices(AbstractObject):
-    """Keeps states by name, in the memory or in files of the folder in which the simulation was started."""
+    """Keeps states by name, in memory or in files in the directory in which the simulation was started."""
 
     def __init__(self, simulation: Saveable) -> None:
         super().__init__()
@@ -40,11 +40,11 @@ class StateServices(AbstractObject):
 
     @service(changes=False)
     def save(self, name: str = "state", to_file: bool = False) -> str:
-        """Keep the present state under a name; a state that had the name is forgotten.
+        """Save the present state under a name; an earlier state of that name is replaced.
 
         Args:
             name: letters, digits, ``_``, ``-`` and dots.
-            to_file: write the file ``<name>.morse-state`` into the folder in which the simulation was started.
+            to_file: write the file ``<name>.morse-state`` into the directory in which the simulation was started.
 
         Returns:
             The name, or the path of the file.
@@ -64,7 +64,7 @@ class StateServices(AbstractObject):
 
     @service(changes=False)  # the simulation itself notes it
     def restore(self, name: str = "state", from_file: bool = False) -> None:
-        """Go on from a state that was saved; services that are under way end as preempted."""
+        """Restore a saved state; running services end as preempted."""
         self._check_name(name)
         if from_file:
             path = Path(name + _SUFFIX).absolute()

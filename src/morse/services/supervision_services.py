@@ -1,4 +1,4 @@
-"""The pseudo component ``simulation``: look at the simulation and change it from outside."""
+"""The pseudo component ``simulation``: inspect and change the simulation from outside."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
 
-#: what the help of a wrong name lists
+#: names that the error message for a wrong name lists
 _PARTS = ("core.", "middleware.", "simulation.", "physics.", "viewer")
 
 
 class Supervision(AbstractObject):
-    """Robots, components, objects and the life of the simulation.
+    """Services for robots, components, objects and the life cycle of the simulation.
 
     Args:
-        stop: ends the simulation.
+        stop: function that ends the simulation.
     """
 
     def __init__(self, context: Context, stop: Callable[[], None]) -> None:
@@ -46,7 +46,7 @@ class Supervision(AbstractObject):
 
     @service
     def reset_objects(self) -> str:
-        """Put every object back to where it was at the start."""
+        """Move every object to its initial pose."""
         self.context.world.reset()
         return "Objects restored to initial position"
 
@@ -62,12 +62,12 @@ class Supervision(AbstractObject):
 
     @service
     def activate(self, component_name: str) -> None:
-        """Let a component act again."""
+        """Activate a component."""
         self._component(component_name).active = True
 
     @service
     def deactivate(self, component_name: str) -> None:
-        """Stop a component from acting, until it is activated."""
+        """Deactivate a component, until it is activated again."""
         self._component(component_name).active = False
 
     def _component(self, name: str) -> Any:
@@ -81,7 +81,7 @@ class Supervision(AbstractObject):
 
     @service
     def suspend_dynamics(self) -> str:
-        """Stop every object where it is, whatever acts on it."""
+        """Suspend the physics of every object, so that it stays in place."""
         for obj in self.context.world.objects():
             if obj.is_dynamic:
                 obj.suspendDynamics()
@@ -89,7 +89,7 @@ class Supervision(AbstractObject):
 
     @service
     def restore_dynamics(self) -> str:
-        """Let every object obey the physics again."""
+        """Resume the physics of every object."""
         for obj in self.context.world.objects():
             if obj.is_dynamic:
                 obj.restoreDynamics()
@@ -97,12 +97,12 @@ class Supervision(AbstractObject):
 
     @service(changes=False)
     def details(self) -> dict[str, Any]:
-        """Robots, components, services and streams; clients build their proxies from it."""
+        """Return robots, components, services and streams, from which clients build their proxies."""
         return details(self.context)
 
     @service(changes=False)
     def set_log_level(self, component: str, level: str) -> None:
-        """Set how much a part of the simulator says.
+        """Set the log level of a part of the simulator.
 
         Args:
             component: a module or package, e.g. ``core.request_manager``, with or without ``morse.`` before it.
@@ -119,7 +119,7 @@ class Supervision(AbstractObject):
 
     @service(changes=False)
     def get_scene_objects(self) -> dict[str, Any]:
-        """The tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
+        """Return the tree of objects: name to children, position (m) and quaternion (x, y, z, w)."""
         return self._tree(obj for obj in self.context.world.objects() if obj.parent is None)
 
     def _tree(self, objects: Iterable[Any]) -> dict[str, Any]:
@@ -131,13 +131,13 @@ class Supervision(AbstractObject):
 
     @service
     def set_object_visibility(self, object_name: str, visible: bool, do_children: bool) -> bool:
-        """Show or hide an object, with all below it if asked; the new state."""
+        """Show or hide an object, optionally with all its children; return the new state."""
         self._object(object_name).setVisible(bool(visible), bool(do_children))
         return bool(visible)
 
     @service
     def set_object_dynamics(self, object_name: str, state: bool) -> bool:
-        """Let an object obey the physics, or keep it where it is; the new state."""
+        """Enable or suspend the physics of an object; return the new state."""
         obj = self._object(object_name)
         if state:
             obj.restoreDynamics()
@@ -147,11 +147,11 @@ class Supervision(AbstractObject):
 
     @service
     def set_object_position(self, object_name: str, position: Point, orientation: EulerAngles | None = None) -> None:
-        """Put an object somewhere, at rest.
+        """Move an object to a pose, at rest.
 
         Args:
             position: x, y, z in the world, m.
-            orientation: roll, pitch, yaw, rad; kept if not given.
+            orientation: roll, pitch, yaw, rad; unchanged if not given.
         """
         obj = self._object(object_name)
         if orientation is not None:
@@ -161,7 +161,7 @@ class Supervision(AbstractObject):
 
     @service
     def set_object_pose(self, object_name: str, position: Point, quaternion: QuaternionNumbers) -> None:
-        """Put an object somewhere, at rest.
+        """Move an object to a pose, at rest.
 
         Args:
             position: x, y, z in the world, m.

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
 
-#: of all clients; one of them has far fewer calls at a time
+#: maximum number of alarms of all clients; each client is limited to fewer calls at a time
 _MAX_ALARMS = 100_000
-#: alarms that are cancelled and may wait for their time
+#: maximum number of cancelled alarms that are kept until their time
 _FEW = 64
 #: 30 years
 _LONGEST_SLEEP = 1e9
@@ -31,17 +31,17 @@ TimeScale = Annotated[float, Range(SLOWEST, _FASTEST)]
 
 
 class TimeServices(AbstractObject):
-    """Simulated time: ask it, wait for it, change its speed.
+    """Services to read simulated time, wait for it, and change its speed.
 
     Args:
-        set_speed: tells the pacing of the simulation.
+        set_speed: function that sets the speed of the simulation.
     """
 
     def __init__(self, clock: Clock, set_speed: Callable[[float], None]) -> None:
         super().__init__()
         self._clock = clock
         self._set_speed = set_speed
-        #: by time and number; an alarm that is cancelled stays here until its time, or until there are too many
+        #: heap of alarms by time and number; a cancelled alarm stays until its time, or until there are too many
         self._order: list[tuple[float, int]] = []
         self._alarms: dict[int, Callable[[Any], None]] = {}
         self._number = 0
@@ -62,7 +62,7 @@ class TimeServices(AbstractObject):
 
     @service(changes=False)
     def statistics(self) -> dict[str, float]:
-        """Mean and variance of the wall-clock time of a tick, and of the tick rate."""
+        """Return mean and variance of the wall-clock time of a tick, and of the tick rate."""
         result = self._clock.statistics()
         if self._clock.strategy is TimeStrategies.FixedSimulationStep:
             result["diff_real_time"] = self._clock.drift()
@@ -71,7 +71,7 @@ class TimeServices(AbstractObject):
 
     @service(changes=False)
     def set_time_scale(self, time_scale: TimeScale) -> bool:
-        """Run ``time_scale`` times as fast as the wall clock; True if that is possible."""
+        """Run ``time_scale`` times as fast as the wall clock; return True if that is possible."""
         self._set_speed(float(time_scale))
         return True
 
@@ -96,7 +96,7 @@ class TimeServices(AbstractObject):
         callback((status.PREEMPTED, None))
 
     def restart(self) -> None:
-        """Time starts anew: nobody would wake the sleepers at the right moment."""
+        """End all alarms at a restart, because their times are no longer valid."""
         alarms, self._alarms = self._alarms, {}
         self._order.clear()
         for callback in alarms.values():

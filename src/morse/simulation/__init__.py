@@ -1,1 +1,1 @@
-"""Runs scenes: load, tick, pace, reset, shut down."""
+"""Runs scenes: loading, ticks, pacing, reset, shutdown."""

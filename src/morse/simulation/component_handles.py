@@ -1,4 +1,4 @@
-"""Handles of robots, sensors and actuators, with the words of `pymorse.Component`."""
+"""Handles of robots, sensors and actuators, with the interface of `pymorse.Component`."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 _C = TypeVar("_C", bound="Object")
 
-#: messages of a sensor that are kept for `ComponentHandle.last`
+#: number of messages of a sensor that are kept for `ComponentHandle.last`
 _KEPT = 100
 _PLAIN = frozenset((float, int, bool, str, type(None)))
 
 
 def component_handles(simulation: Handles, kept: dict[str, ComponentHandle]) -> dict[str, Any]:
-    """The handles of all robots by name, and the lists of robots that loops made.
+    """Return the handles of all robots by name, and the lists of robots that were created in loops.
 
     Args:
-        kept: handles that there are already by full name; those of components that are still there stay.
+        kept: existing handles by full name; handles of components that still exist are reused.
     """
     from pymorse.names import normalize_name, series
 
@@ -62,7 +62,7 @@ def _handle(
 
 
 def normalized(name: str) -> str:
-    """The attribute under which a robot is found."""
+    """Return the attribute name for a robot."""
     from pymorse.names import normalize_name
 
     return normalize_name(name)
@@ -75,13 +75,13 @@ def _depth(name: str) -> int:
 class ComponentHandle:
     """A sensor or an actuator.
 
-    Its services are methods that return a `LocalFuture`; the components that it carries are attributes. A sensor is
-    read by `data`, `get`, `last` and `subscribe`, an actuator commanded by `publish`.
+    The services are methods that return a `LocalFuture`. The components mounted on this component are attributes. A
+    sensor is read with `data`, `get`, `last` and `subscribe`; an actuator is commanded with `publish`.
 
     Attributes:
-        name: the attribute at the robot.
+        name: name of the attribute of the robot.
         fqn: the full name in the simulation.
-        parts: the components that it carries.
+        parts: the components mounted on it.
     """
 
     def __init__(self, simulation: Handles, fqn: str, name: str) -> None:
@@ -98,10 +98,10 @@ class ComponentHandle:
 
     @property
     def component(self) -> Object:
-        """The component itself, as it is since the last start.
+        """The component itself, as created at the last start.
 
         Raises:
-            LookupError: it was deleted.
+            LookupError: the component was deleted.
             RuntimeError: the simulation is closed.
         """
         if self._simulation.finished:
@@ -112,7 +112,7 @@ class ComponentHandle:
         return found
 
     def replaced(self, before: Object, after: Object) -> None:
-        """Another component has come in the place of one, and has its input and output functions."""
+        """Called when a component was replaced by another one, which has taken over its input and output functions."""
         if self._wired is before:
             self._wired = after
             if isinstance(after, Actuator):
@@ -122,15 +122,15 @@ class ComponentHandle:
 
     @property
     def data(self) -> dict[str, Any]:
-        """A copy of the data as they are now; arrays stay arrays."""
+        """A copy of the present data; arrays stay arrays."""
         return _copy(self.component.local_data)
 
     def publish(self, message: dict[str, Any]) -> None:
-        """Give an actuator some of its fields; it takes them in the next tick.
+        """Set fields of an actuator, which applies them in the next tick.
 
         Raises:
-            AttributeError: it is not an actuator.
-            CommandError: a field that it does not have, or a value that does not fit; then nothing is taken.
+            AttributeError: the component is not an actuator.
+            CommandError: a field does not exist, or a value is not valid; the command is then ignored.
         """
         component = self._wired
         if component is None or not self._is_current(component):
@@ -142,16 +142,16 @@ class ComponentHandle:
             raise CommandError(error.field, f"{self.fqn}: {error}") from None
 
     def get(self, timeout: float | None = None) -> dict[str, Any] | None:
-        """Let time pass until the sensor measures, and return the data.
+        """Run the simulation until the sensor measures, and return the data.
 
         Args:
-            timeout: simulated seconds; None for as long as it takes.
+            timeout: timeout in simulated seconds; None for no timeout.
 
         Returns:
-            None if there is nothing after ``timeout``.
+            The data; None after ``timeout``.
 
         Raises:
-            RuntimeError: the sensor is not active, and there is no timeout: it would never measure.
+            RuntimeError: the sensor is not active and would never measure, and there is no timeout.
         """
         sensor = self._listen("get")
         clock, count = self._context.clock, self._count
@@ -165,19 +165,19 @@ class ComponentHandle:
         return _copy(self._messages[-1])
 
     def last(self, n: int = 1) -> Any:
-        """The latest data since this handle was first asked for some, or None; for ``n`` > 1 a list, latest first."""
+        """Return the latest data since the first use of this handle, or None; for ``n`` > 1 a list, latest first."""
         self._listen("last")
         if n == 1:
             return _copy(self._messages[-1]) if self._messages else None
         return [_copy(message) for message in list(self._messages)[: -n - 1 : -1]] or None
 
     def subscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
-        """Have ``callback(data)`` called at each measurement."""
+        """Call ``callback(data)`` at each measurement."""
         self._listen("subscribe")
         self._subscribers.append(callback)
 
     def unsubscribe(self, callback: Callable[[dict[str, Any]], object]) -> None:
-        """Call it no longer."""
+        """Remove a callback."""
         self._subscribers.remove(callback)
 
     def _listen(self, word: str) -> Object:
@@ -208,7 +208,7 @@ class ComponentHandle:
                 self._simulation.callback_failed(error)
 
     def listen_again(self) -> None:
-        """The component may be a new one: what was subscribed stays subscribed."""
+        """Subscribe again, because the component may be a new instance."""
         if isinstance(self._wired, Sensor) and self._context.component(self.fqn) is not None:
             self._listen("subscribe")
 
@@ -246,7 +246,7 @@ class ComponentHandle:
 
 
 class RobotHandle(ComponentHandle):
-    """A robot: its components are its items and its attributes."""
+    """A robot; its components are available as items and as attributes."""
 
     def __getitem__(self, name: str) -> ComponentHandle:
         """The component of that name.

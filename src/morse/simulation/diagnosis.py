@@ -1,4 +1,4 @@
-"""Finds out why a simulation cannot keep up with the wall clock."""
+"""Determines why a simulation cannot keep up with the wall clock."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from morse.simulation.profile import Profile
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: ticks that are measured before anything is said
+#: number of ticks that are measured for a diagnosis
 TICKS = 60
-#: a simulation that gets less than that share of one processor shares the machine with other programs
+#: if the simulation gets less than this share of one processor, other programs use the machine
 _ALONE = 0.75
-#: ticks that take less than that share of the time they have are not what is slow
+#: if ticks take less than this share of their budget, they are not the cause
 _FITS = 0.8
-#: a part of the tick that takes at least that share of it is a cause
+#: a part that takes at least this share of the tick is a cause
 _CAUSE = 0.3
 
 
 class Diagnosis:
-    """Watches some ticks of a simulation that falls behind.
+    """Measures some ticks of a simulation that falls behind.
 
     Args:
-        profile: measures the simulation anyway, or None.
+        profile: an existing profile of the simulation, or None.
 
     Attributes:
-        profile: where the time of the ticks goes.
+        profile: wall-clock time by phase and component.
     """
 
     def __init__(
@@ -43,11 +43,11 @@ class Diagnosis:
 
     @property
     def done(self) -> bool:
-        """Whether enough ticks were seen."""
+        """Whether enough ticks were measured."""
         return self.profile.ticks - self._before[0] >= TICKS
 
     def cause(self, budget: float) -> str:
-        """Why it is slow, as a clause for people; empty if no single cause stands out.
+        """Return the cause as text for the user; empty if there is no single cause.
 
         Args:
             budget: wall-clock seconds that a tick may take.

@@ -1,4 +1,4 @@
-"""Reports mistakes in user code by file and line, without the frames of the simulator."""
+"""Describes errors in user code by file and line, without the frames of the simulator."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _OURS = Path(__file__).resolve().parents[1]
 
 
 def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
-    """The frames of a traceback that are not the simulator's own."""
+    """Return the frames of a traceback that do not belong to the simulator."""
     return [
         frame
         for frame in traceback.extract_tb(trace)
@@ -22,11 +22,11 @@ def user_frames(trace: TracebackType | None) -> list[traceback.FrameSummary]:
 
 
 def describe(error: BaseException) -> str:
-    """What happened and where: the error, and the user's line that led to it."""
+    """Return the error message, and the lines of user code that led to the error."""
     frames = user_frames(error.__traceback__)
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     if not frames:
-        # none of the user's lines led here
+        # the traceback does not contain user code
         return str(error) if isinstance(error, OSError) and str(error) else what
     lines = [what]
     for frame in frames:

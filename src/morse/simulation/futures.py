@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 
 def _nothing() -> None:
-    """Nothing runs that could be aborted."""
+    """Default for `LocalFuture.abort`: there is nothing to abort."""
 
 
 class LocalFuture:
-    """The result of a service call, with the words of `pymorse.MorseFuture`.
+    """The result of a service call, with the interface of `pymorse.MorseFuture`.
 
-    Most services are done at once. Of one that goes on over several ticks, `result` lets the simulation run until it
-    has ended; comparing the future does so, too.
+    Most services are done at once. If a service continues over several ticks, `result` runs the simulation until the
+    service has ended. A comparison of the future does the same.
 
     Attributes:
-        abort: interrupts the service.
+        abort: function that interrupts the service.
     """
 
     def __init__(self, tick: Callable[[], object], clock: Clock, failed: Callable[[BaseException], object]) -> None:
@@ -36,14 +36,14 @@ class LocalFuture:
         self.abort: Callable[[], object] = _nothing
 
     def finish(self, outcome: Outcome) -> None:
-        """The service has ended."""
+        """Set the outcome when the service has ended."""
         self._outcome = outcome
         callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
             try:
                 callback(self)
             except Exception as error:
-                # it is the caller's mistake, not that of the component whose service ends
+                # the callback belongs to the caller, not to the component whose service ends
                 self._failed(error)
 
     def done(self) -> bool:
@@ -51,11 +51,11 @@ class LocalFuture:
         return self._outcome is not None
 
     def running(self) -> bool:
-        """Whether the service goes on."""
+        """Whether the service is still running."""
         return self._outcome is None
 
     def cancel(self) -> bool:
-        """Interrupt the service; True if it was not over yet."""
+        """Interrupt the service; return True if it was still running."""
         if self.done():
             return False
         self.abort()
@@ -66,15 +66,15 @@ class LocalFuture:
         return self._outcome is not None and self._outcome[0] == status.PREEMPTED
 
     def result(self, timeout: float | None = None) -> Any:
-        """The result; until the service has ended, time passes.
+        """Run the simulation until the service has ended, and return the result.
 
         Args:
-            timeout: simulated seconds to wait at most; None for as long as it takes.
+            timeout: timeout in simulated seconds; None for no timeout.
 
         Raises:
             pymorse.MorseServiceFailed: the service failed.
-            pymorse.MorseServicePreempted: it was cancelled or interrupted.
-            TimeoutError: it takes longer than ``timeout``; the service goes on.
+            pymorse.MorseServicePreempted: the service was cancelled or interrupted.
+            TimeoutError: the service takes longer than ``timeout``; it continues.
         """
         error = self.exception(timeout)
         if error is not None:
@@ -83,7 +83,7 @@ class LocalFuture:
         return self._outcome[1]
 
     def exception(self, timeout: float | None = None) -> BaseException | None:
-        """The exception that `result` would raise, or None.
+        """Return the exception that `result` would raise, or None.
 
         Raises:
             TimeoutError: the service takes longer than ``timeout``.
@@ -101,7 +101,7 @@ class LocalFuture:
         return MorseServicePreempted(value) if state == status.PREEMPTED else MorseServiceFailed(value)
 
     def add_done_callback(self, fn: Callable[[LocalFuture], object]) -> None:
-        """Have ``fn(future)`` called when the service ends, at once if it has ended."""
+        """Call ``fn(future)`` when the service ends, or at once if it has ended."""
         if self.done():
             fn(self)
         else:
@@ -125,7 +125,7 @@ class LocalFuture:
     def __ge__(self, other: Any) -> bool:
         return bool(self.result() >= _value(other))
 
-    # a future is what it is, whatever it compares equal to: it is kept in sets and dictionaries
+    # comparison uses the result, but sets and dictionaries use the identity of the future
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:

@@ -1,6 +1,6 @@
-"""Robots and components as those see them who simulate within their own process.
+"""The interface to robots and components for programs that run the simulation in their own process.
 
-The words are those of `pymorse`: a test may run against a simulation in the process or over sockets.
+It is the interface of `pymorse`, so that a test may run against a simulation in the process or over sockets.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 
 class Handles:
-    """The part of `morse.simulation.simulation.Simulation` that has the words of `pymorse.Morse`."""
+    """The part of `morse.simulation.simulation.Simulation` with the interface of `pymorse.Morse`."""
 
     context: Context
     clock: Clock
@@ -37,7 +37,7 @@ class Handles:
         self._failure: BaseException | None = None
 
     def step(self, ticks: int = 1) -> None:
-        """Let that many ticks pass."""
+        """Run ``ticks`` ticks."""
         raise NotImplementedError
 
     def stop(self) -> None:
@@ -53,14 +53,14 @@ class Handles:
             raise RuntimeError("this simulation is closed: load the scene again")
 
     def restart(self, seed: int | None = None) -> None:
-        """Start anew."""
+        """Restart the simulation."""
         raise NotImplementedError
 
     # -- robots ----------------------------------------------------------------------------
 
     @property
     def robots(self) -> list[str]:
-        """The names of the robots, as attributes have them."""
+        """The names of the robots as attribute names."""
         return [name for name, handle in self._all_handles().items() if isinstance(handle, RobotHandle)]
 
     def _all_handles(self) -> dict[str, Any]:
@@ -73,13 +73,13 @@ class Handles:
         return self._handles
 
     def components_changed(self) -> None:
-        """Robots have come or gone, or the components are new ones."""
+        """Called when robots were added or removed, or the components are new instances."""
         self._handles = None
         for handle in list(self._by_full_name.values()):
             handle.listen_again()
 
     def callback_failed(self, error: BaseException) -> None:
-        """A function that the process had called failed: time stops after this tick, and `step` or `run` raises it."""
+        """Record an error in a callback: the simulation stops after this tick, and `step` or `run` raises the error."""
         self._failure = self._failure or error
         self.stop()
 
@@ -89,7 +89,7 @@ class Handles:
             raise failure
 
     def component_replaced(self, before: Object, after: Object) -> None:
-        """A component has come in the place of another one: whoever listened goes on listening."""
+        """Called when a component was replaced by another one; subscriptions are kept."""
         waiting = [handle for handle in (self._handles or {}).values() if isinstance(handle, ComponentHandle)]
         while waiting:
             handle = waiting.pop()
@@ -97,7 +97,7 @@ class Handles:
             waiting += handle.parts.values()
 
     def __getitem__(self, name: str) -> Any:
-        """The robot of that name; ``<name>s`` for a list of robots that a loop of the scene made.
+        """Return the robot of that name; ``<name>s`` returns the list of robots that a loop of the scene created.
 
         Raises:
             KeyError: there is none.
@@ -121,7 +121,7 @@ class Handles:
     # -- services --------------------------------------------------------------------------
 
     def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
-        """Call a service, and go on; the future has the result.
+        """Call a service without waiting; the future contains the result.
 
         Raises:
             TypeError: wrong number of arguments.
@@ -131,34 +131,34 @@ class Handles:
         return self._requests.call(component, service, *arguments)
 
     def rpc(self, component: str, service: str, *arguments: Any) -> Any:
-        """Call a service, and return its result; time passes until there is one."""
+        """Call a service, run the simulation until it has ended, and return its result."""
         return self.call(component, service, *arguments).result()
 
     def rpc_t(self, timeout: float | None, component: str, service: str, *arguments: Any) -> Any:
         """Call a service, and return its result.
 
         Raises:
-            TimeoutError: there is none after ``timeout`` simulated seconds; the service goes on.
+            TimeoutError: the service has not ended after ``timeout`` simulated seconds; it continues.
         """
         return self.call(component, service, *arguments).result(timeout)
 
     def cancel(self, future: LocalFuture) -> None:
-        """Interrupt a service that goes on."""
+        """Interrupt a running service."""
         future.cancel()
 
     def activate(self, component: str | ComponentHandle) -> None:
-        """Let a component act, given its full name."""
+        """Activate a component, given its full name."""
         self.rpc("simulation", "activate", getattr(component, "fqn", component))
 
     def deactivate(self, component: str | ComponentHandle) -> None:
-        """Stop a component from acting, given its full name."""
+        """Deactivate a component, given its full name."""
         self.rpc("simulation", "deactivate", getattr(component, "fqn", component))
 
     def streams(self) -> list[str]:
-        """The names of the components that the scene gives a stream."""
+        """Return the names of the components with a stream in the scene."""
         return [c.name for c in self.context.scene.components if c.streams]
 
-    # -- time and life ---------------------------------------------------------------------
+    # -- time and life cycle ---------------------------------------------------------------
 
     def time(self) -> float:
         """Simulated time, s."""
@@ -170,18 +170,18 @@ class Handles:
         return self.clock.tick
 
     def sleep(self, time: float) -> None:
-        """Let ``time`` simulated seconds pass."""
+        """Run the simulation for ``time`` simulated seconds."""
         self.step(max(0, math.ceil(time * self.clock.frequency - 1e-9)))
 
     def reset(self, seed: int | None = None) -> None:
-        """Put every object back to where it was at the start; with a seed, start all anew with it."""
+        """Move every object to its initial pose; with a seed, restart the simulation with it."""
         if seed is None:
             self.rpc("simulation", "reset_objects")
         else:
             self.restart(seed)
 
     def is_up(self) -> bool:
-        """Whether it was not closed yet."""
+        """Whether the simulation is not closed."""
         return not self.finished
 
     def quit(self) -> None:

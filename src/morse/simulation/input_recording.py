@@ -1,4 +1,4 @@
-"""The inputs of a run, kept in memory or in a file."""
+"""Recordings of the inputs of a run, in memory or in a file."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ if TYPE_CHECKING:
     from morse.simulation.running import Running
 
 _HEAD = b"MORSE inputs 1\n"
-#: bytes of a file
+#: maximum size of a file, bytes
 _LARGEST = 4 << 30
 _encoder = msgspec.msgpack.Encoder()
 
 
 @dataclass(slots=True)
 class InputRecording:
-    """All that came into a simulation: with the scene, that determines the run to the bit.
+    """All inputs of a simulation; together with the scene they determine the run bit for bit.
 
     Attributes:
-        seed: of the random numbers when the recording began.
-        start: the state when the recording began; None for the beginning of the simulation.
+        seed: seed of the random numbers when the recording began.
+        start: state when the recording began; None for the beginning of the simulation.
         last: number of the last tick (counted since the last reset).
-        entries: the inputs in their order.
-        waiting: commands that were given, and that their actuators, which were not active, have not taken by the end.
+        entries: the inputs in order.
+        waiting: commands for inactive actuators that had not been applied at the end of the recording.
     """
 
     seed: int = 0
@@ -48,7 +48,7 @@ class InputRecording:
 
         Raises:
             OSError: the file cannot be written.
-            ValueError: a robot was spawned by a function of the process, which a file cannot hold.
+            ValueError: a robot was spawned by a function of the process, which cannot be written to a file.
         """
         start = None if self.start is None else self.start.to_bytes()
         head = [self.seed, start, self.last, Writer(_NoReferences()).value(self.waiting)]
@@ -67,7 +67,7 @@ class InputRecording:
 
         Raises:
             OSError: the file cannot be read.
-            StateError: it holds no recording, or is damaged.
+            StateError: the file is not a recording, or is damaged.
         """
         file = Path(path)
         if file.stat().st_size > _LARGEST:
@@ -88,7 +88,7 @@ class InputRecorder:
     """Records the inputs of a simulation from now on, until `stop` or the end of a ``with`` block.
 
     Attributes:
-        recording: what has come in so far.
+        recording: the inputs so far.
     """
 
     def __init__(self, simulation: Running) -> None:
@@ -101,7 +101,7 @@ class InputRecorder:
         self.recording.entries.append(entry)
 
     def stop(self) -> InputRecording:
-        """Record no longer."""
+        """Stop recording and return the recording."""
         sinks = self._simulation.journal.sinks
         if self._take in sinks:
             sinks.remove(self._take)
@@ -119,7 +119,7 @@ class InputRecorder:
 
 
 class _NoReferences:
-    """Inputs come from outside: they refer to no part of the simulation."""
+    """References for inputs, which come from outside and do not refer to parts of the simulation."""
 
     def name_of(self, value: Any) -> str | None:
         return None
@@ -131,7 +131,7 @@ class _NoReferences:
         return None
 
     def met_class(self, cls: type[Any]) -> None:
-        """No object of a class is an input."""
+        """Do nothing, because inputs do not contain objects of classes."""
 
     def global_name(self, value: Any) -> str | None:
         return None

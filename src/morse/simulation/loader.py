@@ -1,4 +1,4 @@
-"""Makes the running components of a scene."""
+"""Creates the components of a scene."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ logger = logging.getLogger(__name__)
 
 
 class LoadError(MorseError):
-    """A component of the scene cannot be made."""
+    """A component of the scene cannot be created."""
 
 
 @dataclass(eq=False)
 class Loaded:
-    """What came out of the declarations.
+    """The components that were created from declarations.
 
     Attributes:
         robots, actuators, sensors: in the order of the scene.
@@ -46,13 +46,13 @@ class Loaded:
     modifiers: list[str] = field(default_factory=list)
 
     def join(self, other: Loaded) -> None:
-        """Add what came later."""
+        """Add components that were created later."""
         for name in ("robots", "actuators", "sensors", "modifier_objects"):
             getattr(self, name).extend(getattr(other, name))
         self.modifiers += [path for path in other.modifiers if path not in self.modifiers]
 
     def drop(self, component: Object) -> None:
-        """Leave out what has gone."""
+        """Remove a component that was deleted."""
         for kept in (self.robots, self.actuators, self.sensors):
             if component in kept:
                 kept.remove(component)  # type: ignore[arg-type]
@@ -64,7 +64,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
     """Instantiate robots, then sensors and actuators.
 
     Args:
-        declarations: what to make; None for all of the scene.
+        declarations: the components to create; None for all components of the scene.
 
     Raises:
         LoadError: naming the component and the line of the script that made it.
@@ -132,10 +132,10 @@ def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:
 def connect(context: Context, loaded: Loaded, declarations: Sequence[ComponentDeclaration] | None = None) -> None:
     """Add modifiers and overlays, and open streams and services.
 
-    Without a network only those streams are opened that need none.
+    Without a network, only streams that do not need one are opened.
 
     Args:
-        declarations: of the components to connect; None for all of the scene.
+        declarations: declarations of the components to connect; None for all components of the scene.
     """
     declarations = context.scene.components if declarations is None else declarations
     everything: dict[str, Object] = {**context.robots, **context.components}
@@ -178,7 +178,7 @@ def _add_interfaces(context: Context, component: Object, declaration: ComponentD
 
 
 def check_kinds(present: list[tuple[ComponentDeclaration, Object]]) -> None:
-    """Refuse message kinds that do not fit, all of them at once; modifiers have changed the fields by now.
+    """Raise one error for all invalid message kinds; it is called after the modifiers have changed the fields.
 
     Raises:
         LoadError: naming the components.
@@ -222,6 +222,6 @@ def make_stream_manager(context: Context, classpath: str) -> Any:
 
 
 def add_request_manager(context: Context, classpath: str) -> None:
-    """Start the request manager of a class path, unless it runs already."""
+    """Start the request manager of a class path, unless it is already running."""
     if classpath not in context.services.request_managers():
         context.services.add_request_manager(load_class(classpath)(context))

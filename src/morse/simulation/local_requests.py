@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class LocalRequests(RequestManager):
-    """Offers every service of every component to the process; services are looked up when they are called.
+    """Offers all services of all components to the process; services are looked up when they are called.
 
     Args:
-        tick: lets a tick pass, for a caller that waits for the end of a service.
-        failed: told of errors in functions that wait for the end of a service.
+        tick: function that runs one tick, for a caller that waits for the end of a service.
+        failed: callback for errors in functions that wait for the end of a service.
     """
 
     title = "this simulation"
@@ -36,15 +36,15 @@ class LocalRequests(RequestManager):
         self._futures: dict[uuid.UUID, LocalFuture] = {}
 
     def initialization(self) -> bool:
-        """Nothing to take."""
+        """Do nothing: no ports or connections are needed."""
         return True
 
     def finalization(self) -> bool:
-        """Nothing to release."""
+        """Do nothing: there is nothing to release."""
         return True
 
     def main(self) -> None:
-        """Requests do not wait for ticks."""
+        """Do nothing: requests are executed when they are made."""
 
     def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
         """Call a service.
@@ -69,7 +69,7 @@ class LocalRequests(RequestManager):
         else:
             self._futures[outcome] = future
             future.abort = lambda: self._abort(outcome)
-            self.answer()  # it may have ended already
+            self.answer()  # the service may have ended already
         return future
 
     def _abort(self, request_id: uuid.UUID) -> None:
@@ -83,15 +83,15 @@ class LocalRequests(RequestManager):
             self.answer()
 
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """A service has ended."""
+        """Set the outcome of a service that has ended."""
         future = self._futures.pop(request_id, None)
         if future is not None:
             future.finish(result)
 
-    # -- where services are ----------------------------------------------------------------
+    # -- looking up services ---------------------------------------------------------------
 
     def find(self, component: str, service: str) -> OfferedService | None:
-        """The service of a component as it is now."""
+        """Return the present service of a component."""
         owner, offered = self._found.get((component, service), (None, None))
         if owner is not None and any(owner is obj for obj in self._objects(component)):
             return offered

@@ -1,4 +1,4 @@
-"""Ticks until told to stop, in step with the wall clock."""
+"""The main loop: ticks in step with the wall clock, until told to stop."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ class Loop:
         self.pacer.stop()
 
     def go_on(self) -> None:
-        """What was to stop has stopped: time may pass again."""
+        """Allow another run, after the last one has stopped."""
         self.stopping = False
         self.pacer.start()
 
     def run(self, last: float = math.inf) -> None:
-        """Tick until told to stop, or until that tick."""
+        """Run until told to stop, or until tick ``last``."""
         self.pacer.restart()
         clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
         try:
@@ -77,7 +77,7 @@ class Loop:
                 network.give_back()
 
     def _wait_paused(self) -> None:
-        """No time passes: carry out what clients and pages ask for, and wait for more."""
+        """While paused, process requests of clients and pages, and wait for further requests."""
         self._ticker.look()
         if self._stepping.halted and not self.stopping:
             if self._context.network is None:
@@ -86,19 +86,19 @@ class Loop:
             self.pacer.restart()
 
     def _look_around(self) -> bool:
-        """Time goes slowly: clients and pages are served between ticks, too; False if they have stopped time."""
+        """Process requests between ticks if simulated time runs slowly; return False if a request has paused it."""
         self._ticker.look()
         return not self._stepping.paused
 
     # -- too slow --------------------------------------------------------------------------
 
     def restarted(self) -> None:
-        """Time starts anew: a warning about the pace is taken back."""
+        """Withdraw a warning about the pace after a restart."""
         self.pacer.restart()
         self._recovered()
 
     def _diagnose(self) -> None:
-        """The simulation is too slow: find the cause, and warn of it from time to time."""
+        """Find the cause of a slow simulation, and log a warning from time to time."""
         if self._diagnosis is None:
             self._diagnosis = Diagnosis()
             self._ticker.profiles.append(self._diagnosis.profile)
@@ -129,7 +129,7 @@ class Loop:
             self._diagnosis = None
 
     def _recovered(self) -> None:
-        """The simulation keeps up again, or begins anew: a warning about its pace is taken back."""
+        """Withdraw a warning about the pace, because the simulation keeps up again or was restarted."""
         self._stop_measuring()
         if self._slow:
             for observer in self._ticker.observers:

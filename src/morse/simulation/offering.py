@@ -23,7 +23,7 @@ SOCKET_REQUESTS = "morse.middleware.socket_request_manager.SocketRequestManager"
 
 
 def offer_services(simulation: Running) -> None:
-    """Make the objects behind the services, and start the request managers that offer them, if any."""
+    """Create the objects that implement the services, and start the request managers that offer them, if any."""
     context, scene = simulation.context, simulation.scene
     managers = list(dict.fromkeys([SOCKET_REQUESTS, *scene.simulation_managers])) if simulation.options.sockets else []
     for manager in managers:

@@ -1,4 +1,4 @@
-"""What the command line asks of a run, besides the scene itself."""
+"""The options of a run, besides the scene itself."""
 
 from __future__ import annotations
 
@@ -10,24 +10,25 @@ class RunOptions:
     """Options of ``morse run``.
 
     Attributes:
-        script: path of the scene script (or of a ``.blend`` environment); empty for a scene that is there already.
-        arguments: become ``sys.argv[1:]`` of the script.
-        source_paths: put first on ``sys.path`` (``<env>/src``).
-        resource_paths: searched for models before ``MORSE_RESOURCE_PATH`` (``<env>/data``).
+        script: path of the scene script (or of a ``.blend`` environment); empty for a scene that exists already.
+        arguments: ``sys.argv[1:]`` of the script.
+        source_paths: directories that come first on ``sys.path`` (``<env>/src``).
+        resource_paths: directories that are searched for models before ``MORSE_RESOURCE_PATH`` (``<env>/data``).
         node_name: name of this simulation node.
-        sockets: open the middlewares that the scene names; the socket is always among them.
-        interfaces: middlewares to which everything is connected, besides what the scene says.
+        sockets: whether to open the middlewares of the scene, always including the socket.
+        interfaces: middlewares to which all components are connected, in addition to those of the scene.
         view: ``none``, ``web`` or ``studio``.
         host: address that every server binds to.
-        view_port: TCP port of the live view; the next free one is taken if it is in use.
-        view_token: what a page has to show when it comes from another host.
-        open_browser: open the live view if there is a display.
-        speed: wall-clock factor; ``inf`` for as fast as possible; None for what the scene says.
+        view_port: TCP port of the live view; if it is in use, the next free port is used.
+        view_token: token that a page from another host has to send.
+        open_browser: whether to open the live view in a browser if there is a display.
+        speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible; None for the value of the
+            scene.
         duration: stop after that many simulated seconds.
-        seed: of all random numbers; None for what the scene says.
-        profile: measure what takes the time.
-        watch: follow models and components that are saved while the simulation runs.
-        strict: an unknown or ill-typed field in a message is an error.
+        seed: seed of all random numbers; None for the value of the scene.
+        profile: whether to measure the time of each phase and component.
+        watch: whether to reload models and components that are saved while the simulation runs.
+        strict: whether an unknown or ill-typed field in a message is an error.
         record: path of the file in which the run is recorded; None for no recording.
         record_only: full names of the sensors that are recorded; empty for all.
     """

@@ -1,4 +1,4 @@
-"""The state of the simulation itself: clock, controls, commands that wait, newcomers and deleted things."""
+"""The state of the simulation itself: clock, controls, pending commands, spawned and deleted objects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from morse.core.validation.errors import CommandError
 if TYPE_CHECKING:
     from morse.simulation.running import Running
 
-#: later ticks have no exact time
+#: largest tick whose time is exact
 _LAST_TICK = 2**53
 
 
@@ -44,7 +44,7 @@ def _converted(name: str, state: Any, kind: type[Any]) -> Any:
 
 
 def check_population(state: Any) -> dict[str, Any]:
-    """The state of a population, or a `StateError`."""
+    """Return the validated state of a population; raise `StateError` if it is not valid."""
     _converted("population", state, _Population)
     checked: dict[str, Any] = state
     if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in checked["came"]):
@@ -63,7 +63,7 @@ class ClockState:
         return {"tick": self._simulation.clock.tick, "seed": self._simulation.context.seed}
 
     def check(self, state: Any) -> None:
-        """Refuse a state that is not one of a clock."""
+        """Raise `StateError` if the state is not the state of a clock."""
         found: _Clock = _converted("clock", state, _Clock)
         if not 0 <= found.tick <= _LAST_TICK or type(found.seed) is not int:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
@@ -75,7 +75,7 @@ class ClockState:
 
 
 class ControlsState:
-    """What a person does at the live view."""
+    """Keyboard and gamepad input at the live view."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
@@ -86,7 +86,7 @@ class ControlsState:
         return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
 
     def check(self, state: Any) -> None:
-        """Refuse a state that is not one of controls."""
+        """Raise `StateError` if the state is not a state of controls."""
         _converted("controls", state, _Controls)
 
     def set_state(self, state: dict[str, Any]) -> None:
@@ -96,13 +96,13 @@ class ControlsState:
 
 
 class InputsState:
-    """Commands that were given, and that the actuators have not taken yet."""
+    """Commands that the actuators have not applied yet."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
 
     def get_state(self) -> dict[str, dict[str, Any]]:
-        """The fields by name of the actuator."""
+        """Return the pending fields by name of the actuator."""
         found = {}
         for actuator in self._simulation.loaded.actuators:
             fields: dict[str, Any] = {}
@@ -113,7 +113,7 @@ class InputsState:
         return found
 
     def check(self, state: Any) -> None:
-        """Refuse a state that does not hold commands."""
+        """Raise `StateError` if the state does not contain commands."""
         found = _converted("inputs", state, dict[str, dict[str, Any]])
         actuators = {actuator.name(): actuator for actuator in self._simulation.loaded.actuators}
         for name, fields in found.items():

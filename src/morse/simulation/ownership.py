@@ -1,4 +1,4 @@
-"""Time passes in one thread at a time, in whole ticks."""
+"""Makes sure that one thread at a time runs ticks, and that ticks are not interrupted."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
-#: without the enumerations that Python puts around them, which take longer than all else in a step
+#: the plain functions, because the wrappers with enumerations in `signal` take longer than the rest of a step
 _handle, _handler = inspect.unwrap(signal.signal), inspect.unwrap(signal.getsignal)
 _SIGINT = int(signal.SIGINT)
-#: seconds in which a simulation that runs in another thread has to end when it is closed
+#: timeout for a simulation in another thread to end when it is closed, s
 _PATIENCE = 20.0
 
 
 class Ownership:
-    """Held, as a context manager, by the thread in which ticks are done.
+    """A context manager for the thread that runs ticks.
 
-    Ctrl+C is held back to the end of a tick in a program that leaves it to Python: a tick is done as a whole or not
-    at all.
+    In a program with Python's default handler for Ctrl+C, Ctrl+C takes effect at the end of a tick, so that each tick
+    is complete.
 
     Attributes:
         interrupted: whether Ctrl+C was pressed.
-        holds_back: whether Ctrl+C waits for the end of a tick; the system calls take as long as all else in a step.
+        holds_back: whether Ctrl+C is delayed to the end of a tick; the system calls take as long as the rest of a step.
 
     Args:
         stop: called when Ctrl+C is pressed.
@@ -68,10 +68,10 @@ class Ownership:
         self._stop()
 
     def take_over(self, wake: Callable[[], object]) -> None:
-        """Have a run in another thread end.
+        """Stop a run in another thread.
 
         Raises:
-            RuntimeError: it does not, or it is a tick of this thread.
+            RuntimeError: the run does not stop, or a tick of this thread is running.
         """
         if self._owner == threading.get_ident():
             raise RuntimeError("a tick is under way: the simulation cannot be closed from within it")

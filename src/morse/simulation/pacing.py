@@ -1,4 +1,4 @@
-"""Keeps simulated time and the wall clock together."""
+"""Synchronizes simulated time with the wall clock."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from morse.core.clock import SLOWEST
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: behind by more than this, the lost time is given up: catching up would play it too fast
+#: delay beyond which lost time is dropped, because catching up would run the simulation too fast
 _GIVE_UP = 0.25
-#: interval of the warnings of a simulation that falls behind, wall-clock seconds
+#: interval of warnings that the simulation falls behind, wall-clock seconds
 _REPORT_EVERY = 10.0
-#: less than that share of the time lost is a hiccup of the machine, not worth a word
+#: share of lost time below which no warning is given
 _WORTH_A_WORD = 0.05
-#: the simulation looks that often whether it has been told to end, wall-clock seconds
+#: interval at which waits check whether the simulation has been told to end, wall-clock seconds
 _NAP = 0.05
 
 
@@ -37,10 +37,10 @@ class Pacer:
         before_sleep: called before each wait that takes time.
 
     Attributes:
-        while_waiting: called again and again while a wait takes long, as it does if time goes slowly; the wait ends
-            if it returns False.
+        while_waiting: called repeatedly during long waits, which occur if simulated time runs slowly; the wait ends if
+            it returns False.
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible, at least `SLOWEST`.
-        lost: wall-clock seconds given up since the last report.
+        lost: wall-clock seconds dropped since the last report.
     """
 
     def __init__(self, period: float, speed: float, before_sleep: Callable[[], None] = _nothing) -> None:
@@ -57,7 +57,7 @@ class Pacer:
         self.real_time_factor = 0.0
 
     def restart(self) -> None:
-        """Forget the past: after a pause, or when the speed has changed."""
+        """Restart the synchronization after a pause or a change of speed."""
         self._due = time.perf_counter()
         self.lost = 0.0
 
@@ -71,7 +71,7 @@ class Pacer:
         self._stopped = True
 
     def start(self) -> None:
-        """Wait again, after `stop`."""
+        """Allow waits again, after `stop`."""
         self._stopped = False
 
     def wait(self) -> None:
@@ -93,7 +93,7 @@ class Pacer:
             time.sleep(min(left, _NAP))
             if left > _NAP and not self.while_waiting():
                 return
-            # what was done meanwhile may have changed the speed, so that the next tick is due earlier
+            # a callback may have changed the speed, so that the next tick is due earlier
 
     def _count(self) -> None:
         self._ticks += 1
@@ -104,7 +104,7 @@ class Pacer:
             self._window = (now, self._ticks)
 
     def report_due(self) -> float:
-        """Seconds lost, if a warning is due; else 0."""
+        """Return the lost time in seconds if a warning is due, else 0."""
         now = time.perf_counter()
         since = min(now - self._last_report, _REPORT_EVERY)
         if now - self._last_report < _REPORT_EVERY:
@@ -115,5 +115,5 @@ class Pacer:
 
     @property
     def keeps_up(self) -> bool:
-        """Whether nothing was lost since the last report, for as long as reports are apart."""
+        """Whether no time was lost since the last report, during at least one reporting interval."""
         return self.lost == 0.0 and time.perf_counter() - self._last_report > _REPORT_EVERY

@@ -1,4 +1,4 @@
-"""Robots and things that come and go while a simulation runs."""
+"""Spawning and deletion of robots and objects while a simulation runs."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 _NO_MAKERS: Mapping[str, Any] = MappingProxyType({})
 _LONGEST_NAME = 100
-#: objects of a scene, so that a client cannot fill the memory
+#: maximum number of objects in a scene, so that clients cannot exhaust the memory
 _MOST_ROOTS = 20_000
 
 
 class Recipe(NamedTuple):
-    """How a newcomer is made: what, where, and how it is turned; and its objects that are part of no other."""
+    """How a spawned object was created: kind, position, rotation, and its root objects."""
 
     kind: str | Callable[[], Any]
     position: list[float]
@@ -38,7 +38,7 @@ class Recipe(NamedTuple):
     roots: tuple[str, ...] = ()
 
     def gives(self, other: Recipe | None) -> bool:
-        """Whether another recipe makes the same."""
+        """Whether another recipe creates the same objects."""
         if other is None:
             return False
         same = self.kind == other.kind or (callable(self.kind) and not other.kind)
@@ -46,7 +46,7 @@ class Recipe(NamedTuple):
 
 
 class Population:
-    """The robots and things in a simulation, and those at its launch."""
+    """The present robots and objects of a simulation, and those at its launch."""
 
     def __init__(self, simulation: Running) -> None:
         self._simulation = simulation
@@ -58,7 +58,7 @@ class Population:
         )
         self._recipes: dict[str, Recipe] = {}
 
-    # -- coming ----------------------------------------------------------------------------
+    # -- spawning --------------------------------------------------------------------------
 
     def spawn(
         self,
@@ -67,11 +67,11 @@ class Population:
         position: Sequence[float],
         rotation: Sequence[float],
     ) -> None:
-        """Let a robot or a thing come.
+        """Spawn a robot or an object.
 
         Raises:
             MorseBuilderError: the name is taken, or there is no such kind.
-            LoadError: a component of it cannot be made.
+            LoadError: a component of it cannot be created.
             ValueError: the engine refuses its shape.
         """
         simulation = self._simulation
@@ -111,13 +111,13 @@ class Population:
             except (OSError, SyntaxError) as error:
                 raise MorseBuilderError(f"'{short(name)}' cannot come: {error}") from error
 
-    # -- going -----------------------------------------------------------------------------
+    # -- deletion --------------------------------------------------------------------------
 
     def delete(self, name: str) -> None:
-        """Let a robot or a thing go, with all that is part of it.
+        """Delete a robot or an object with all its parts.
 
         Raises:
-            MorseBuilderError: there is none of that name, or it is part of another.
+            MorseBuilderError: there is no object of that name, or it is a part of another object.
         """
         simulation = self._simulation
         context = simulation.context
@@ -140,13 +140,13 @@ class Population:
         self._forget([d for d in simulation.scene.components if d.node in gone or d.robot in gone])
         context.world.remove(roots)
         if self._recipes.pop(name, None) is not None:
-            # what was there at the launch may come back
+            # objects of the launch can be restored
             models = simulation.scene.models
             models[:] = [use for use in models if not any(node in gone for node in use.nodes.values())]
         self._changed()
 
     def _forget(self, declarations: list[ComponentDeclaration]) -> None:
-        """Finalize components, and close what connects them with the world outside."""
+        """Finalize components, and close their streams and services."""
         simulation = self._simulation
         context = simulation.context
         with acting(context):
@@ -171,15 +171,15 @@ class Population:
         for observer in simulation.observers:
             observer.rearranged()
 
-    # -- back to the launch ----------------------------------------------------------------
+    # -- reset to the launch ---------------------------------------------------------------
 
     @property
     def has_changed(self) -> bool:
-        """Whether somebody has come or gone since the launch."""
+        """Whether objects were spawned or deleted since the launch."""
         return self._simulation.scene.roots != self._launch[0]
 
     def go_back(self) -> None:
-        """Whoever was there at the launch, and nobody else; components are made anew afterwards."""
+        """Restore the objects of the launch; components are recreated afterwards."""
         if not self.has_changed:
             return
         simulation = self._simulation
@@ -193,7 +193,7 @@ class Population:
         simulation.components_changed()
 
     def edited(self, replaced: Sequence[tuple[Node, Node]], come: Sequence[Node], gone: Sequence[Node]) -> None:
-        """A model was edited: its nodes of now are those of the launch, too."""
+        """Update the launch after a model was edited, with the present nodes of the model."""
         roots = self._launch[0]
         latest = dict(replaced)
         present = {root.name for root in self._simulation.scene.roots}
@@ -203,22 +203,23 @@ class Population:
     # -- state -----------------------------------------------------------------------------
 
     def roots_at_launch(self) -> list[str]:
-        """The objects that were there at the launch, without those that are part of them."""
+        """Return the root objects of the launch."""
         return [root.name for root in self._launch[0]]
 
     def names_at_launch(self, without: Sequence[str]) -> list[str]:
-        """Who was there at the launch, robots and components, but for objects that have gone."""
+        """Return the robots and components of the launch, except those of the objects in ``without``."""
         gone = {node for root in self._launch[0] if root.name in without for node in root.walk()}
         return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
 
     def makers(self) -> dict[str, Callable[[], Any]]:
-        """The functions that made newcomers, by name; newcomers by the name of a kind are left out."""
+        """Return the functions that created spawned objects, by name; objects with a named kind are left out."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 
     def get_state(self) -> dict[str, Any]:
-        """Newcomers since the launch with their kinds and poses, and the names of those that have gone.
+        """Return the spawned objects with their kinds and poses, and the names of the deleted objects.
 
-        What a function of the process made is known by its name alone: it cannot be made again elsewhere.
+        An object that a function of the process created is saved by name only, and cannot be recreated in another
+        process.
         """
         present = {root.name for root in self._simulation.scene.roots}
         return {
@@ -230,13 +231,13 @@ class Population:
         }
 
     def set_state(self, state: dict[str, Any], makers: Mapping[str, Callable[[], Any]] = _NO_MAKERS) -> None:
-        """Let robots and things come and go until those of the state are there.
+        """Spawn and delete robots and objects until they match the state.
 
         Args:
             makers: see `makers`.
 
         Raises:
-            StateError: one cannot be made again.
+            StateError: an object cannot be recreated.
         """
         if state == self.get_state():
             return
@@ -259,7 +260,7 @@ class Population:
         self._put_in_order(list(wanted))
 
     def _put_in_order(self, names: list[str]) -> None:
-        """Let the newcomers stand in the scene in that order: the engine works on bodies in the order of the scene."""
+        """Sort the spawned objects in the scene, because the engine processes bodies in the order of the scene."""
         if names == list(self._recipes):
             return
         simulation = self._simulation
@@ -270,7 +271,7 @@ class Population:
         place |= {root: place[name] for name, recipe in self._recipes.items() for root in recipe.roots}
 
         def order(name: str) -> int:
-            return place.get(name, -1)  # things of the launch come first, as before
+            return place.get(name, -1)  # objects of the launch come first, as before
 
         roots = sorted(scene.roots, key=lambda root: order(root.name))
         components = sorted(scene.components, key=lambda declared: order(declared.robot.name))
@@ -285,7 +286,7 @@ class Population:
         self._changed()
 
     def _bring_back(self, roots: list[Node]) -> None:
-        """Robots and things of the launch that have gone."""
+        """Restore deleted robots and objects of the launch."""
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
         missing = {node for root in roots if root not in scene.roots for node in root.walk()}
@@ -306,10 +307,10 @@ class Population:
 
 
 def check_newcomer(name: Any, kind: Any, position: Any, rotation: Any) -> None:
-    """Refuse what cannot be the name, the kind or the place of a newcomer.
+    """Raise an error for an invalid name, kind or pose of a spawned object.
 
     Raises:
-        MorseBuilderError: naming it.
+        MorseBuilderError: with the invalid value.
     """
     if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME or name.split() != [name] or "." in name:
         raise MorseBuilderError(

@@ -1,4 +1,4 @@
-"""Where the time of a tick goes."""
+"""Profile of the wall-clock time of ticks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: the phases of a tick, in their order
+#: the phases of a tick in order
 PHASES = (
     "input",
     "services",
@@ -22,32 +22,32 @@ PHASES = (
     "output",
 )
 
-#: events kept for the trace file; later ones are counted but not kept
+#: maximum number of events in the trace file; later events are counted only
 _MAX_EVENTS = 1_000_000
 
 
 @dataclass(slots=True)
 class Cost:
-    """Wall-clock time spent on one thing: seconds in all, seconds at worst, and how often."""
+    """Wall-clock time of one phase or component: total and maximum in seconds, and number of calls."""
 
     total: float = 0.0
     worst: float = 0.0
     count: int = 0
 
     def add(self, seconds: float) -> None:
-        """Count one more time."""
+        """Add one measurement."""
         self.total += seconds
         self.count += 1
         self.worst = max(self.worst, seconds)
 
     @property
     def mean(self) -> float:
-        """Seconds each time."""
+        """Mean duration, s."""
         return self.total / self.count if self.count else 0.0
 
 
 class Profile:
-    """Measures phases and components of the ticks it sees.
+    """Measures the phases and components of ticks.
 
     Attributes:
         phases: cost by phase.
@@ -64,19 +64,19 @@ class Profile:
         self._last = self._start
 
     def begin(self) -> None:
-        """A tick begins."""
+        """Called at the beginning of a tick."""
         self.ticks += 1
         self._last = perf_counter()
 
     def mark(self, phase: str) -> None:
-        """A phase ends."""
+        """Called at the end of a phase."""
         now = perf_counter()
         self.phases[phase].add(now - self._last)
         self._keep(phase, "phase", self._last, now)
         self._last = now
 
     def component(self, name: str, begin: float, end: float) -> None:
-        """A component acted from ``begin`` to ``end`` (`time.perf_counter`)."""
+        """Record that a component acted from ``begin`` to ``end`` (`time.perf_counter`)."""
         cost = self.components.get(name)
         if cost is None:
             cost = self.components[name] = Cost()
@@ -89,11 +89,11 @@ class Profile:
 
     @property
     def total(self) -> float:
-        """Seconds of all ticks together."""
+        """Total duration of all ticks, s."""
         return sum(phase.total for phase in self.phases.values())
 
     def costliest(self) -> tuple[str, float]:
-        """The component, or else the phase, that takes longest: its name and seconds a tick."""
+        """Return the slowest component, or else the slowest phase: its name and seconds per tick."""
         everything = {**{f"the phase '{n}'": c for n, c in self.phases.items()}, **self.components}
         everything.pop("the phase 'actuators'", None)
         everything.pop("the phase 'sensors'", None)
@@ -104,7 +104,7 @@ class Profile:
         """Write a file for trace viewers (Trace Event Format: chrome://tracing, Perfetto, speedscope).
 
         Raises:
-            OSError: the file cannot be written; a file of that name is as it was.
+            OSError: the file cannot be written; an existing file of that name is unchanged.
         """
         threads = {"phase": 1, "component": 2}
         events = [
@@ -124,7 +124,7 @@ class Profile:
             for kind, tid in threads.items()
         ]
         text = json.dumps({"traceEvents": names + events, "displayTimeUnit": "ms"})
-        # written beside and moved into place: a disk that is full leaves no half of it
+        # written to a temporary file and renamed, so that a full disk does not leave a partial file
         part = path.with_name(f".{path.name}.{os.getpid()}")
         try:
             part.write_text(text)

@@ -1,4 +1,4 @@
-"""Shows a profile in the terminal."""
+"""Displays a profile in the terminal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _ROWS = 20
 
 
 def profile_table(profile: Profile) -> Group:
-    """Two tables: phases in their order, components by cost; µs a tick and share of the tick."""
+    """Return two tables: phases in order, components by cost; µs per tick and share of the tick."""
     tick = sum(cost.total for cost in profile.phases.values()) or 1e-12
     phases = _table("Phase")
     for name, cost in profile.phases.items():

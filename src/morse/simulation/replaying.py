@@ -1,4 +1,4 @@
-"""Runs a simulation again from its recorded inputs."""
+"""Replays a simulation from its recorded inputs."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ logger = logging.getLogger(__name__)
 
 
 class Replay:
-    """Gives a simulation the inputs of a recording, each in its tick.
+    """Feeds the inputs of a recording to a simulation, each in its tick.
 
     Args:
-        simulation: of the same scene; it is taken to where the recording began.
+        simulation: a simulation of the same scene; it is set to the beginning of the recording.
 
     Raises:
         StateError: the state at the start of the recording belongs to another scene, or files were edited during the
@@ -66,7 +66,7 @@ class Replay:
         return self._next >= len(self._recording.entries) and self._simulation.ticks >= self._recording.last
 
     def step(self) -> None:
-        """One tick, with the inputs that came before it and in it."""
+        """Run one tick, with the inputs that were recorded before it and during it."""
         entries = self._recording.entries
         while self._next < len(entries) and entries[self._next].tick == self._simulation.ticks:
             entry = entries[self._next]
@@ -76,17 +76,17 @@ class Replay:
                 self._wire(entry.name)
                 continue
             if self._commands:
-                # commands are taken within a tick: what follows them came after it
+                # commands are applied within a tick, so later entries came after that tick
                 self._next -= 1
                 break
-            # what was refused then is refused again now
+            # a call that was refused during the recording is refused again
             with contextlib.suppress(Exception):
                 self._apply[entry.kind](entry)
         if not self.done:
             self._simulation.tick()
 
     def run(self, each_tick: Callable[[], object] | None = None) -> None:
-        """Go to the end of the recording.
+        """Run to the end of the recording.
 
         Args:
             each_tick: called after every tick.

@@ -1,4 +1,4 @@
-"""A simulation as its own parts see it, which are below it."""
+"""Protocols of the simulation for its own parts, which cannot import it."""
 
 from __future__ import annotations
 
@@ -23,33 +23,33 @@ if TYPE_CHECKING:
 
 
 class Holder(Protocol):
-    """Something that has a state."""
+    """An object with a state."""
 
     def get_state(self) -> Any:
-        """All that determines its future, as plain data."""
+        """Return the state as plain data."""
 
     def set_state(self, state: Any) -> None:
         """Take a state from `get_state`."""
 
 
 class Populated(Holder, Protocol):
-    """Who is in a simulation; see `morse.simulation.population.Population`."""
+    """The population of a simulation; see `morse.simulation.population.Population`."""
 
     def set_state(self, state: Any, makers: Mapping[str, Callable[[], Any]] = ...) -> None:
-        """Let robots and things come and go until those of the state are there."""
+        """Spawn and delete robots and objects until they match the state."""
 
     def makers(self) -> Mapping[str, Callable[[], Any]]:
-        """The functions that made newcomers."""
+        """Return the functions that created spawned objects."""
 
     def roots_at_launch(self) -> list[str]:
-        """The objects that were there at the launch."""
+        """Return the root objects of the launch."""
 
     def names_at_launch(self, without: Sequence[str]) -> list[str]:
-        """The robots and components that were there at the launch."""
+        """Return the robots and components of the launch."""
 
 
 class Running(Protocol):
-    """What the parts of `morse.simulation.simulation.Simulation` need of it; it is described there."""
+    """The interface of `morse.simulation.simulation.Simulation` for its parts; documented there."""
 
     scene: Scene
     context: Context
@@ -62,7 +62,7 @@ class Running(Protocol):
 
     @property
     def population(self) -> Populated:
-        """Who is there."""
+        """The robots and objects."""
 
     @property
     def ticks(self) -> int:
@@ -70,19 +70,19 @@ class Running(Protocol):
 
     @property
     def paused(self) -> bool:
-        """Whether no time passes in `run`."""
+        """Whether `run` is paused."""
 
     @property
     def journal(self) -> Journal:
-        """Everything that comes in from outside."""
+        """The journal of all input from outside."""
 
     @property
     def observers(self) -> list[Observer]:
-        """Who looks on."""
+        """The observers."""
 
     @property
     def before_physics(self) -> list[Callable[[], object]]:
-        """Called in every tick before the physics."""
+        """Callbacks that are called in every tick before the physics."""
 
     def seed(self) -> int:
         """The seed of all random numbers."""
@@ -91,55 +91,55 @@ class Running(Protocol):
         """Refuse to go on if the simulation is closed."""
 
     def schedule(self) -> None:
-        """The components are other ones."""
+        """Update the schedule after the components have changed."""
 
     def components_changed(self) -> None:
-        """Robots have come or gone."""
+        """Called when robots were added or removed."""
 
     def finalize_one(self, part: Any) -> None:
-        """Tell a component that its time is over."""
+        """Finalize a component."""
 
     def viewpoint_changed(self) -> None:
-        """The camera of the scene was moved."""
+        """Called when the camera of the scene was moved."""
 
     def tick(self) -> bool:
-        """One tick."""
+        """Run one tick."""
 
     def stop(self) -> None:
         """End `run` after this tick."""
 
     def pause(self) -> None:
-        """Stop time in `run`."""
+        """Pause `run`."""
 
     def resume(self) -> None:
-        """Let time pass again in `run`."""
+        """Resume `run`."""
 
     def cancel_steps(self) -> None:
-        """Do no more of the ticks that were asked for."""
+        """Cancel the requested ticks."""
 
     def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = ...) -> Callable[[], None]:
-        """Let `run` do that many ticks and no more."""
+        """Let `run` do a number of ticks and then pause."""
 
     def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
         """Call a service."""
 
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
-        """What a person does at the live view."""
+        """Set keyboard and gamepad input."""
 
     def state_hash(self) -> str:
-        """SHA-256 of all that determines the future."""
+        """Return the SHA-256 of the state."""
 
     def save(self, path: str | os.PathLike[str] | None = None) -> State:
-        """All that determines the future."""
+        """Return the state."""
 
     def record(self, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
         """Record the run in a file."""
 
     def restore(self, state: State | str | os.PathLike[str]) -> None:
-        """Go on from a state."""
+        """Restore a state."""
 
     def restart(self, seed: int | None = None) -> None:
-        """Everything as after the launch."""
+        """Restart the simulation as after the launch."""
 
     def spawn(
         self,
@@ -148,7 +148,7 @@ class Running(Protocol):
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Any:
-        """Let a robot or a thing come."""
+        """Spawn a robot or an object."""
 
     def delete(self, name: str) -> None:
-        """Let a robot or a thing go."""
+        """Delete a robot or an object."""

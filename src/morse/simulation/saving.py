@@ -1,4 +1,4 @@
-"""Gathers the state of all parts of a simulation, and hands it out again."""
+"""Collects the states of all parts of a simulation, and restores them."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Saving:
         self._said: set[str] = set()
 
     def save(self) -> State:
-        """The state as it is now.
+        """Return the present state.
 
         Raises:
-            StateError: a ``get_state`` of the user's failed.
+            StateError: ``get_state`` of a component of the user failed.
         """
         self._parts.look_up()
         writer = Writer(self._parts)
@@ -44,13 +44,13 @@ class Saving:
         return State(parts, tuple(writer.unsaved), self._simulation.population.makers())
 
     def restore(self, state: State, begin: Callable[[], object]) -> None:
-        """Go on from a state.
+        """Restore a state.
 
         Args:
-            begin: called when the state was found to fit, before anything changes but who is there.
+            begin: called after the state was validated, when only the population may have changed.
 
         Raises:
-            StateError: it is damaged, or belongs to another scene; nothing has changed then.
+            StateError: the state is damaged, or belongs to another scene; the simulation is then unchanged.
         """
         population = self._simulation.population
         before, were = self.save(), population.get_state()
@@ -67,7 +67,7 @@ class Saving:
             raise _refusal(error) from error
 
     def _read_population(self, state: State) -> dict[str, Any]:
-        """Who is to be there, after a look at whether the state can be of this scene at all."""
+        """Return the state of the population, after a first check that the state belongs to this scene."""
         check = Reader(self._parts, fresh=True)
         if "population" not in state.parts:
             raise StateError("the saved state is damaged: it does not say who is there")
@@ -81,7 +81,7 @@ class Saving:
         return there
 
     def _check(self, state: State) -> None:
-        """Raise `StateError` if the state does not fit."""
+        """Raise `StateError` if the state does not match the simulation."""
         holders = dict(self._holders())
         self._parts.look_up()
         self._compare(state, holders)
@@ -127,7 +127,7 @@ class Saving:
                 yield f"{type(obj).__name__} of {obj.name()}", obj
 
     def _holders(self) -> Iterator[tuple[str, Any]]:
-        """What has a state, by name, in an order of its own: physics first, since components refer to it."""
+        """Iterate over all objects with a state by name; physics comes first, because components refer to it."""
         simulation = self._simulation
         context = simulation.context
         yield from self._own_holders()

@@ -1,4 +1,4 @@
-"""Which components act in which tick."""
+"""Determines which components act in which tick."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ class _Periodic(Protocol):
 
 _C = TypeVar("_C", bound=_Periodic)
 
-#: longer patterns (ticks) are not kept, but computed each time
+#: patterns that are longer (ticks) are not cached
 _LONGEST_PATTERN = 3600
 
 
 class Schedule(Generic[_C]):
-    """Components by their rates, in their order.
+    """Schedules components by frequency; components keep their order within a tick.
 
     A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not
     before ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow,
     exactly ``f`` times a second on average, and from integers alone, so that it never drifts.
 
     Args:
-        frequency: of the simulation, Hz.
-        phase: gives the phase of a component; None for no phases.
+        frequency: frequency of the simulation, Hz.
+        phase: function that returns the phase of a component, s; None if all phases are 0.
     """
 
     def __init__(self, components: Iterable[_C], frequency: float, phase: Callable[[_C], float] | None = None) -> None:
@@ -55,7 +55,7 @@ class Schedule(Generic[_C]):
         return (entry[0] for entry in self._entries)
 
     def due(self, tick: int) -> list[_C]:
-        """The components that act in a tick, counted from 0; not to be changed."""
+        """Return the components that act in a tick, counted from 0. The list must not be modified."""
         if not self._pattern or tick < self._first:
             return self._due(tick)
         place = tick % self._pattern

@@ -43,20 +43,20 @@ logger = logging.getLogger(__name__)
 
 
 def _nobody(_outcome: tuple[str, Any]) -> None:
-    """Nobody waits for the end of the steps."""
+    """Default callback for the end of requested ticks."""
 
 
 class Simulation(Recorded, Handles):
-    """A loaded scene that can be run; `morse.load` makes one.
+    """A loaded scene that can be run; it is created by `morse.load`.
 
-    Robots are attributes, and their components are attributes of them, with the words of `pymorse.Morse`: see
-    `morse.simulation.handles`. Time passes in `step` and `run` only.
+    Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
+    `morse.simulation.handles`. Simulated time advances in `step` and `run` only.
 
     Attributes:
-        context: what components see.
-        observers: look on; called before and after each tick, in their order.
-        view: the live view, if there is one; it is one of the observers.
-        failed: whether the simulation has to end because a part of it cannot go on.
+        context: the part of the simulation that components see.
+        observers: objects that are notified before and after each tick, in order.
+        view: the live view, which is one of the observers, or None.
+        failed: whether the simulation has to end because a part of it cannot continue.
     """
 
     def __init__(self, scene: Scene, options: RunOptions) -> None:
@@ -82,10 +82,10 @@ class Simulation(Recorded, Handles):
         self.pacer = self._loop.pacer
         self.context.stopping = lambda: self._loop.stopping
         self.view: Any = None
-        #: loads the edited scene in the place of this one; False if there is nothing new to load
+        #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None
         self.profile: Profile | None = None
-        #: measures the sensors that the script wants to be profiled
+        #: profile of the sensors that the script wants to be profiled
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
         self._set_up_profiles()
         self.failed = self.finished = False
@@ -104,7 +104,7 @@ class Simulation(Recorded, Handles):
         self._ticker.component_profiles += [p for p in (self.profile, self.sensor_profile) if p is not None]
 
     def load(self) -> None:
-        """Make the components and connect them.
+        """Create the components and connect them.
 
         Raises:
             LoadError: naming the component and the line of the script that made it.
@@ -126,18 +126,18 @@ class Simulation(Recorded, Handles):
         self.schedule()
 
     def schedule(self) -> None:
-        """The components are other ones: work out anew which of them act in which tick."""
+        """Update the schedule after the components have changed."""
         self._ticker.schedule(self.loaded)
 
     # -- time ------------------------------------------------------------------------------
 
     def step(self, ticks: int = 1) -> None:
-        """Let that many ticks pass, as fast as possible, whether the simulation is paused or not.
+        """Run ``ticks`` ticks as fast as possible, even if the simulation is paused.
 
         Raises:
-            UnstableError: the physics has no sensible answer any more.
-            RuntimeError: the simulation is closed, or a tick is under way already.
-            KeyboardInterrupt: Ctrl+C was pressed; of several ticks, the one in which that happened is complete.
+            UnstableError: the physics has become unstable.
+            RuntimeError: the simulation is closed, or a tick is already running.
+            KeyboardInterrupt: Ctrl+C was pressed; the present tick was completed first.
         """
         self._check_open()
         if ticks < 0:
@@ -161,16 +161,16 @@ class Simulation(Recorded, Handles):
         self._raise_failure()
 
     def run(self, duration: float | None = None, speed: float | None = None) -> None:
-        """Let time pass until told to stop, in step with the wall clock.
+        """Run in step with the wall clock until told to stop.
 
         Args:
-            duration: stop after that many simulated seconds; None to go on until `stop`.
-            speed: simulated seconds per wall-clock second, ``math.inf`` for as fast as possible; None for what the
-                scene or the options say.
+            duration: stop after that many simulated seconds; None to run until `stop`.
+            speed: simulated seconds per wall-clock second, ``math.inf`` for as fast as possible; None for the value of
+                the scene or the options.
 
         Raises:
-            RuntimeError: the simulation is closed, or runs already.
-            KeyboardInterrupt: Ctrl+C was pressed; the tick in which that happened is complete.
+            RuntimeError: the simulation is closed, or is already running.
+            KeyboardInterrupt: Ctrl+C was pressed; the present tick was completed first.
         """
         self._check_open()
         if duration is not None and not 0.0 <= duration < math.inf:
@@ -191,7 +191,7 @@ class Simulation(Recorded, Handles):
         self._loop.stop()
 
     def tick(self) -> bool:
-        """One tick; False if the simulation is paused, or input has stopped time, so that no time passed."""
+        """Run one tick; return False if the simulation is paused, or was paused by input of this tick."""
         self._check_open()
         self._time.holds_back = False
         with self._time:
@@ -199,11 +199,11 @@ class Simulation(Recorded, Handles):
 
     @property
     def paused(self) -> bool:
-        """Whether no time passes in `run` but the ticks that somebody asked for."""
+        """Whether `run` is paused and does only the ticks that are requested."""
         return self._stepping.paused
 
     def pause(self) -> None:
-        """Stop time in `run`; steps that a client waits for end as preempted."""
+        """Pause `run`; step requests of clients end as preempted."""
         self._stepping.paused = True
         self.cancel_steps()
 
@@ -213,13 +213,13 @@ class Simulation(Recorded, Handles):
         self.pacer.restart()
 
     def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> Callable[[], None]:
-        """Let `run` do that many ticks and no more, after those asked for before.
+        """Let `run` do ``ticks`` ticks and then pause; earlier requests come first.
 
         Args:
-            ended: called with the status when the data of the last tick is handed to the network.
+            ended: called with the status when the data of the last tick have been passed to the network.
 
         Returns:
-            What cancels these ticks.
+            A function that cancels the request.
         """
         for manager in self.context.stream_managers.values():
             manager.drain()
@@ -230,7 +230,7 @@ class Simulation(Recorded, Handles):
         """Do no more of the ticks that were asked for."""
         self._stepping.end(status.PREEMPTED)
 
-    # -- what comes in ---------------------------------------------------------------------
+    # -- input -----------------------------------------------------------------------------
 
     @property
     def journal(self) -> Journal:
@@ -238,17 +238,17 @@ class Simulation(Recorded, Handles):
         return self.context.journal
 
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:
-        """What a person does at the live view, from the next tick on; see `morse.core.context.Controls`."""
+        """Set keyboard and gamepad input from the next tick on; see `morse.core.context.Controls`."""
         controls = Controls(keys, axes, robot)
         if controls != self.context.controls:
             self.context.controls = controls
             self.journal.note(CONTROLS, "", (sorted(keys), list(axes), robot))
 
-    # -- those who look on -----------------------------------------------------------------
+    # -- observers -------------------------------------------------------------------------
 
     @property
     def observers(self) -> list[Observer]:
-        """Who looks on: append an observer to have it told of every tick."""
+        """The observers; append an observer to have it notified of every tick."""
         return self._ticker.observers
 
     @property
@@ -257,15 +257,15 @@ class Simulation(Recorded, Handles):
         return self._ticker.before_physics
 
     def viewpoint_changed(self) -> None:
-        """The camera of the scene was moved by a service."""
+        """Called when a service moved the camera of the scene."""
         for observer in self.observers:
             observer.viewpoint_changed()
 
     def show(self, height: int = 480) -> Any:
-        """The live view in a frame; a notebook shows the frame where it is the value of a cell.
+        """Return the live view as an HTML frame, which a notebook displays if it is the value of a cell.
 
         Args:
-            height: pixels.
+            height: height of the frame, px.
 
         Raises:
             RuntimeError: the simulation was not loaded with ``view="web"``, or is closed.
@@ -304,12 +304,12 @@ class Simulation(Recorded, Handles):
         return self.context.seed
 
     def state_hash(self) -> str:
-        """SHA-256 of all that determines the future; of two simulations with equal ones, the futures are equal."""
+        """Return the SHA-256 of the state; simulations with equal hashes have the same future."""
         self._check_open()
         return self._saving.save().hash()
 
     def save(self, path: str | os.PathLike[str] | None = None) -> State:
-        """All that determines the future, to be restored later, here or in another simulation of the same scene.
+        """Return the state, which can be restored later in this or another simulation of the same scene.
 
         Args:
             path: also write it to this file.
@@ -324,7 +324,7 @@ class Simulation(Recorded, Handles):
         return state
 
     def restore(self, state: State | str | os.PathLike[str]) -> None:
-        """Go on from a state that `save` gave, or from a file; services that are under way end as preempted.
+        """Restore a state that `save` returned, or a file; running services end as preempted.
 
         Raises:
             StateError: it is damaged, or belongs to another scene; nothing has changed then.
@@ -344,11 +344,11 @@ class Simulation(Recorded, Handles):
         self._loop.restarted()
 
     def _end_services(self) -> None:
-        """What clients wait for ends as preempted."""
+        """End running services as preempted."""
         self.context.services.preempt(self.context.service_objects)
         self.cancel_steps()
 
-    # -- coming and going ------------------------------------------------------------------
+    # -- spawning and deletion -------------------------------------------------------------
 
     def spawn(
         self,
@@ -357,21 +357,21 @@ class Simulation(Recorded, Handles):
         position: Sequence[float] = (0.0, 0.0, 0.0),
         rotation: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> Any:
-        """Let a robot or a thing come into the scene, between two ticks.
+        """Spawn a robot or an object between two ticks.
 
         Args:
-            name: of the new one; no object of the scene has it.
+            name: name of the new object, which must not exist in the scene.
             kind: the name of a robot of `morse.builder` or of a model such as ``props/crates``; or a function that
                 returns a component of `morse.builder`: a robot with sensors and actuators, for example.
-            position: metres in the world.
-            rotation: roll, pitch, yaw, radians.
+            position: x, y, z in the world, m.
+            rotation: roll, pitch, yaw, rad.
 
         Returns:
-            The handle of a robot; None for a thing.
+            The handle of a robot; None for another object.
 
         Raises:
             MorseBuilderError: the name is taken, or there is no such kind.
-            LoadError: a component cannot be made.
+            LoadError: a component cannot be created.
             ValueError: the engine refuses its shape.
         """
         self._check_open()
@@ -381,20 +381,20 @@ class Simulation(Recorded, Handles):
         return self._all_handles().get(normalized(name))
 
     def delete(self, name: str) -> None:
-        """Let a robot or a thing go, with all that is part of it.
+        """Delete a robot or an object with all its parts.
 
         Raises:
-            MorseBuilderError: there is none of that name, or it is part of another.
+            MorseBuilderError: there is no object of that name, or it is a part of another object.
         """
         self._check_open()
         self.journal.note(DELETE, name, None)
         self.population.delete(name)
 
     def restart(self, seed: int | None = None) -> None:
-        """Everything as after the launch, with that seed or the present one; not while components act.
+        """Restart the simulation as after the launch, with ``seed`` or the present seed; not while components act.
 
         Raises:
-            LoadError: a component cannot be made again; the simulation ends.
+            LoadError: a component cannot be recreated; the simulation ends.
         """
         self._check_open()
         self.journal.note(RESET, "", seed)
@@ -421,14 +421,14 @@ class Simulation(Recorded, Handles):
         self._loop.restarted()
 
     def start_anew(self) -> None:
-        """What a person asks for (F11): an edited scene script is read again, where `morse run` follows files."""
+        """Restart on request of the user (F11); `morse run` then reads an edited scene script again."""
         if self.reread is None or not self.reread():
             self.restart()
 
     # -- the end ---------------------------------------------------------------------------
 
     def finalize_components(self) -> None:
-        """Tell the components and modifiers that the simulation is over."""
+        """Finalize the components and modifiers."""
         loaded, self.loaded = self.loaded, Loaded()
         overlays = list(self.context.overlays.values())
         self.context.overlays.clear()
@@ -437,7 +437,7 @@ class Simulation(Recorded, Handles):
 
     @staticmethod
     def finalize_one(part: Any) -> None:
-        """Tell a component, a modifier or an overlay that its time is over."""
+        """Finalize a component, a modifier or an overlay."""
         try:
             part.finalize()
         except Exception as error:
@@ -448,7 +448,7 @@ class Simulation(Recorded, Handles):
         self.context.services.finalize()
 
     def finalize_observers(self) -> None:
-        """Tell those who look on that the simulation is over: streams are sent and closed, the view ends."""
+        """Close the observers: streams are sent and closed, the view ends."""
         for observer in self.observers:
             try:
                 observer.close()
@@ -456,14 +456,14 @@ class Simulation(Recorded, Handles):
                 logger.error("%s failed at the end: %s", type(observer).__name__, describe(error))
 
     def end(self) -> None:
-        """Stop the network, after all else."""
+        """Stop the network as the last step."""
         self.finished = True
         if self.context.network is not None:
             self.context.network.stop()
         forget(self.context)
 
     def close(self) -> None:
-        """End the simulation, and release what it has taken; a closed one may be closed again."""
+        """End the simulation and release its resources; closing it again has no effect."""
         if self.finished:
             return
         self._time.take_over(self.context.wake)
@@ -486,7 +486,7 @@ class Simulation(Recorded, Handles):
 def _network(options: RunOptions) -> Any:
     if not options.sockets and options.view != "web":
         return None
-    # not before it is needed: it brings asyncio
+    # imported on demand, because it imports asyncio
     from morse.core.network import Network
 
     return Network()

@@ -17,18 +17,19 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 _HEAD = b"MORSE state 1\n"
-#: bytes of a file; a state of hundreds of robots with scanners has a few
+#: maximum size of a file, bytes; the state of hundreds of robots with scanners is much smaller
 _LARGEST = 1 << 30
 _encoder = msgspec.msgpack.Encoder()
 
 
 class State:
-    """All that determines the future of a simulation, at one tick; it does not change.
+    """The state of a simulation at one tick; the object is immutable.
 
     Attributes:
-        parts: by name, as `morse.core.state.Writer` writes them: ``clock``, ``physics``, each robot and component.
-        unsaved: what could not be saved, such as threads and open files of the user's components.
-        makers: the functions that made robots and things that came since the launch; files do not hold them.
+        parts: states by name, in the format of `morse.core.state.Writer`: ``clock``, ``physics``, each robot and
+            component.
+        unsaved: values that could not be saved, such as threads and open files of components of the user.
+        makers: the functions that created spawned robots and objects; they are not written to files.
     """
 
     def __init__(
@@ -43,15 +44,15 @@ class State:
 
     @property
     def tick(self) -> int:
-        """Number of ticks that were done."""
+        """Number of ticks done."""
         return int(dict(self.parts["clock"][1])["tick"])
 
     def fingerprints(self) -> dict[str, str]:
-        """SHA-256 of each part, in hexadecimal digits."""
+        """Return the SHA-256 of each part, in hexadecimal digits."""
         return {name: hashlib.sha256(_encoder.encode(part)).hexdigest() for name, part in self.parts.items()}
 
     def hash(self) -> str:
-        """SHA-256 of all, in hexadecimal digits."""
+        """Return the SHA-256 of all parts, in hexadecimal digits."""
         return hashlib.sha256(_encoder.encode(list(self.parts.items()))).hexdigest()
 
     def __eq__(self, other: object) -> bool:
@@ -65,15 +66,15 @@ class State:
     # -- files -----------------------------------------------------------------------------
 
     def to_bytes(self) -> bytes:
-        """The state as a file holds it."""
+        """Return the content of a file with this state."""
         return _HEAD + _encoder.encode(self.parts)
 
     @classmethod
     def from_bytes(cls, content: bytes) -> State:
-        """The state in a file.
+        """Return the state from the content of a file.
 
         Raises:
-            StateError: it is none, or damaged.
+            StateError: the content is not a saved state, or is damaged.
         """
         if not content.startswith(_HEAD):
             raise StateError("this is not a saved state of MORSE, or one of another version")
@@ -86,10 +87,10 @@ class State:
         return state
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a file; an old one of that name is there until the new one is complete.
+        """Write a file; an existing file of that name is replaced when the new file is complete.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the file cannot be written.
         """
         target = Path(path)
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
@@ -106,8 +107,8 @@ class State:
         """Read a file.
 
         Raises:
-            OSError: it cannot be read.
-            StateError: it is not a saved state, or damaged.
+            OSError: the file cannot be read.
+            StateError: the file is not a saved state, or is damaged.
         """
         file = Path(path)
         if file.stat().st_size > _LARGEST:

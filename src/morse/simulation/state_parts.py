@@ -1,4 +1,4 @@
-"""The parts of a simulation, and the variables of its project, by the names that states have for them."""
+"""Maps the parts of a simulation, and the variables of its project, to names in states and back."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class StateParts:
         self._by_name: dict[str, Any] = {}
 
     def look_up(self) -> None:
-        """Find out what the variables of the project hold now."""
+        """Look up the present values of the variables of the project."""
         self._by_name = dict(self._variables())
         self._globals = {id(value): name for name, value in reversed(self._by_name.items())}
 
@@ -48,7 +48,7 @@ class StateParts:
         }
 
     def name_of(self, value: Any) -> str | None:
-        """The name of a part, or None."""
+        """Return the name of a part, or None."""
         if isinstance(value, GameObject):
             return f"object {value.name}"
         if isinstance(value, Object):
@@ -73,26 +73,26 @@ class StateParts:
     # -- the project -----------------------------------------------------------------------
 
     def met_class(self, cls: type[Any]) -> None:
-        """Remember a class whose objects are in the simulation."""
+        """Record a class whose objects are in the simulation."""
         self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
 
     def global_name(self, value: Any) -> str | None:
-        """``module:NAME``, or ``module:Class.NAME``, of what a variable of the project holds."""
+        """Return ``module:NAME``, or ``module:Class.NAME``, if the value is the value of a variable of the project."""
         return self._globals.get(id(value))
 
     def find_global(self, name: str) -> Any:
-        """What a variable of the project holds."""
+        """Return the value of a variable of the project."""
         if name not in self._by_name:
             raise StateError(f"the project has no variable {name!r:.80}")
         return self._by_name[name]
 
     def find_class(self, path: str) -> type[Any] | None:
-        """A class of MORSE, of the user's project, or of a module beside one that brings components of the scene."""
+        """Return a class of MORSE, of the project, or of a module in the same directory as a component of the scene."""
         module_name, _, name = path.partition(":")
         found: Any = self._module(module_name)
         for word in name.split("."):
             found = vars(found).get(word) if isinstance(found, (type, ModuleType)) else None
-        # not what a module has imported from elsewhere
+        # names that a module has imported from elsewhere are ignored
         if isinstance(found, type) and (found.__module__, found.__qualname__) == (module_name, name):
             return found
         return self._classes.get(path)
@@ -108,7 +108,7 @@ class StateParts:
         return module if folder is not None and folder in {_folder_of(m) for m in self._component_modules()} else None
 
     def _component_modules(self) -> list[ModuleType]:
-        """The modules from which the components of the user come."""
+        """Return the modules of the components of the user."""
         context = self._simulation.context
         project = getattr(self._simulation.scene.project, "module", lambda _name: None)
         parts: list[Any] = [*context.robots.values(), *context.components.values(), *context.overlays.values()]
@@ -119,7 +119,7 @@ class StateParts:
         return [module for module in found if module is not None]
 
     def _variables(self) -> Iterator[tuple[str, Any]]:
-        """Objects and functions that are variables of modules and classes of the project."""
+        """Iterate over the objects and functions that are variables of modules and classes of the project."""
         own = list(getattr(self._simulation.scene.project, "own_modules", dict)().values())
         modules = {id(module): module for module in [*own, *self._component_modules()]}
         for module in modules.values():

@@ -1,4 +1,4 @@
-"""Time that passes by itself, or tick by tick as clients ask."""
+"""Requests of clients for a number of ticks."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from morse.core import status
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: told how a series of ticks ended: status and result
+#: callback for the end of a request, with status and result
 Ended = "Callable[[tuple[str, Any]], object]"
 
 
 class Stepping:
-    """Who waits for how many ticks.
+    """The queue of requested ticks.
 
     Attributes:
-        paused: no time passes but the ticks that somebody waits for.
-        forced: the process itself has ticks done now.
+        paused: whether only requested ticks are done.
+        forced: whether the process itself runs ticks now.
     """
 
     def __init__(self) -> None:
@@ -29,14 +29,14 @@ class Stepping:
 
     @property
     def halted(self) -> bool:
-        """Whether no tick is to be done now."""
+        """Whether no tick may be done now."""
         return self.paused and not self._left and not self.forced
 
     def add(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Have ``ended((status, None))`` called when that many more ticks are done, after those asked for before.
+        """Request ``ticks`` ticks, after earlier requests; ``ended((status, None))`` is called when they are done.
 
         Returns:
-            What cancels them.
+            A function that cancels the request.
         """
         key = object()
         self._series[key] = (ticks, ended)
@@ -56,7 +56,7 @@ class Stepping:
         self._left = next(iter(self._series.values()))[0] if self._series else 0
 
     def count(self) -> None:
-        """A tick is done."""
+        """Count a tick that was done."""
         if not self._left:
             return
         self._left -= 1
@@ -66,7 +66,7 @@ class Stepping:
             ended((status.SUCCESS, None))
 
     def end(self, outcome: str, reason: str | None = None) -> None:
-        """Give up the ticks that are still wanted, and answer the requests that wait for the ticks."""
+        """Cancel all requested ticks, and answer the requests."""
         self._left = 0
         series = list(self._series.values())
         self._series.clear()

@@ -11,7 +11,7 @@ _RULE = "-" * 36
 
 
 def summary(context: Context, modifiers: list[str], datastreams: list[str]) -> list[str]:
-    """The lines of the summary."""
+    """Return the lines of the summary."""
     lines = [_RULE, "-        SIMULATION SUMMARY        -", _RULE, "Robots in the simulation:"]
     for name in context.robots:
         lines += _robot(context, name)

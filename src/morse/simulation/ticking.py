@@ -30,12 +30,12 @@ logger = logging.getLogger(__name__)
 
 
 class Ticker:
-    """Does the work of a tick: input, services, actuators, physics, rays, sensors, output.
+    """Runs a tick: input, services, actuators, physics, rays, sensors, output.
 
     Attributes:
-        observers: told before and after each tick, in their order.
-        profiles: measure what takes the time; a tick without any is not measured.
-        drag: called before the physics of each tick, for what pulls bodies.
+        observers: notified before and after each tick, in order.
+        profiles: profiles that measure each tick; without profiles ticks are not measured.
+        drag: callbacks that apply forces to bodies, called before the physics of each tick.
     """
 
     def __init__(self, context: Context, stepping: Stepping) -> None:
@@ -52,7 +52,7 @@ class Ticker:
         self._offered = 0
 
     def schedule(self, loaded: Loaded) -> None:
-        """Take the components of the simulation, which are new ones."""
+        """Set the components of the simulation after they have changed."""
         frequency = self._clock.frequency
         self._robots = loaded.robots
         self._robot_attributes = [vars(robot) for robot in loaded.robots]
@@ -69,22 +69,22 @@ class Ticker:
         self._delayed = [s.realism for s in sensors if isinstance(s.realism, Realism) and s.realism.delay]
 
     def separate(self) -> None:
-        """Nobody acts together any more until the next tick."""
+        """Dissolve all groups of components that act together, until the next tick."""
         for group in self._groups:
             group.dissolve()
 
     def tick(self) -> bool:
-        """One tick.
+        """Run one tick.
 
         Returns:
-            False if the input has stopped time, so that no time passed.
+            False if input has paused the simulation, so that no time has passed.
         """
         with self._acting:
             if self.profiles:
                 return self._measured_tick()
             self._take_input()
             self._serve()
-            # paused, or started anew while paused: what somebody reads or does next is to find that very state
+            # paused, or restarted while paused: the state must not change until the next request
             if self._stepping.halted:
                 return False
             self._actuate()
@@ -118,7 +118,7 @@ class Ticker:
         return True
 
     def look(self) -> None:
-        """Take input and answer services while no time passes."""
+        """Process input and services while the simulation is paused."""
         with self._acting:
             for observer in self.observers:
                 observer.before_tick()
@@ -157,7 +157,7 @@ class Ticker:
             robot.update_pose()
 
     def _answer_sensors(self) -> None:
-        """Cast the rays of all sensors that are due in one call; that costs little more than one of them alone."""
+        """Answer the requests of all due sensors in one call, which costs little more than those of one sensor."""
         serve(self._asking_sensors.due(self._due))
 
     def _sense(self) -> None:
@@ -172,7 +172,7 @@ class Ticker:
     # -- components ------------------------------------------------------------------------
 
     def _busy_robots(self) -> Sequence[Robot]:
-        """Those that have something to do; a robot that gets an attribute may have got an action of its own."""
+        """Return the robots that have work to do; an action may be added to a robot as an attribute."""
         size = sum(map(len, self._robot_attributes))
         if size != self._watched:
             self._watched = size

@@ -1,4 +1,4 @@
-"""Runs components that act together, and finds out which ones do."""
+"""Runs components that act together, and determines which components can do so."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: fewer members act one by one: that takes less time
+#: groups with fewer members act one by one, which is faster
 _LEAST = 4
-#: ticks after which it is found out anew whether somebody can join
+#: number of ticks after which groups are formed again, so that further members can join
 _LOOK = 64
 
 
 class Together:
     """Components of one class that are due in the same ticks.
 
-    Those of them that can act together do so, first; the others act one by one, after them, in their order. Nothing
-    but the time it takes depends on which of them do.
+    The components that can act together do so first. The others act one by one afterwards, in order. The results do not
+    depend on which components act together.
 
     Attributes:
-        members: all of them.
+        members: all components.
         frequency: Hz.
     """
 
@@ -52,14 +52,14 @@ class Together:
 
     @property
     def phase(self) -> float:
-        """Seconds after the start at which they act first."""
+        """Time of the first action after the start, s."""
         return phase_of(self.members[0])
 
     def name(self) -> str:
-        """What profiles call it."""
+        """Name in profiles."""
         return f"{len(self.members)} x {self._class.__name__}"
 
-    # -- who acts together -------------------------------------------------------------------
+    # -- forming groups ----------------------------------------------------------------------
 
     def _form(self) -> None:
         self.dissolve()
@@ -91,7 +91,7 @@ class Together:
         self._group.take_stock()
 
     def _has_changed(self, group: Group | None) -> bool:
-        """Whether it is to be found out anew who acts together."""
+        """Whether the group has to be formed again."""
         if group is not None and (
             group.is_changed or any(self._modifiers) or list(chain.from_iterable(self._hooks)) != self._known
         ):
@@ -100,7 +100,7 @@ class Together:
         return bool(looks) and any(may_join(member) for member in self._alone)
 
     def dissolve(self) -> None:
-        """Every member has all that is its own; the next time, it is found out anew who acts together."""
+        """Update all members, and form the group again at the next action."""
         group, self._group = self._group, None
         if group is None:
             return
@@ -112,7 +112,7 @@ class Together:
     # -- a tick ------------------------------------------------------------------------------
 
     def action(self) -> None:
-        """The members act."""
+        """Run the actions of all members."""
         group = self._group
         self._ticks += 1
         if self._has_changed(group):
@@ -122,7 +122,7 @@ class Together:
             for member in self._alone:
                 self._act(member)
             return
-        # somebody has changed, or is wrong: one by one it is found out who
+        # a member has changed or is wrong: acting one by one shows which one
         error, self._error = self._error, None
         acting = [member for member in self.members if member.active]
         self._form()
@@ -187,15 +187,15 @@ class Together:
 
 
 def phase_of(component: Any) -> float:
-    """Seconds after the start at which a component acts first."""
+    """Return the time of the first action of a component after the start, s."""
     realism = getattr(component, "realism", None)
     return realism.phase if isinstance(realism, Realism) else 0.0
 
 
 def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> list[Any]:
-    """Components in the order in which they act: those of one class that can act together are one of them.
+    """Return components in the order of their actions, with those that can act together merged into one `Together`.
 
-    Of the actuators of a robot that has several, the last one wins: they stay where they are.
+    Actuators of a robot with several actuators keep their place, because the last one takes precedence.
     """
     carriers: dict[int, int] = {}
     for component in components:

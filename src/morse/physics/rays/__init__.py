@@ -1,4 +1,4 @@
-"""Rays: what lasers, radars and eyes see, cast all at once."""
+"""Ray casting for lasers, radars and other sensors, all rays of a tick in one call."""
 
 from morse.physics.rays.bundle import RayBundle
 from morse.physics.rays.rays import Rays

@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 
-#: distances beyond it would overflow single precision
+#: largest distance, because larger values would overflow single precision
 _FARTHEST = 1e30
 
 
 def farther(reach: float) -> float:
-    """The next number after a reach, m: what is just as far as that is within reach."""
+    """Return the next floating-point number after a reach, m, so that hits exactly at the reach are included."""
     return math.nextafter(min(reach, _FARTHEST), math.inf)
 
 
 class Scan:
-    """What the rays of one or more bundles of the same shape have met, one row a bundle.
+    """The results of one or more bundles of the same shape, one row per bundle.
 
     Attributes:
-        distances: (B, N) metres, infinite for none.
-        solids: (B, N) index of the solid, -1 for none.
-        faces: (B, N) triangle of the mesh of the solid, -1 for others.
-        known: what these numbers mean; None before the first cast.
+        distances: (B, N) m, infinite for no hit.
+        solids: (B, N) index of the solid, -1 for no hit.
+        faces: (B, N) triangle of the mesh of the solid, -1 for other solids.
+        known: the solids to which the indices refer; None before the first cast.
     """
 
     __slots__ = ("_directions", "_origins", "_points", "_ranges", "_reach", "distances", "faces", "known", "solids")
@@ -48,16 +48,16 @@ class Scan:
         self._ranges: NDArray[np.float64] | None = None
 
     def ranges(self) -> NDArray[np.float64]:
-        """(B, N) metres, the reach for none; worked out for all bundles when the first asks."""
+        """(B, N) m, the reach for no hit; computed for all bundles at the first access."""
         if self._ranges is None:
             self._ranges = np.minimum(self.distances, self._reach)
         return self._ranges
 
     def points(self) -> NDArray[np.float64]:
-        """(B, N, 3) metres in the frame of each sensor, null for none."""
+        """(B, N, 3) m in the frame of each sensor, zeros for no hit."""
         if self._points is None:
             length = np.where(self.solids >= 0, self.distances, 0.0)[..., None]
-            # no -0.0: clients read these numbers
+            # avoids -0.0 in the numbers that clients read
             self._points = self._directions * length + 0.0
             if self._origins is not None:
                 self._points += np.where(length > 0.0, self._origins, 0.0)
@@ -65,7 +65,7 @@ class Scan:
 
 
 class Sight:
-    """What the rays of one bundle met in one cast; it does not change when they are cast again."""
+    """The results of one bundle in one cast; it does not change at the next cast."""
 
     __slots__ = ("_row", "_scan")
 
@@ -74,82 +74,82 @@ class Sight:
 
     @property
     def distances(self) -> NDArray[np.float64]:
-        """(N,) metres to what each ray met, infinite for nothing."""
+        """(N,) distance of each hit, m; infinite for no hit."""
         row: NDArray[np.float64] = self._scan.distances[self._row]
         return row
 
     @property
     def ranges(self) -> NDArray[np.float64]:
-        """(N,) metres to what each ray met, the reach for nothing."""
+        """(N,) distance of each hit, m; the reach for no hit."""
         row: NDArray[np.float64] = self._scan.ranges()[self._row]
         return row
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """(N, 3) metres, where each ray met something, in the frame of the sensor; [0, 0, 0] for nothing."""
+        """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
         row: NDArray[np.float64] = self._scan.points()[self._row]
         return row
 
     @property
     def hit(self) -> NDArray[np.int64]:
-        """(N,) number of the solid that each ray met; -1 for nothing."""
+        """(N,) number of the solid at each hit; -1 for no hit."""
         row: NDArray[np.int64] = self._scan.solids[self._row]
         return row
 
     @property
     def faces(self) -> NDArray[np.int32]:
-        """(N,) triangle of the mesh of the solid that each ray met; -1 for others."""
+        """(N,) triangle of the mesh of the solid at each hit; -1 for other solids."""
         row: NDArray[np.int32] = self._scan.faces[self._row]
         return row
 
     @property
     def nodes(self) -> Sequence[Node]:
-        """[S] what the numbers of the solids mean."""
+        """[S] nodes of the solids, by the numbers in ``hit``."""
         known = self._scan.known
         return known.nodes if known is not None else ()
 
     @property
     def remissions(self) -> NDArray[np.float64]:
-        """(N,) ``specular`` of the material that each ray met; 0 for nothing."""
+        """(N,) ``specular`` of the material at each hit; 0 for no hit."""
         known = self._scan.known
         return known.remissions_of(self.hit, self.faces) if known is not None else np.zeros(len(self.hit))
 
 
 class Casting(Protocol):
-    """What bundles need of `Rays`."""
+    """The part of `Rays` that bundles need."""
 
     @property
     def stamp(self) -> int:
-        """Changes whenever anything has moved."""
+        """A value that changes whenever an object has moved."""
 
     def cast(self, bundles: Sequence[RayBundle]) -> None:
         """Cast the rays of some sensors."""
 
     def serve(self, requests: Sequence[RayBundle]) -> None:
-        """Cast the bundles that components ask for in a tick."""
+        """Cast the bundles that components have requested for a tick."""
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
-        """Directions (N, 3) as unit vectors."""
+        """Validate directions (N, 3) and return them as unit vectors."""
 
     def object_at(self, node: Node) -> GameObject | None:
         """The object of a node, if the node is still in the world."""
 
 
 class RayBundle:
-    """The rays of one sensor, and what they met when they were cast last.
+    """The rays of one sensor, and the results of the last cast.
 
     Attributes:
-        obj: the object whose frame the rays are given in; they pass through the robot that it is part of.
-        origins: (N, 3) metres in the frame of the object, or None if all rays start at its origin.
-        directions: (N, 3) unit vectors in the frame of the object; do not write into the array.
-        reach: metres; what is farther away is not seen.
-        upright: whether they turn with the object, or are along the axes of the world.
-        limit: what is nearer than that is seen.
-        sight: what they met.
-        stamp: that of the world when the rays were cast last.
+        obj: the object in whose frame the rays are given; the rays ignore the robot of the object.
+        origins: (N, 3) m in the frame of the object, or None if all rays start at its origin.
+        directions: (N, 3) unit vectors in the frame of the object; the array must not be modified.
+        reach: largest distance of a hit, m.
+        upright: whether the rays are given along the axes of the world and do not rotate with the object.
+        limit: the next number after ``reach``; hits have smaller distances.
+        sight: the results of the last cast.
+        stamp: stamp of the world at the last cast.
     """
 
-    #: a component makes it, and makes it again if it looks elsewhere: the hits are not part of the state
+    #: components create their bundles themselves, so the results are not part of the state
     is_apparatus = True
 
     def __init__(
@@ -175,60 +175,60 @@ class RayBundle:
 
     @property
     def server(self) -> Casting:
-        """The object that casts these rays together with those of other sensors (see `morse.core.requests`)."""
+        """The server that casts these rays together with those of other sensors (see `morse.core.requests`)."""
         return self._rays
 
     @property
     def shape(self) -> tuple[int, int, float, bool]:
-        """Equal for bundles that can be worked on together."""
+        """A key that is equal for bundles that can be processed together."""
         return id(self.directions), id(self.origins), self.reach, self.upright
 
     def turn_to(self, directions: ArrayLike) -> None:
-        """Look into other directions: (N, 3) vectors, not null, in the frame of the object."""
+        """Set other directions: (N, 3) vectors of nonzero length, in the frame of the object."""
         self.directions = self._rays.checked_directions(directions)
         self.stamp = -1
 
     def take(self, scan: Scan, row: int, stamp: int) -> None:
-        """Take the results of a cast."""
+        """Store the results of a cast."""
         self.sight, self.stamp = Sight(scan, row), stamp
 
     def refresh(self) -> None:
-        """Cast the rays now, unless they were cast since anything moved."""
+        """Cast the rays now, unless no object has moved since the last cast."""
         if self.stamp != self._rays.stamp:
             self._rays.cast([self])
 
     @property
     def distances(self) -> NDArray[np.float64]:
-        """(N,) metres to what each ray met, infinite for nothing."""
+        """(N,) distance of each hit, m; infinite for no hit."""
         return self.sight.distances
 
     @property
     def ranges(self) -> NDArray[np.float64]:
-        """(N,) metres to what each ray met, the reach for nothing."""
+        """(N,) distance of each hit, m; the reach for no hit."""
         return self.sight.ranges
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """(N, 3) metres, where each ray met something, in the frame of the sensor; [0, 0, 0] for nothing."""
+        """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
         return self.sight.points
 
     @property
     def hit(self) -> NDArray[np.int64]:
-        """(N,) number of the solid that each ray met, see `object_of`; -1 for nothing."""
+        """(N,) number of the solid at each hit, see `object_of`; -1 for no hit."""
         return self.sight.hit
 
     @property
     def remissions(self) -> NDArray[np.float64]:
-        """(N,) how much light comes back, 0..1: the ``specular`` of the material that was met; 0 for nothing."""
+        """(N,) reflectance, 0..1: the ``specular`` of the material at each hit; 0 for no hit."""
         return self.sight.remissions
 
     def object_of(self, ray: int) -> GameObject | None:
-        """The object that a ray met; None if it met nothing, or something that has been removed since."""
+        """Return the object that a ray has hit; None for no hit, or if the object has been removed since."""
         solid = int(self.hit[ray])
         return None if solid < 0 else self._rays.object_at(self.sight.nodes[solid])
 
     def segments(self) -> NDArray[np.float32]:
-        """(N, 7) origin, end (metres, world frame) and 1 where something was hit, 0 elsewhere."""
+        """Return (N, 7) origin, end (m, world frame) and 1 for a hit, 0 for no hit."""
         position, rotation = self.obj.world_pose()
         turn = np.eye(3) if self.upright else np.reshape(rotation, (3, 3)).T
         result = np.empty((len(self), 7), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Casts rays at the solids of a world as they are now."""
+"""Casts rays at the present solids of a world."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Caster:
-    """Keeps the solids where the world has them, when rays are cast.
+    """Updates the poses of the solids from the world, and casts rays.
 
     Attributes:
-        anchor: (3,) metres, in the middle of the world: rays are worked out relative to this place.
+        anchor: (3,) m, a point in the middle of the world; rays are computed relative to it.
     """
 
     def __init__(self, world: ObjectWorld, solids: Solids) -> None:
@@ -39,10 +39,10 @@ class Caster:
             )
         )
         self.anchor = np.zeros(3)
-        # where the scene has them, not where they are now: rays are the same to the bit whenever the first is cast
+        # computed from the poses in the scene, so that results do not depend on the time of the first cast
         places = np.array([world.slots[slot].pose.position for slot in solids.slots]).reshape(-1, 3)
         if len(places):
-            # whole metres: the last bit of a number is not to decide where it is
+            # rounded to whole metres, so that the anchor does not depend on rounding errors
             self.anchor = np.round((places.min(axis=0) + places.max(axis=0)) / 2.0)
         self._poses = self._poses_now()
         self._loose: set[int] | None = None
@@ -50,10 +50,10 @@ class Caster:
         self._none = np.zeros(0, dtype=np.int64)
 
     def cast(self, fan: Fan, groups: NDArray[np.int64] | None = None) -> Hits:
-        """Find what each ray meets first. Rays whose origin or direction is NaN meet nothing.
+        """Find the first hit of each ray. Rays whose origin or direction is NaN have no hit.
 
         Args:
-            groups: (S,) the group of each solid, if it is not that of its owner.
+            groups: (S,) the group of each solid; None for the groups of the owners.
         """
         self._update()
         return self._rays.cast(fan, self._poses, self._solids.owners if groups is None else groups)
@@ -66,12 +66,12 @@ class Caster:
         owner: int,
         groups: NDArray[np.int64],
     ) -> Hits:
-        """The same for a single ray from a place in the world."""
+        """Cast a single ray from a position in the world."""
         self._update()
         fan = Fan([0], np.zeros((1, 3)), np.eye(3)[None], direction[None], None, True, limit, [owner])
         return self._rays.cast(fan, Poses(start[None], np.eye(3)[None], self.anchor), groups)
 
-    # -- what there is now -----------------------------------------------------------------
+    # -- present poses ---------------------------------------------------------------------
 
     def _update(self) -> None:
         world, solids = self._world, self._solids
@@ -94,10 +94,10 @@ class Caster:
     def _poses_now(self) -> Poses:
         return Poses(*self._world.slot_poses(), self.anchor)
 
-    # -- what was met ----------------------------------------------------------------------
+    # -- hits ------------------------------------------------------------------------------
 
     def normal(self, solid: int, point: NDArray[np.float64], face: int) -> NDArray[np.float64]:
-        """Unit normal (3,), world axes, of a solid at a point (3,), relative to the anchor, that a ray met."""
+        """Return the unit normal (3,), world axes, of a solid at a hit point (3,) relative to the anchor."""
         rotation, mesh = self._rays.rotations[solid], self._solids.meshes[solid]
         if mesh is not None:
             local = mesh.normals[face]

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def hulls_of(shapes: Sequence[CollisionShape]) -> dict[CollisionShape, tuple[NDArray[np.float64], NDArray[np.int32]]]:
-    """Vertices (V, 3) in the frame of the node and faces (T, 3) of convex shapes.
+    """Return vertices (V, 3) in the frame of the node and faces (T, 3) of convex shapes.
 
-    MuJoCo finds the hulls, as it does for contacts: rays see exactly what bodies bump into.
+    MuJoCo computes the hulls, as for contacts, so that rays and contacts use the same geometry.
     """
     shapes = list(dict.fromkeys(shapes))
     if not shapes:

@@ -1,4 +1,4 @@
-"""Bundles that are cast together, as the kernel wants them."""
+"""Groups bundles that are cast together in one call of the kernel."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class _Group:
         )
 
     def holds(self) -> bool:
-        """Whether the bundles are as they were."""
+        """Whether the bundles are unchanged."""
         directions = self._directions
         for bundle, mounting in zip(self._bundles, self._mountings, strict=True):
             if bundle.directions is not directions or bundle.obj.invalid or bundle.obj.offset != mounting:
@@ -45,25 +45,25 @@ class _Group:
         return True
 
     def cast(self, caster: Caster, stamp: int) -> None:
-        """Cast the rays, and give the bundles what they met."""
+        """Cast the rays, and store the results in the bundles."""
         scan = Scan(self._first, caster.cast(self._fan), self._solids)
         for row, bundle in enumerate(self._bundles):
             bundle.take(scan, row, stamp)
 
 
 class Plan:
-    """Some bundles, sorted by their shapes: each shape is one call of the kernel."""
+    """Some bundles, grouped by shape; each shape needs one call of the kernel."""
 
     def __init__(self, bundles: Sequence[RayBundle], solids: Solids) -> None:
         groups: dict[tuple[int, int, float, bool], list[RayBundle]] = {}
         for bundle in bundles:
-            # a sensor that was removed sees nothing any more
+            # a removed sensor has no results
             if len(bundle) and not bundle.obj.invalid:
                 groups.setdefault(bundle.shape, []).append(bundle)
         self._groups = [_Group(group, solids) for group in groups.values()]
 
     def holds(self) -> bool:
-        """Whether it is still true: sensors are where they were mounted, and look where they looked."""
+        """Whether the plan is still valid: mountings and directions of the sensors are unchanged."""
         return all(group.holds() for group in self._groups)
 
     def cast(self, caster: Caster, stamp: int) -> None:

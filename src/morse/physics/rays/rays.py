@@ -1,4 +1,4 @@
-"""All rays of a world."""
+"""Ray casting in a world."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from morse.physics.rays.caster import Caster
     from morse.scene import Node
 
-#: maximum number of sets of bundles whose arrays are kept
+#: maximum number of sets of bundles whose arrays are cached
 _MOST_PLANS = 64
 
 
 class Rays:
     """Casts rays at the solids of a world.
 
-    Sensors ask for a `bundle` when they are made. All bundles that are due in a tick are cast in
-    one call; that costs little more than one of them alone.
+    Sensors create a `bundle` when they are created. All bundles of a tick are cast in one call, which costs little more
+    than a single bundle.
     """
 
     def __init__(self, world: ObjectWorld) -> None:
@@ -51,14 +51,14 @@ class Rays:
 
     @cached_property
     def _caster(self) -> Caster:
-        # the kernel is loaded when the first ray is cast, not by worlds without any
+        # the kernel is loaded at the first cast, so that worlds without rays do not load it
         from morse.physics.rays.caster import Caster
 
         return Caster(self._world, self._solids)
 
     @property
     def stamp(self) -> int:
-        """Changes whenever anything has moved."""
+        """A value that changes whenever an object has moved."""
         return self._world.stamp
 
     # -- bundles ---------------------------------------------------------------------------
@@ -72,17 +72,19 @@ class Rays:
         *,
         upright: bool = False,
     ) -> RayBundle:
-        """The rays of a sensor.
+        """Create the rays of a sensor.
 
         Args:
             obj: the object of the sensor.
-            directions: (N, 3) vectors in its frame, of any length but zero.
-            reach: metres; may be infinite.
-            origins: (N, 3) metres in its frame; None if all rays start at its origin.
-            upright: directions and origins are along the axes of the world, however the sensor is turned.
+            directions: (N, 3) vectors in its frame, of nonzero length.
+            reach: largest distance, m; may be infinite.
+            origins: (N, 3) m in its frame; None if all rays start at its origin.
+            upright: directions and origins are given along the axes of the world, independent of the orientation of the
+                sensor.
 
         Raises:
-            ValueError: an array has the wrong shape or holds a value that is not finite, or the reach is not positive.
+            ValueError: an array has the wrong shape or contains a value that is not finite, or the reach is not
+                positive.
         """
         if not reach > 0.0:
             raise ValueError(f"a ray reaches farther than 0 m; given {reach!r}")
@@ -93,7 +95,7 @@ class Rays:
         return RayBundle(self, obj, checked, float(reach), starts, upright)
 
     def checked_directions(self, directions: ArrayLike) -> NDArray[np.float64]:
-        """Directions (N, 3) as unit vectors; equal ones are one array, so that they can be turned together."""
+        """Return directions (N, 3) as unit vectors; equal inputs share one array, so that they are rotated together."""
         rows = _rows_of_three(directions, "directions")
         lengths = np.linalg.norm(rows, axis=1)
         if not (lengths > 0.0).all():
@@ -108,11 +110,11 @@ class Rays:
     # -- casting ---------------------------------------------------------------------------
 
     def serve(self, requests: Sequence[RayBundle]) -> None:
-        """Cast the bundles that components ask for in a tick."""
+        """Cast the bundles that components have requested for a tick."""
         self.cast(requests)
 
     def cast(self, bundles: Sequence[RayBundle]) -> None:
-        """Cast the rays of some sensors, from where these are now."""
+        """Cast the rays of some sensors, from their present poses."""
         key = tuple(bundles)
         plan = self._plans.get(key)
         if plan is None or not plan.holds():
@@ -129,14 +131,14 @@ class Rays:
         ignored: NDArray[np.bool_] | None = None,
         owned_by: int = -1,
     ) -> tuple[GameObject, Vector, Vector] | None:
-        """What a single ray meets: object, point and unit normal that looks against the ray.
+        """Return the first hit of a single ray: object, point, and unit normal that points against the ray.
 
         Args:
-            start: metres, world frame.
-            direction: unit vector, world axes.
-            reach: metres.
-            ignored: (S,) solids to pass through.
-            owned_by: slot whose solids to pass through.
+            start: start point in the world, m.
+            direction: unit vector in world axes.
+            reach: largest distance, m.
+            ignored: (S,) solids that the ray ignores.
+            owned_by: slot whose solids the ray ignores.
         """
         groups = self._solids.owners
         if ignored is not None:
@@ -153,10 +155,10 @@ class Rays:
             normal = -normal
         return self.object_of(solid), Vector((place + apart).tolist()), Vector(normal.tolist())
 
-    # -- what was met ----------------------------------------------------------------------
+    # -- hits ------------------------------------------------------------------------------
 
     def object_of(self, solid: int) -> GameObject:
-        """The object that a solid belongs to."""
+        """Return the object of a solid."""
         return self._world.object_of(self._solids.nodes[solid])
 
     def object_at(self, node: Node) -> GameObject | None:
@@ -164,7 +166,7 @@ class Rays:
         return self._world.find_object(node)
 
     def without(self, prop: str) -> NDArray[np.bool_]:
-        """(S,) the solids whose objects do not have a property."""
+        """Return (S,) booleans: solids whose objects do not have a property."""
         return np.array([prop not in self._world.object_of(node) for node in self._solids.nodes], dtype=bool)
 
 

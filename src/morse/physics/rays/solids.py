@@ -1,4 +1,4 @@
-"""What rays can meet: the solids of a world."""
+"""The solids of a world, which rays can hit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from morse.scene import Mesh, Node
 
 _WITHOUT_MATERIAL = Material("default")
-#: how arrays number the kinds
+#: kinds of solids; arrays contain the index
 KINDS = {
     ShapeKind.BOX: primitives.BOX,
     ShapeKind.SPHERE: primitives.SPHERE,
@@ -38,23 +38,23 @@ KINDS = {
 
 
 class Solids:
-    """The collision shapes of a world as arrays, one row a solid.
+    """The collision shapes of a world as arrays, one row per solid.
 
-    A solid is a shape of a node, in a frame of its own; but a mesh that was cut into convex parts
-    for the sake of contacts is one solid again, made of its own triangles in the frame of the node.
+    A solid is a shape of a node, with its own frame. A mesh that was divided into convex parts for contacts is one
+    solid, which consists of the original triangles in the frame of the node.
 
     Attributes:
-        slots: (S,) the rigid group that it moves with.
-        owners: (S,) the same, with the wheels counted as part of what they hang on.
-        fixed: (S,) whether it stands still, unless someone puts it elsewhere.
-        nodes: [S] the node that it belongs to.
+        slots: (S,) rigid group of each solid.
+        owners: (S,) rigid group of each solid, with wheels assigned to the body to which they are attached.
+        fixed: (S,) whether the solid is static.
+        nodes: [S] node of each solid.
         kinds: (S,) index into `KINDS`.
-        sizes: (S, 3) of a primitive, see `CollisionShape`.
-        centres: (S, 3) of the box around it, in its frame.
-        halves: (S, 3) half sizes of that box.
+        sizes: (S, 3) size of a primitive, see `CollisionShape`.
+        centres: (S, 3) centre of the bounding box in the frame of the solid, m.
+        halves: (S, 3) half sizes of the bounding box, m.
         meshes: [S] the triangles of a mesh, or None.
-        places: (S, 3) metres, in the frame of the group.
-        turns: (S, 3, 3) from the solid to the group.
+        places: (S, 3) position in the frame of the group, m.
+        turns: (S, 3, 3) rotation from the solid to the group.
     """
 
     def __init__(self, world: ObjectWorld) -> None:
@@ -68,7 +68,7 @@ class Solids:
         self.slots = np.array(slots, dtype=np.int64)
         self.owners = np.array([owner(world, slot) for slot in slots], dtype=np.int64)
         self.fixed = np.array([world.slots[slot].frame.motion is Motion.FIXED for slot in slots], dtype=bool)
-        # of all triangles one after the other; other solids have one number
+        # concatenated for all triangles; other solids have one number
         parts = [np.array(_remissions(node)[:1]) if mesh is None else mesh.remissions for node, _, mesh in rows]
         self._remissions = np.concatenate([*parts, np.zeros(1)])
         self._first_remissions = np.cumsum([0, *(len(part) for part in parts)])
@@ -88,11 +88,11 @@ class Solids:
         return len(self.nodes)
 
     def owner_of(self, slot: int) -> int:
-        """The group that a slot belongs to, see ``owners``."""
+        """Return the group of a slot, see ``owners``."""
         return owner(self._world, slot)
 
     def settle(self, members: range | list[int]) -> None:
-        """Take the places of some solids within their groups."""
+        """Update the poses of some solids in their groups."""
         for index in members:
             shape = self._shapes[index]
             position, rotation = self._world.object_of(self.nodes[index]).offset
@@ -102,13 +102,13 @@ class Solids:
             self.turns[index] = np.reshape(rotation, (3, 3))
 
     def remissions_of(self, solids: NDArray[np.int64], faces: NDArray[np.int32]) -> NDArray[np.float64]:
-        """(N,) ``specular`` of the materials of the solids and triangles that were met; 0 where nothing was."""
+        """Return (N,) ``specular`` of the materials of the solids and triangles that were hit; 0 for no hit."""
         rows = self._first_remissions[solids] + np.maximum(faces, 0)
         return np.where(solids >= 0, self._remissions[rows], 0.0)
 
 
 def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Triangles | None]]:
-    """The solids: a node with the shape of a primitive or with triangles."""
+    """Iterate over the solids: a node with a primitive shape or with triangles."""
     known: dict[tuple[object, ...], Triangles] = {}
     nodes = [node for slot in world.slots for node in slot.frame.solid if node.body.type is not PhysicsType.SENSOR]
     whole = [node for node in nodes if not _is_cut_up(node)]
@@ -130,7 +130,7 @@ def _rows(world: ObjectWorld) -> Iterator[tuple[Node, CollisionShape | None, Tri
 
 
 def _is_cut_up(node: Node) -> bool:
-    """Whether the shapes of a node stand for the triangles of its mesh, and less truly than these."""
+    """Whether the shapes of a node approximate its mesh, so that its triangles are used instead."""
     if node.mesh is None or not len(node.mesh.triangles) or node.body.bounds not in (None, Bounds.TRIANGLE_MESH):
         return False
     assert node.shapes is not None
@@ -138,7 +138,7 @@ def _is_cut_up(node: Node) -> bool:
 
 
 def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles]) -> Triangles:
-    """The triangles of a node's mesh in the rigid frame of the node."""
+    """Return the triangles of the mesh of a node in the rigid frame of the node."""
     stretch = as_array(rigid_frame(node).stretch).round(9)
     remissions = _remissions(node)
     key = (id(mesh), stretch.tobytes(), tuple(remissions))
@@ -150,7 +150,7 @@ def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles])
 
 
 def _remissions(node: Node) -> list[float]:
-    """Of each material slot of a node; at least one."""
+    """Return the remission of each material slot of a node; at least one."""
     defaults = node.mesh.materials if node.mesh is not None else ()
     count = max(len(node.materials), len(defaults), 1)
     own = [*node.materials, *[None] * (count - len(node.materials))]
@@ -159,7 +159,7 @@ def _remissions(node: Node) -> list[float]:
 
 
 def owner(world: ObjectWorld, slot: int) -> int:
-    """The slot that a slot is a part of: a wheel belongs to the body that it hangs on."""
+    """Return the slot to which a slot belongs: a wheel belongs to the body to which it is attached."""
     parent = world.slots[slot].frame.parent
     if parent is None:
         return slot
@@ -167,7 +167,7 @@ def owner(world: ObjectWorld, slot: int) -> int:
 
 
 def body_of(world: ObjectWorld, part: GameObject) -> GameObject:
-    """What a shape belongs to: the shapes of a compound are met as the body that they form."""
+    """Return the body of a part: hits on the shapes of a compound are reported as hits on the compound."""
     if not part.is_dynamic:
         return part
     body = world.object_of(world.slots[part.slot].frame.node)

@@ -1,4 +1,4 @@
-"""Triangle meshes that rays are cast at."""
+"""Triangle meshes for ray casting."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class Triangles(TriangleMesh):
-    """A triangle mesh in a frame of its own.
+    """A triangle mesh with its own frame.
 
     Attributes:
-        vertices: (V, 3) metres.
-        faces: (T, 3) indices of vertices; none without area.
+        vertices: (V, 3) m.
+        faces: (T, 3) indices of vertices; degenerate triangles are excluded.
         normals: (T, 3) unit vectors.
-        remissions: (T,) share of light that each triangle throws back, 0..1.
+        remissions: (T,) reflectance of each triangle, 0..1.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Triangles(TriangleMesh):
 
     @property
     def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Centre (3,) and half sizes (3,) of the box around it."""
+        """Return the centre (3,) and half sizes (3,) of the bounding box, m."""
         used = self.vertices[self.faces].reshape(-1, 3)
         if not len(used):
             return np.zeros(3), np.zeros(3)

@@ -1,1 +1,1 @@
-"""Models and components that are edited while a simulation runs."""
+"""Reloads models and components that are edited while a simulation runs."""

@@ -1,4 +1,4 @@
-"""The file of a component was saved: its class is exchanged, its state stays."""
+"""Replaces the class of a component whose file was saved, and keeps its state."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ logger = logging.getLogger(__name__)
 
 
 def exchange(simulation: Simulation, files: list[str]) -> list[str]:
-    """Import files of the project anew, and exchange the components and modifiers whose classes depend on them.
+    """Reimport files of the project, and replace the components and modifiers whose classes depend on them.
 
     Returns:
-        The names of the components that were exchanged or whose modifiers were.
+        The names of the components that were replaced, or whose modifiers were replaced.
 
     Raises:
-        Exception: whatever is wrong with the files or the new classes; nothing has changed then.
+        Exception: any error in the files or the new classes; the simulation is then unchanged.
     """
     project = simulation.scene.project
     if not isinstance(project, ProjectImports):
@@ -48,7 +48,7 @@ class _Exchange:
         self._context = simulation.context
         self._old: dict[str, Object] = {}
         self._new: dict[str, Object] = {}
-        #: name of the component, number of the modifier, and the new one
+        #: name of the component, index of the modifier, and the new modifier
         self._modifiers: list[tuple[str, int, Any]] = []
 
     def run(self, changed: list[str], sources: dict[str, str]) -> list[str]:
@@ -106,7 +106,7 @@ class _Exchange:
             inheritance.modifier(f"{name}, modifier {number}", _modifiers(declaration, component)[number], modifier)
         check_kinds([(d, self._new[d.name]) for d in self._simulation.scene.components if d.name in self._new])
 
-    # -- from here on nothing is taken back ------------------------------------------------
+    # -- changes to the simulation, which are not undone -----------------------------------
 
     def _put_in(self, declaration: ComponentDeclaration) -> None:
         name = declaration.name
@@ -163,7 +163,7 @@ class _Exchange:
 
 
 def _modules(part: Any) -> set[str]:
-    """The modules of the class of an object and of its bases."""
+    """Return the modules of the class of an object and of its bases."""
     return {cls.__module__ for cls in type(part).__mro__}
 
 

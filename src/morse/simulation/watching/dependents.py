@@ -1,4 +1,4 @@
-"""Which modules of a project have to be imported anew when some of them have changed."""
+"""Determines which modules of a project have to be reimported when some of them have changed."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 
 
 def to_renew(changed: Iterable[str], running: Iterable[str], sources: Mapping[str, str]) -> set[str]:
-    """The modules that changed and those that import them, as far as running classes need them.
+    """Return the changed modules and the modules that import them, as far as running classes need them.
 
     Args:
         changed: names of modules.
-        running: the modules of the classes that run.
+        running: the modules of the classes in use.
         sources: the modules of the project, and their files.
 
     Raises:
-        SyntaxError: a file is no Python.
+        SyntaxError: a file is not valid Python.
         OSError: a file cannot be read.
     """
     imported = {name: set(_imports(name, Path(file), sources)) for name, file in sources.items()}
@@ -39,7 +39,7 @@ def _reached(first: Iterable[str], ways: Mapping[str, set[str]]) -> set[str]:
 
 
 def _imports(module: str, path: Path, known: Mapping[str, str]) -> Iterator[str]:
-    """The known modules that a file names in its imports, wherever they stand in it."""
+    """Iterate over the known modules that a file imports, at any place in the file."""
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
         names = []

@@ -1,4 +1,4 @@
-"""Finds out which of some files have been saved."""
+"""Detects which files have been saved."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _Stamp = tuple[int, int, int]
 
 
 class SavedFiles:
-    """Compares the times, sizes and numbers of files with those of the last look.
+    """Compares the modification times, sizes and inode numbers of files with those of the last check.
 
-    A file counts as saved once it has changed and stayed the same from one look to the next: programs write files
-    piece by piece. A file that is missing is expected to come back: many programs write a new one and rename it.
+    A file counts as saved when it has changed and then stays the same between two checks, because programs write files
+    in pieces. A missing file is expected to reappear, because many programs write a new file and rename it.
     """
 
     def __init__(self) -> None:
@@ -23,7 +23,7 @@ class SavedFiles:
         self._changing: dict[str, _Stamp] = {}
 
     def look(self, paths: Iterable[str]) -> list[str]:
-        """Those of the files that were saved since they were looked at first or were in this list last."""
+        """Return the files that were saved since the first check, or since they were last returned."""
         saved = []
         for path in paths:
             stamp = _stamp(path)
@@ -40,7 +40,7 @@ class SavedFiles:
         return saved
 
     def unchanged(self, path: str) -> bool:
-        """Whether a file is as it was when `look` named it."""
+        """Whether a file is unchanged since `look` returned it."""
         return _stamp(path) == self._known.get(path)
 
 

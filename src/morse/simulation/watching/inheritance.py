@@ -1,4 +1,4 @@
-"""What a component of a class that was edited takes over from the one in whose place it comes."""
+"""Transfers the state of a component to the component of the edited class that replaces it."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ class _Replaced:
 
 
 class Inheritance:
-    """Hands the state of objects on to those that replace them.
+    """Transfers the state of objects to the objects that replace them.
 
     Args:
-        parts: of the simulation, by name.
-        components: those that replace others, by name.
+        parts: parts of the simulation by name.
+        components: new components by name.
     """
 
     def __init__(self, parts: References, components: Mapping[str, Object]) -> None:
@@ -61,10 +61,10 @@ class Inheritance:
         self._reader = Reader(references)
 
     def component(self, name: str, old: Object, new: Object) -> None:
-        """Let a component go on where the old one has stopped.
+        """Transfer the state of a component.
 
-        What a property or a field of the data is by default is taken from the new class, where nobody has set it; so is
-        what the old component did not have.
+        Properties and data fields with default values get the defaults of the new class, and so do attributes that the
+        old component did not have.
 
         Raises:
             StateError: the state does not fit the new class.
@@ -85,7 +85,7 @@ class Inheritance:
             new.active = True
 
     def modifier(self, name: str, old: Any, new: Any) -> None:
-        """Let a modifier go on where the old one has stopped.
+        """Transfer the state of a modifier.
 
         Raises:
             StateError: the state does not fit the new class.
@@ -99,7 +99,7 @@ class Inheritance:
             return state
         if not isinstance(state, dict):
             raise StateError(f"{name}: the state of the old class is not a dictionary, that of the new one is")
-        # threads and open files cannot be handed on
+        # threads and open files cannot be transferred
         kept = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
         return {**own, **kept}
 
@@ -107,7 +107,7 @@ class Inheritance:
 def _adapt_fields(
     data: dict[str, Any], fresh: dict[str, Any], before: Mapping[str, DataField], after: Mapping[str, DataField]
 ) -> None:
-    """Let data have the fields of the new class, in their order; fields that others have added stay."""
+    """Arrange data by the fields of the new class, in order; fields that were added by others are kept."""
     kept = {name: value for name, value in dict.items(data) if name not in before or name in after}
     for name in fresh:
         if name in before and name in after and _kind(before[name]) != _kind(after[name]):
@@ -121,7 +121,7 @@ def _kind(field: DataField) -> tuple[Any, ...]:
 
 
 def _new_defaults(old: Object, new: Object) -> list[str]:
-    """The properties whose values are those of the new class."""
+    """Return the properties that get the values of the new class."""
     before = properties(type(old))
     names = []
     for python_name, prop in properties(type(new)).items():

@@ -1,4 +1,4 @@
-"""A model file was saved: the scene follows."""
+"""Updates the scene when a model file was saved."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass
 class ModelEdit:
-    """What a saved file changes; worked out beside the simulation, and carried out between two ticks.
+    """The changes of a saved file, computed in another thread and applied between two ticks.
 
     Attributes:
-        arrangement: see `morse.physics.World`; the edit is for the scene as it was then.
-        latest: the uses of the file, and their records afterwards.
+        arrangement: arrangement of the scene for which the edit was computed, see `morse.physics.World`.
+        latest: the uses of the file, and their records after the edit.
     """
 
     path: str
@@ -32,7 +32,7 @@ class ModelEdit:
     warnings: list[str] = field(default_factory=list)
 
     def summary(self) -> str:
-        """What it changes, for people."""
+        """Return a description of the changes for the user."""
         revisions = [revision for _, revision in self.latest]
         counts = (
             (sum(len(revision.replaced) for revision in revisions), "changed"),
@@ -43,12 +43,12 @@ class ModelEdit:
 
 
 def prepare(simulation: Simulation, path: str) -> ModelEdit:
-    """Read a file and work out what it changes; for another thread than that of the simulation.
+    """Read a file and compute its changes; may be called in another thread than the simulation.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: the file is damaged.
-        LookupError: none of the objects that the scene takes from the file is in it any more.
+        LookupError: the file does not contain any of the objects that the scene uses.
     """
     scene = simulation.scene
     edit = ModelEdit(path, simulation.world.arrangement)
@@ -65,10 +65,10 @@ def prepare(simulation: Simulation, path: str) -> ModelEdit:
 
 
 def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
-    """Put the new nodes into the scene that runs.
+    """Insert the new nodes into the running scene.
 
     Raises:
-        ValueError: the engine refuses a shape; nothing has changed then.
+        ValueError: the engine refuses a shape; the scene is then unchanged.
     """
     revisions = [revision for _, revision in edit.latest]
     replaced = [pair for revision in revisions for pair in revision.replaced]
@@ -97,7 +97,7 @@ def carry_out(simulation: Simulation, edit: ModelEdit) -> None:
 
 
 def _lift(simulation: Simulation, node: Node, bottom: float | None) -> None:
-    """Raise a body whose new model reaches deeper than the old one did: it would be shot out of the ground."""
+    """Raise a body whose new model reaches lower than the old one, so that it does not penetrate the ground."""
     reaches = bottom_of(simulation.world, node)
     if bottom is not None and reaches is not None and reaches < bottom:
         body = simulation.world.object_of(node)

@@ -1,4 +1,4 @@
-"""Lets a simulation follow the files that it came from, while it runs."""
+"""Watches the files of a running simulation, and reloads models and components that were saved."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: wall-clock seconds between two looks at the files
+#: interval between checks of the files, wall-clock seconds
 _INTERVAL = 0.2
-#: wall-clock seconds after which a file that cannot be read is not one that is being written
+#: time after which an unreadable file is an error and not a file that is still being written, wall-clock seconds
 _PATIENCE = 1.0
 _AT_START = "it is read again when the simulation is started anew from the live view (F11)"
 
 
 class Watch(Observer):
-    """Shows a model that was saved, and runs a component that was saved, within a second or so.
+    """Reloads models and components within about a second after they were saved.
 
-    A thread looks at the files and reads the models; the simulation changes between two ticks.
+    A thread checks the files and reads the models. The simulation changes between two ticks.
 
     Attributes:
-        exchanged: the files of components that run as they were saved last.
+        exchanged: the files of components that run in their latest version.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -55,16 +55,16 @@ class Watch(Observer):
         self._thread.start()
 
     def before_tick(self) -> None:
-        """Carry out what has been prepared."""
+        """Apply the prepared changes."""
         while self._ready:
             self._ready.popleft()()
 
     def close(self) -> None:
-        """Look no longer."""
+        """Stop watching."""
         self._stop.set()
         self._thread.join()
 
-    # -- beside the simulation ---------------------------------------------------------------
+    # -- in the thread -----------------------------------------------------------------------
 
     def _watched(self) -> list[str]:
         project = self._simulation.scene.project
@@ -93,7 +93,7 @@ class Watch(Observer):
         try:
             edit = models.prepare(self._simulation, path)
         except Exception as error:
-            # it may be half written, or the scene has changed meanwhile
+            # the file may be incomplete, or the scene has changed meanwhile
             if last_try:
                 del self._unread[path]
                 reason = describe(error)
