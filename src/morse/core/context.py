@@ -63,6 +63,7 @@ class Context:
         journal: record of all input from outside the simulation.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation has been told to end; code that waits within a tick has to check it.
+        paused: whether no time passes but the ticks that a client asks for.
         seed: seed of all random numbers.
     """
 
@@ -84,6 +85,7 @@ class Context:
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)
     stopping: Any = _not_stopping
+    paused: Any = _not_stopping
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -81,6 +81,7 @@ class Simulation(Recorded, Handles):
         self._loop = Loop(self.context, self._ticker, self._stepping, speed)
         self.pacer = self._loop.pacer
         self.context.stopping = lambda: self._loop.stopping
+        self.context.paused = lambda: self._stepping.paused
         self.view: Any = None
         #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None

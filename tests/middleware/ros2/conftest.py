@@ -27,7 +27,7 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
     """Loads a robot with some components; what it publishes is on a desk."""
     typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
     desk = Desk(typesys.get_typestore(typesys.Stores.ROS2_JAZZY))
-    monkeypatch.setattr("morse.middleware.ros2.datastream.make_backend", lambda options: desk)
+    monkeypatch.setattr("morse.middleware.ros2.domain.make_backend", lambda options: desk)
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     running = []
 

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import logging
-import os
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros2.backends.backend import Qos
-from morse.middleware.ros2.backends.choice import make_backend
+from morse.middleware.ros2.domain import announce, join
 from morse.middleware.ros2.kinds.detecting import DetectingKinds
 from morse.middleware.ros2.kinds.sensing import SensingKinds
 from morse.middleware.ros2.kinds.spatial import SpatialKinds
 from morse.middleware.ros2.kinds.states import StateKinds, clock
 from morse.middleware.ros2.kinds.vision import VisionKinds
-from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS
+from morse.middleware.ros2.mapping import MANAGER_OPTIONS
 from morse.middleware.ros2.names import Names, robot_of
 from morse.middleware.ros2.outlets import COMMAND
 from morse.middleware.ros2.robots import Robots
@@ -58,7 +57,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         super().__init__(options, context)
         self.names = Names(self.options)
         self.backend = self._make_backend()
-        logger.info("%s: %s, %s", self.title, self.backend.name, self.backend.opens)
+        announce(self.backend, self.title)
         self._complaints = Complaints(logger)
         #: topics by name: their type, and the component that has them
         self._claims: dict[str, tuple[str, str]] = {}
@@ -72,21 +71,16 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._log = LogTopic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
             self.options["localization"],
-            lambda message: self._publish(self._tf, _TF, message),
+            self._send_tf,
             lambda message: self._publish(self._tf_static, _TF, message),
         )
 
+    def _send_tf(self, message: dict[str, Any]) -> None:
+        self._publish(self._tf, _TF, message)
+
     def _make_backend(self) -> Backend:
         """What carries the bytes."""
-        return make_backend({**self.options, "domain_id": self._domain()})
-
-    def _domain(self) -> int:
-        if self.options["domain_id"] is not None:
-            return int(self.options["domain_id"])
-        given = os.environ.get("ROS_DOMAIN_ID") or "0"
-        if not given.isdecimal() or int(given) > LAST_DOMAIN:
-            raise MorseMiddlewareError(f"ros2: ROS_DOMAIN_ID is {given!r}, expected a number from 0 to {LAST_DOMAIN}")
-        return int(given)
+        return join(self.context, self.options)
 
     def _own(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         self._claims[topic] = (type_name, "the simulation")
@@ -131,7 +125,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         # a component that has the message on a topic of that name already wants no second one below it
         below = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
         topic = "/".join(part for part in (base, bound.topic, below) if part)
-        qos = outlet.qos._replace(reliable=False) if stream.kwargs["qos"] == "sensor" else outlet.qos
+        qos = outlet.qos._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else outlet.qos
         owner = self._claims.get(topic)
         if owner is not None:
             raise MorseMiddlewareError(
@@ -168,7 +162,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
                     f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and "
                     f"cannot have {inlet.type} as well; give one of them another: topic='...'"
                 )
-            qos = COMMAND._replace(reliable=False) if stream.kwargs["qos"] == "sensor" else COMMAND
+            qos = COMMAND._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else COMMAND
             # each listener has a subscription of its own: what one has taken is gone
             key = (f"{stream.component_name} {topic}", inlet.type, qos)
             if key not in self._subscriptions:
@@ -239,7 +233,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
             subscription.close()
         self._publishers.clear()
         self._subscriptions.clear()
-        self.backend.close()
+        self.backend.release()
 
 
 def _package(type_name: str) -> str:

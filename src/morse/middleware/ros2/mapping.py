@@ -36,6 +36,7 @@ STREAM_OPTIONS = {
 MIDDLEWARE = Middleware(
     name="ros2",
     stream_manager="morse.middleware.ros2.datastream.Ros2DatastreamManager",
+    request_manager="morse.middleware.ros2.request_manager.Ros2RequestManager",
     manager_options=MANAGER_OPTIONS,
     stream_options=STREAM_OPTIONS,
     default_publisher="morse.middleware.ros2.stream.Ros2Stream",

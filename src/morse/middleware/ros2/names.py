@@ -22,6 +22,11 @@ def _part(text: str) -> str:
     return re.sub(r"(^|/)(?=[0-9])", r"\1_", cleaned)
 
 
+def cleaned(text: str) -> str:
+    """A name with letters that ROS allows; dots become slashes."""
+    return _part(text)
+
+
 def checked_topic(topic: str, what: str) -> str:
     """A name of a topic or a namespace, as it is.
 

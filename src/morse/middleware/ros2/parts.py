@@ -22,6 +22,11 @@ def time(stamp: int) -> dict[str, int]:
     return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
 
 
+def header_at(stamp: int, frame: str) -> dict[str, Any]:
+    """``std_msgs/Header`` of whole ns."""
+    return {"stamp": time(stamp), "frame_id": frame}
+
+
 def header(message: Message, frame: str) -> dict[str, Any]:
     """``std_msgs/Header``."""
     return {"stamp": time(message.stamp), "frame_id": frame}

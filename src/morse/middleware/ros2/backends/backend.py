@@ -57,13 +57,40 @@ class Subscription(ABC):
         """Take nothing more."""
 
 
+class ServiceServer(ABC):
+    """Takes the calls of a service."""
+
+    @abstractmethod
+    def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+        """Calls that have arrived, oldest first, at most so many: who calls, and the request; never waits."""
+
+    @abstractmethod
+    def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
+        """Answer a call.
+
+        Raises:
+            ValueError, TypeError: a value does not fit its field.
+        """
+
+    @abstractmethod
+    def close(self) -> None:
+        """Take nothing more."""
+
+
 class Backend(ABC):
     """A participant of a ROS 2 domain. All calls come from the simulation thread, and none of them waits.
 
     Attributes:
         name: as ``env.configure_stream_manager('ros2', backend=...)`` says it.
         opens: what it opens on which interface, for the log.
+        has_services: whether it carries services, too.
+        users: how many share it.
     """
+
+    has_services = False
+    users = 1
+    #: whether the log says what it opens
+    announced = False
 
     name: str
     opens: str
@@ -101,3 +128,18 @@ class Backend(ABC):
     @abstractmethod
     def close(self) -> None:
         """Leave the domain."""
+
+    def service(self, name: str, type_name: str) -> ServiceServer | None:
+        """Offer a service; None if this backend has no services, or does not have the type.
+
+        Args:
+            name: absolute, ``/robot/motion/stop``.
+            type_name: ``std_srvs/srv/Trigger``.
+        """
+        return None
+
+    def release(self) -> None:
+        """Leave the domain if nobody else shares the backend."""
+        self.users -= 1
+        if self.users <= 0:
+            self.close()

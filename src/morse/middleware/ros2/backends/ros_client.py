@@ -16,7 +16,7 @@ from rclpy.context import Context
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from morse.core.exceptions import MorseMiddlewareError
-from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, ServiceServer, Subscription
 from morse.middleware.ros2.backends.loopback import Confined, confined, described
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _message_class(type_name: str) -> Any:
     package, _, name = type_name.partition("/msg/")
     try:
         return getattr(import_module(f"{package}.msg"), name)
-    except ImportError:
+    except (ImportError, AttributeError):
         return None
 
 
@@ -113,10 +113,74 @@ class _Subscription(Subscription):
         self._node.destroy_subscription(self._subscription)
 
 
+class _Service(ServiceServer):
+    def __init__(self, node: Any, service: Any) -> None:
+        self._node, self._service = node, service
+
+    def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+        service = self._service
+        found: list[tuple[Any, dict[str, Any]]] = []
+        with service.handle:
+            while len(found) < most:
+                request, info = service.handle.service_take_request(service.srv_type.Request)
+                if info is None:
+                    break
+                found.append((info.request_id, plain(request)))
+        return found
+
+    def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
+        made = fill(self._service.srv_type.Response(), response)
+        with self._service.handle:
+            self._service.handle.service_send_response(made, caller)
+
+    def close(self) -> None:
+        self._node.destroy_service(self._service)
+
+
+def plain(message: Any) -> Any:
+    """A message as a dictionary of its fields."""
+    if hasattr(message, "get_fields_and_field_types"):
+        return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
+    return [plain(item) for item in message] if isinstance(message, list) else message
+
+
+def fill(message: Any, fields: Mapping[str, Any]) -> Any:
+    """A message with the fields of a dictionary.
+
+    Raises:
+        ValueError, TypeError: a value does not fit its field.
+    """
+    kinds = message.get_fields_and_field_types()
+    for name, value in fields.items():
+        if name not in kinds:
+            continue  # other versions of the package may have other fields
+        present = getattr(message, name)
+        try:
+            if hasattr(present, "get_fields_and_field_types"):
+                fill(present, value)
+            elif kinds[name].startswith("sequence<") and "/" in kinds[name]:
+                item = _message_class(kinds[name][len("sequence<") : -1].split(",")[0].replace("/", "/msg/"))
+                setattr(message, name, [fill(item(), one) for one in value])
+            else:
+                setattr(message, name, value)
+        except AssertionError as error:  # what rclpy raises for a value of another type
+            raise TypeError(f"field '{name}': {error}") from None
+    return message
+
+
+def _service_class(type_name: str) -> Any:
+    package, _, name = type_name.partition("/srv/")
+    try:
+        return getattr(import_module(f"{package}.srv"), name)
+    except (ImportError, AttributeError):
+        return None
+
+
 class RclpyBackend(Backend):
     """A node called ``morse``."""
 
     name = "rclpy"
+    has_services = True
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         self._context = Context()
@@ -146,6 +210,13 @@ class RclpyBackend(Backend):
             return None
         made = self._node.create_subscription(kind, topic, lambda _: None, _profile(qos), raw=True)
         return _Subscription(self._node, made)
+
+    def service(self, name: str, type_name: str) -> ServiceServer | None:
+        """See `Backend.service`."""
+        kind = _service_class(type_name)
+        if kind is None:
+            return None
+        return _Service(self._node, self._node.create_service(kind, name, lambda request, response: response))
 
     def close(self) -> None:
         """See `Backend.close`."""

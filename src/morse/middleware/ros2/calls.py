@@ -1,0 +1,113 @@
+"""Calls of services as the standard types of ROS carry them.
+
+A service without arguments is ``std_srvs/Trigger``, one that takes a boolean ``std_srvs/SetBool``. All others take
+named and typed arguments, for which ROS has one type only: ``rcl_interfaces/SetParametersAtomically``.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.quoting import shown
+from morse.core.services import hints_of, signature_of
+from morse.middleware.ros2.json_text import as_json, from_json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+TRIGGER, SET_BOOL = "std_srvs/srv/Trigger", "std_srvs/srv/SetBool"
+SET_PARAMETERS = "rcl_interfaces/srv/SetParametersAtomically"
+#: fields of rcl_interfaces/ParameterValue by its type
+_VALUES = {
+    1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value",
+    6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value",
+}  # fmt: skip
+_NOTHING = inspect.Parameter.empty
+
+
+class Call:
+    """How a service is called.
+
+    Args:
+        callback: the service.
+
+    Attributes:
+        type: of the ROS service.
+    """
+
+    def __init__(self, callback: Callable[..., Any]) -> None:
+        try:
+            parameters = list(signature_of(callback).parameters.values())
+        except (TypeError, ValueError):
+            parameters = []
+        self._parameters = {one.name: one for one in parameters}
+        self._words = {name for name, hint in hints_of(callback).items() if hint in (str, str | None)}
+        hints = hints_of(callback)
+        if not parameters:
+            self.type = TRIGGER
+        elif len(parameters) == 1 and hints.get(parameters[0].name) is bool:
+            self.type = SET_BOOL
+        else:
+            self.type = SET_PARAMETERS
+
+    def arguments(self, request: Mapping[str, Any]) -> list[Any]:
+        """The arguments in their order.
+
+        Raises:
+            MorseRPCInvokationError: one is missing, twice there or unknown.
+        """
+        if self.type == TRIGGER:
+            return []
+        if self.type == SET_BOOL:
+            return [bool(request["data"])]
+        given: dict[str, Any] = {}
+        for one in request["parameters"]:
+            name = one["name"]
+            if name not in self._parameters:
+                raise MorseRPCInvokationError(
+                    f"there is no argument {shown(name)}{nearest(name, list(self._parameters))}; "
+                    f"known: {', '.join(self._parameters)}"
+                )
+            if name in given:
+                raise MorseRPCInvokationError(f"the argument '{name}' is given twice")
+            given[name] = self._value(name, one["value"])
+        values = []
+        # who leaves out an argument may give a later one
+        last = max((list(self._parameters).index(name) for name in given), default=-1)
+        for index, (name, parameter) in enumerate(self._parameters.items()):
+            if name in given:
+                values.append(given[name])
+            elif parameter.default is _NOTHING:
+                raise MorseRPCInvokationError(f"the argument '{name}' is missing")
+            elif index < last:
+                values.append(parameter.default)
+        return values
+
+    def _value(self, name: str, value: Mapping[str, Any]) -> Any:
+        field = _VALUES.get(value["type"])
+        if field is None:
+            return None
+        given = value[field]
+        if hasattr(given, "tolist"):
+            return given.tolist()
+        if field == "string_value" and name not in self._words:
+            # what no parameter of ROS can be, such as a list of lists, comes as JSON
+            try:
+                return from_json(given)
+            except ValueError:
+                return given
+        return given
+
+    def answer(self, state: str, result: Any) -> dict[str, Any]:
+        """The answer: the result as JSON, or what went wrong."""
+        good = state == status.SUCCESS
+        text = "" if result is None else result if isinstance(result, str) and not good else as_json(result)
+        if not good:
+            text = f"{state}: {text}" if text else state
+        if self.type == SET_PARAMETERS:
+            return {"result": {"successful": good, "reason": text}}
+        return {"success": good, "message": text}

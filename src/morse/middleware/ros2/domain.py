@@ -1,0 +1,65 @@
+"""The participant of a ROS domain that the streams and the services of a simulation share."""
+
+from __future__ import annotations
+
+import logging
+import os
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.validation.options import checked_options, with_defaults
+from morse.middleware.ros2.backends.choice import make_backend
+from morse.middleware.ros2.mapping import LAST_DOMAIN, MANAGER_OPTIONS, MIDDLEWARE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.core.context import Context
+    from morse.middleware.ros2.backends.backend import Backend
+
+logger = logging.getLogger(__name__)
+
+_joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
+
+
+def options_of(context: Context) -> dict[str, Any]:
+    """What ``env.configure_stream_manager('ros2', ...)`` said, and the defaults of the rest.
+
+    Raises:
+        OptionError: an option does not exist, or takes another value.
+    """
+    given = context.scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})
+    return with_defaults(MANAGER_OPTIONS, checked_options("ros2", MANAGER_OPTIONS, dict(given)))
+
+
+def join(context: Context, options: Mapping[str, Any]) -> Backend:
+    """The participant of a simulation; who has it calls `Backend.release` at the end.
+
+    Raises:
+        MorseMiddlewareError: no backend is installed, or it cannot join.
+    """
+    known = _joined.get(context)
+    if known is not None and known.users:
+        known.users += 1
+        return known
+    made = make_backend({**options, "domain_id": _domain(options)})
+    made.users = 1
+    _joined[context] = made
+    return made
+
+
+def announce(backend: Backend, title: str) -> None:
+    """Say once what a backend has opened."""
+    if not backend.announced:
+        backend.announced = True
+        logger.info("%s: %s, %s", title, backend.name, backend.opens)
+
+
+def _domain(options: Mapping[str, Any]) -> int:
+    if options["domain_id"] is not None:
+        return int(options["domain_id"])
+    given = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not given.isdecimal() or int(given) > LAST_DOMAIN:
+        raise MorseMiddlewareError(f"ros2: ROS_DOMAIN_ID is {given!r}, expected a number from 0 to {LAST_DOMAIN}")
+    return int(given)

@@ -1,0 +1,188 @@
+"""Offers services as services of ROS 2."""
+
+from __future__ import annotations
+
+import logging
+import traceback
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseError
+from morse.core.request_manager import Outcome, RequestManager
+from morse.core.status import FAILED
+from morse.middleware.ros2.calls import Call
+from morse.middleware.ros2.cdr import CdrError
+from morse.middleware.ros2.domain import announce, join, options_of
+from morse.middleware.ros2.names import Names, cleaned
+from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
+
+if TYPE_CHECKING:
+    import uuid
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.middleware.ros2.backends.backend import Backend, ServiceServer
+
+logger = logging.getLogger(__name__)
+
+#: calls that a service takes in one tick, and calls that go on
+_EACH_TICK, _MOST_RUNNING = 16, 1024
+
+
+class _Offer(NamedTuple):
+    server: ServiceServer
+    call: Call
+
+
+class Ros2RequestManager(RequestManager):
+    """Services of components as services of ROS 2, below the topics of the component.
+
+    They need a backend that has services: rclpy. Types are those of `morse.middleware.ros2.calls`. The services of the
+    simulation are below ``/simulation`` and ``/time``, and as far as it can be as `simulation_interfaces`.
+    """
+
+    classpath = "morse.middleware.ros2.request_manager.Ros2RequestManager"
+    title = "ROS 2 service manager"
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._context = context
+        self._offers: dict[tuple[str, str], _Offer] = {}
+        self._pending: dict[uuid.UUID, Callable[[Outcome], object]] = {}
+        self._complaints = Complaints(logger)
+        self._backend: Backend | None = None
+        self._simulation: SimulationInterfaces | None = None
+
+    def initialization(self) -> bool:
+        """Join the domain.
+
+        Raises:
+            MorseMiddlewareError: no backend is installed, or it cannot join.
+        """
+        options = options_of(self._context)
+        self._names = Names(options)
+        self._backend = join(self._context, options)
+        announce(self._backend, "ros2")
+        if not self._backend.has_services:
+            logger.warning(
+                "ros2: %s has no services, only topics: services of components are on the socket; rclpy has both",
+                self._backend.name,
+            )
+        return True
+
+    def finalization(self) -> bool:
+        """Offer nothing more."""
+        for offer in self._offers.values():
+            offer.server.close()
+        self._offers.clear()
+        if self._simulation is not None:
+            self._simulation.close()
+        if self._backend is not None:
+            self._backend.release()
+            self._backend = None
+        return True
+
+    # -- services ----------------------------------------------------------------------------
+
+    def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
+        """See `RequestManager.post_registration`: whether the backend has services."""
+        return self._backend is not None and self._backend.has_services
+
+    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+        super()._register(component, callback, name, is_async=is_async)
+        if (component, name) not in self._services or self._backend is None:
+            return
+        known = self._offers.pop((component, name), None)
+        call = Call(callback)
+        if known is not None and known.call.type == call.type:
+            self._offers[component, name] = known._replace(call=call)
+            return
+        if known is not None:
+            known.server.close()
+        server = self._backend.service(f"{self._base(component)}/{cleaned(name)}", call.type)
+        if server is not None:
+            self._offers[component, name] = _Offer(server, call)
+        if component == "simulation" and name == "pause" and self._simulation is None:
+            self._simulation = SimulationInterfaces(self._context, self._backend, self.call)
+
+    def _base(self, component: str) -> str:
+        found = self._context.component(component)
+        if found is None:
+            return f"/{cleaned(component)}"
+        if found.robot_parent is None:
+            return self._names.namespace(found)
+        return self._names.topic(found, {"namespace": None, "topic": None})
+
+    def unregister(self, component_name: str) -> None:
+        """See `RequestManager.unregister`."""
+        super().unregister(component_name)
+        for key in [key for key in self._offers if key[0] == component_name]:
+            self._offers.pop(key).server.close()
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def main(self) -> None:
+        """See `RequestManager.main`."""
+        for (component, service), offer in list(self._offers.items()):
+            for caller, request in offer.server.take(_EACH_TICK):
+                self._handle(component, service, offer, caller, request)
+        if self._simulation is not None:
+            self._simulation.serve()
+
+    def _handle(self, component: str, service: str, offer: _Offer, caller: Any, request: dict[str, Any]) -> None:
+        def answer(outcome: Outcome) -> None:
+            state, result = outcome
+            try:
+                offer.server.answer(caller, offer.call.answer(state, result))
+            except (ValueError, TypeError, RecursionError) as error:
+                text = f"the result has no form in JSON: {error}"
+                offer.server.answer(caller, offer.call.answer(FAILED, text))
+
+        try:
+            arguments = offer.call.arguments(request)
+        except (MorseError, CdrError, KeyError) as error:
+            answer((FAILED, str(error)))
+            return
+        self.call(component, service, arguments, answer)
+
+    def call(
+        self, component: str, service: str, arguments: list[Any], ended: Callable[[Outcome], object]
+    ) -> uuid.UUID | None:
+        """Call a service that this manager offers.
+
+        Args:
+            ended: is given status and result, in this tick or in a later one.
+
+        Returns:
+            The call, if it goes on.
+        """
+        if len(self._pending) >= _MOST_RUNNING:
+            ended((FAILED, f"{_MOST_RUNNING} calls go on: wait for their end"))
+            return None
+        try:
+            done, outcome = self.on_incoming_request(component, service, arguments)
+        except MorseError as error:
+            ended((FAILED, str(error)))
+        except Exception as error:
+            ended((FAILED, self._report(component, service, error)))
+        else:
+            if not done:
+                self._pending[outcome] = ended
+                return outcome  # type: ignore[no-any-return]
+            ended(outcome)
+        return None
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """See `RequestManager.on_service_completion`."""
+        ended = self._pending.pop(request_id, None)
+        if ended is not None:
+            ended(result)
+
+    def _report(self, component: str, service: str, error: Exception) -> str:
+        """Log the exception of a service, and return the message for its caller."""
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        name = f"the service {service} of {component}"
+        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self._complaints.log(logging.ERROR, name, text)
+        return what

@@ -1,0 +1,258 @@
+"""The services of the package simulation_interfaces, as far as MORSE can do what they ask for.
+
+Source: github.com/ros-simulation/simulation_interfaces, version 1. They are offered under ``/morse``, where the package
+is installed; each is carried out by the services of the simulation, so that the journal has it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+from morse.core import status
+from morse.mathutils import Quaternion
+from morse.middleware.ros2.parts import from_quaternion, from_xyz, header_at, quaternion, xyz
+from morse.middleware.ros2.poses import pose_of, quaternion_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from morse.core.context import Context
+    from morse.core.request_manager import Outcome
+    from morse.middleware.ros2.backends.backend import Backend, ServiceServer
+
+    _Reply = Callable[[dict[str, Any]], object]
+
+_UNSUPPORTED, _OK, _NOT_FOUND, _INCORRECT_STATE, _FAILED = 0, 1, 2, 3, 4
+#: SetSimulationState and SpawnEntity
+_ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _BAD_POSE = (
+    101,
+    101,
+    102,
+    103,
+    104,
+    105,
+    109,
+)
+_STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
+#: spawning, deleting, state of entities (get, set), reset, state of the simulation (get, set, pause), steps
+FEATURES = (0, 1, 10, 11, 20, 24, 25, 26, 31, 32)
+#: of ResetSimulation: the default, time, state and what was spawned together, everything
+_WHOLE = (0, 7, 255)
+_WORLDS = ("", "map", "world")
+#: a filter of names without what could take a regular expression for ever
+_HARMLESS, _MOST_STARS = re.compile(r"[^(){}+?\\*]*(?:\*[^(){}+?\\*]*){0,3}"), 3
+_LONGEST = 200
+_EACH_TICK = 16
+
+
+class SimulationInterfaces:
+    """Answers the calls.
+
+    Args:
+        backend: has services.
+        call: a service of MORSE: component, service, arguments, and what is given the outcome.
+    """
+
+    def __init__(self, context: Context, backend: Backend, call: Callable[..., Any]) -> None:
+        self._context, self._call = context, call
+        handlers = {
+            "get_simulator_features": ("GetSimulatorFeatures", self._features),
+            "get_simulation_state": ("GetSimulationState", self._state),
+            "set_simulation_state": ("SetSimulationState", self._set_state),
+            "reset_simulation": ("ResetSimulation", self._reset),
+            "step_simulation": ("StepSimulation", self._step),
+            "get_entities": ("GetEntities", self._entities),
+            "get_entities_states": ("GetEntitiesStates", self._entities_states),
+            "get_entity_state": ("GetEntityState", self._entity_state),
+            "set_entity_state": ("SetEntityState", self._set_entity_state),
+            "spawn_entity": ("SpawnEntity", self._spawn),
+            "delete_entity": ("DeleteEntity", self._delete),
+        }
+        self._servers: list[tuple[ServiceServer, Callable[[dict[str, Any], _Reply], object]]] = []
+        for name, (kind, handler) in handlers.items():
+            server = backend.service(f"/morse/{name}", f"simulation_interfaces/srv/{kind}")
+            if server is not None:
+                self._servers.append((server, handler))
+
+    def serve(self) -> None:
+        """Answer what has arrived."""
+        for server, handler in self._servers:
+            for caller, request in server.take(_EACH_TICK):
+                handler(request, lambda answer, server=server, caller=caller: server.answer(caller, answer))  # type: ignore[misc]
+
+    def close(self) -> None:
+        """Offer nothing more."""
+        for server, _ in self._servers:
+            server.close()
+        self._servers.clear()
+
+    # -- the simulation ----------------------------------------------------------------------
+
+    def _features(self, request: dict[str, Any], reply: _Reply) -> None:
+        info = "MORSE: entities are robots (ATRV) and models (props/crates) by name; no resource strings"
+        reply({"features": {"features": list(FEATURES), "spawn_formats": [], "custom_info": info}})
+
+    def _state(self, request: dict[str, Any], reply: _Reply) -> None:
+        reply({"state": {"state": _PAUSED if self._context.paused() else _PLAYING}, "result": _result()})
+
+    def _set_state(self, request: dict[str, Any], reply: _Reply) -> None:
+        wanted = request["state"]["state"]
+        services = {_STOPPED: ("reset", "pause"), _PLAYING: ("resume",), _PAUSED: ("pause",), _QUITTING: ("quit",)}
+        if wanted not in services:
+            reply({"result": _result(_UNSUPPORTED, f"there is no state {wanted}")})
+        elif wanted == (_PAUSED if self._context.paused() else _PLAYING):
+            reply({"result": _result(_ALREADY, "it is in that state already")})
+        else:
+            outcomes: list[Outcome] = []
+            for service in services[wanted]:
+                self._call("simulation", service, [], outcomes.append)
+            bad = [text for state, text in outcomes if state != status.SUCCESS]
+            reply({"result": _result(_FAILED, str(bad[0])) if bad else _result()})
+
+    def _reset(self, request: dict[str, Any], reply: _Reply) -> None:
+        if request["scope"] not in _WHOLE:
+            text = "only everything together can be reset: time, state and what was spawned (scope 0 or 255)"
+            reply({"result": _result(_UNSUPPORTED, text)})
+            return
+        self._call("simulation", "reset", [], _then(reply))
+
+    def _step(self, request: dict[str, Any], reply: _Reply) -> None:
+        if not self._context.paused():
+            reply({"result": _result(_INCORRECT_STATE, "the simulation is not paused")})
+            return
+        self._call("simulation", "step", [int(request["steps"])], _then(reply))
+
+    # -- entities ----------------------------------------------------------------------------
+
+    def _names(self) -> Iterator[str]:
+        for root in self._context.scene.roots:
+            if root.name in self._context.world.objects_by_name:
+                yield root.name
+
+    def _chosen(self, request: dict[str, Any]) -> tuple[list[str], dict[str, Any]]:
+        filters = request["filters"]
+        pattern = filters["filter"]
+        names = list(self._names())
+        if len(filters["categories"]) or len(filters["tags"]["tags"]) or filters["bounds"]["type"]:
+            return [], _result(_UNSUPPORTED, "entities are filtered by their names only")
+        if not pattern:
+            return names, _result()
+        if len(pattern) > _LONGEST or not _HARMLESS.fullmatch(pattern):
+            text = f"a filter has no groups, no + ? {{}} and at most {_MOST_STARS} times *; | is allowed"
+            return [], _result(_UNSUPPORTED, text)
+        try:
+            expression = re.compile(pattern)
+        except re.error as error:
+            return [], _result(_FAILED, f"the filter is not a regular expression: {error}")
+        return [name for name in names if expression.search(name)], _result()
+
+    def _entities(self, request: dict[str, Any], reply: _Reply) -> None:
+        names, result = self._chosen(request)
+        reply({"result": result, "entities": names})
+
+    def _entities_states(self, request: dict[str, Any], reply: _Reply) -> None:
+        names, result = self._chosen(request)
+        reply({"result": result, "entities": names, "states": [self._state_of(name) for name in names]})
+
+    def _entity_state(self, request: dict[str, Any], reply: _Reply) -> None:
+        name = request["entity"]
+        if name not in self._names():
+            reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
+        else:
+            reply({"result": _result(), "state": self._state_of(name)})
+
+    def _state_of(self, name: str) -> dict[str, Any]:
+        found = self._context.world.objects_by_name[name]
+        from morse.helpers.transformation import Transformation3d
+
+        pose = Transformation3d(found)
+        linear, angular = found.velocity()
+        return {
+            "header": header_at(self._context.clock.stamp(), "map"),
+            "pose": {"position": xyz((pose.x, pose.y, pose.z)), "orientation": quaternion(quaternion_of(pose))},
+            "twist": {"linear": xyz(linear), "angular": xyz(angular)},
+        }
+
+    def _set_entity_state(self, request: dict[str, Any], reply: _Reply) -> None:
+        name, state = request["entity"], request["state"]
+        speeds = [*from_xyz(state["twist"]["linear"]), *from_xyz(state["twist"]["angular"])]
+        if name not in self._names():
+            reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
+        elif state["header"]["frame_id"] not in _WORLDS:
+            reply({"result": _result(_FAILED, "a pose is given in the frame 'map'")})
+        elif any(speeds):
+            reply({"result": _result(_UNSUPPORTED, "an entity is put somewhere at rest: its twist has to be zero")})
+        else:
+            pose = state["pose"]
+            arguments = [name, from_xyz(pose["position"]), _turn(pose)]
+            self._call("simulation", "set_object_pose", arguments, _then(reply))
+
+    # -- coming and going --------------------------------------------------------------------
+
+    def _spawn(self, request: dict[str, Any], reply: _Reply) -> None:
+        name, wrong = self._name_of(request)
+        pose = request["initial_pose"]
+        if wrong is None and request["resource_string"]:
+            wrong = _result(_NO_FORMAT, "there are no resource strings: give a uri such as ATRV or props/crates")
+        if wrong is None and not request["uri"]:
+            wrong = _result(_NO_RESOURCE, "give a uri: the name of a robot (ATRV) or of a model (props/crates)")
+        if wrong is None and request["entity_namespace"].strip("/") not in ("", name):
+            wrong = _result(_NO_NAMESPACE, "the topics of a robot are below its name")
+        if wrong is None and pose["header"]["frame_id"] not in _WORLDS:
+            wrong = _result(_BAD_POSE, "a pose is given in the frame 'map'")
+        if wrong is not None:
+            reply({"result": wrong, "entity_name": ""})
+            return
+        position = from_xyz(pose["pose"]["position"])
+        roll, pitch, yaw = Quaternion(_turn(pose["pose"])).to_euler()
+        arguments = [name, request["uri"], position, [roll, pitch, yaw]]
+        self._call("simulation", "spawn", arguments, _then(reply, {"entity_name": name}))
+
+    def _name_of(self, request: dict[str, Any]) -> tuple[str, dict[str, Any] | None]:
+        wanted = request["name"] or re.sub(r"\W", "_", request["uri"].rpartition("/")[2]).lower()
+        if not re.fullmatch(r"[A-Za-z_]\w{0,90}", wanted):
+            return wanted, _result(_NAME_INVALID, "a name is a word of letters, digits and _")
+        if wanted not in self._context.world.objects_by_name:
+            return wanted, None
+        if request["name"] and not request["allow_renaming"]:
+            return wanted, _result(_NOT_UNIQUE, f"there is an entity {wanted!r:.80} already")
+        number = 1
+        while f"{wanted}_{number}" in self._context.world.objects_by_name:
+            number += 1
+        return f"{wanted}_{number}", None
+
+    def _delete(self, request: dict[str, Any], reply: _Reply) -> None:
+        name = request["entity"]
+        if name not in self._names():
+            reply({"result": _result(_NOT_FOUND, f"there is no entity {name!r:.80}")})
+        else:
+            self._call("simulation", "delete", [name], _then(reply))
+
+
+def _result(code: int = _OK, text: str = "") -> dict[str, Any]:
+    return {"result": code, "error_message": text}
+
+
+def _then(reply: _Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome], object]:
+    """Answer with the outcome of a service."""
+
+    def ended(outcome: Outcome) -> None:
+        state, text = outcome
+        good = state == status.SUCCESS
+        reply({"result": _result() if good else _result(_FAILED, str(text or state)), **(more or {})})
+
+    return ended
+
+
+def _turn(pose: dict[str, Any]) -> list[float]:
+    """W, x, y, z; no rotation if all are 0."""
+    given = from_quaternion(pose["orientation"])
+    if not any(given):
+        return [1.0, 0.0, 0.0, 0.0]
+    return list(quaternion_of(pose_of((0.0, 0.0, 0.0), _unit(given))))
+
+
+def _unit(given: list[float]) -> list[float]:
+    length = sum(number * number for number in given) ** 0.5
+    return [number / length for number in given] if 0.0 < length < float("inf") else [1.0, 0.0, 0.0, 0.0]

@@ -1,0 +1,171 @@
+"""The services of simulation_interfaces, on a backend whose calls the test makes itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from desk import Desk
+
+from morse.middleware.ros2.backends.backend import ServiceServer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+#: of simulation_interfaces/Result and SimulationState
+UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE = 0, 1, 2, 3
+PLAYING, PAUSED = 1, 2
+
+
+class Counter(ServiceServer):
+    def __init__(self) -> None:
+        self.calls: list[Any] = []
+        self.answers: list[Any] = []
+
+    def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+        taken, self.calls = self.calls[:most], self.calls[most:]
+        return [(None, call) for call in taken]
+
+    def answer(self, caller: Any, response: Any) -> None:
+        self.answers.append(response)
+
+    def close(self) -> None:
+        pass
+
+
+class Caller:
+    """Calls services of a simulation."""
+
+    def __init__(self, sim: Any, servers: dict[str, tuple[str, Counter]]) -> None:
+        self.sim, self.servers = sim, servers
+
+    def __call__(self, name: str, /, **request: Any) -> Any:
+        _, server = self.servers[f"/morse/{name}"]
+        server.calls.append(request)
+        for _ in range(200):
+            self.sim.context.services.process()
+            if server.answers:
+                return server.answers.pop()
+            self.sim.tick()
+        raise AssertionError(f"{name} is not answered")
+
+
+@pytest.fixture
+def call(start: Callable[..., tuple[Any, Desk]], monkeypatch: pytest.MonkeyPatch) -> Caller:
+    servers: dict[str, tuple[str, Counter]] = {}
+
+    def service(self: Desk, name: str, type_name: str) -> Counter:
+        servers[name] = (type_name, Counter())
+        return servers[name][1]
+
+    monkeypatch.setattr(Desk, "service", service)
+    monkeypatch.setattr(Desk, "has_services", True)
+    sim, _ = start("robot.append(Pose('pose'))", "env.add_default_interface('ros2')", connected="")
+    return Caller(sim, servers)
+
+
+def pose(x: float, y: float, z: float, frame: str = "map") -> dict[str, Any]:
+    orientation = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+    return {
+        "header": {"frame_id": frame},
+        "pose": {"position": {"x": x, "y": y, "z": z}, "orientation": orientation},
+    }
+
+
+def spawn(name: str, uri: str, where: dict[str, Any], **more: Any) -> dict[str, Any]:
+    default = {"allow_renaming": False, "resource_string": "", "entity_namespace": ""}
+    return {"name": name, "uri": uri, "initial_pose": where, **default, **more}
+
+
+REST = {"linear": {"x": 0.0, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
+ALL = {"filter": "", "categories": [], "tags": {"tags": []}, "bounds": {"type": 0}}
+
+
+def test_types_and_what_is_advertised(call: Caller) -> None:
+    assert call.servers["/morse/spawn_entity"][0] == "simulation_interfaces/srv/SpawnEntity"
+    features = call("get_simulator_features")["features"]["features"]
+    # spawning, deleting, state of entities, reset, state of the simulation, steps (SimulatorFeatures.msg)
+    assert {0, 1, 10, 11, 20, 24, 25, 26, 31, 32} == set(features)
+    assert {2, 3, 4, 5, 40, 41} & set(features) == set(), "neither named poses, bounds, tags nor worlds"
+
+
+def test_time_is_held_and_stepped(call: Caller) -> None:
+    assert call("get_simulation_state")["state"]["state"] == PLAYING
+    assert call("step_simulation", steps=3)["result"]["result"] == INCORRECT_STATE
+    assert call("set_simulation_state", state={"state": PAUSED})["result"]["result"] == OK
+    assert call("set_simulation_state", state={"state": PAUSED})["result"]["result"] == 101
+    before = call.sim.clock.tick
+    _, server = call.servers["/morse/step_simulation"]
+    server.calls.append({"steps": 7})
+    call.sim.run(duration=7 / 60)
+    call.sim.context.services.process()
+    assert server.answers.pop()["result"]["result"] == OK
+    assert call.sim.clock.tick == before + 7
+    assert call("set_simulation_state", state={"state": PLAYING})["result"]["result"] == OK
+    assert call("set_simulation_state", state={"state": 99})["result"]["result"] == UNSUPPORTED
+
+
+def test_entities_come_move_and_go(call: Caller) -> None:
+    made = call("spawn_entity", **spawn("box", "props/crates", pose(3.0, 4.0, 1.0)))
+    assert made == {"result": {"result": OK, "error_message": ""}, "entity_name": "box"}
+    assert {"robot", "box"} <= set(call("get_entities", filters=ALL)["entities"])
+    assert call("get_entities", filters={**ALL, "filter": "^b.*"})["entities"] == ["box"]
+    left = {**pose(5.0, 6.0, 2.0)["pose"], "orientation": {"x": 0.0, "y": 0.0, "z": 1.0, "w": 1.0}}
+    put = {"header": {"frame_id": ""}, "pose": left, "twist": REST}
+    assert call("set_entity_state", entity="box", state=put)["result"]["result"] == OK
+    state = call("get_entity_state", entity="box")["state"]
+    assert state["header"]["frame_id"] == "map"
+    place, turn = state["pose"]["position"], state["pose"]["orientation"]
+    assert (place["x"], place["y"]) == pytest.approx((5.0, 6.0), abs=0.05)
+    assert (turn["z"], turn["w"]) == pytest.approx((0.5**0.5, 0.5**0.5), abs=0.05), "of any length"
+    states = call("get_entities_states", filters={**ALL, "filter": "^box$|^robot$"})
+    assert len(states["states"]) == len(states["entities"]) == 2
+    assert call("delete_entity", entity="box")["result"]["result"] == OK
+    assert call("get_entity_state", entity="box")["result"]["result"] == NOT_FOUND
+
+
+def test_a_robot_that_comes_has_its_topics(call: Caller) -> None:
+    assert call("spawn_entity", **spawn("second", "ATRV", pose(3.0, 0.0, 0.2)))["result"]["result"] == OK
+    assert "second" in call.sim.context.robots
+
+
+@pytest.mark.parametrize(
+    ("request_", "code"),
+    [
+        (spawn("robot", "ATRV", pose(0, 0, 0)), 101),
+        (spawn("a b", "ATRV", pose(0, 0, 0)), 102),
+        (spawn("a", "ATRV", pose(0, 0, 0), resource_string="<robot/>"), 103),
+        (spawn("a", "", pose(0, 0, 0)), 104),
+        (spawn("a", "ATRV", pose(0, 0, 0), entity_namespace="other"), 105),
+        (spawn("a", "ATRV", pose(0, 0, 0, frame="odom")), 109),
+        (spawn("a", "ATRW", pose(0, 0, 0)), 4),
+        (spawn("a", "ATRV", pose(float("nan"), 0, 0)), 4),
+    ],
+)
+def test_what_cannot_come_is_refused_with_the_code_for_it(call: Caller, request_: dict[str, Any], code: int) -> None:
+    answer = call("spawn_entity", **request_)
+    assert answer["result"]["result"] == code
+    assert answer["result"]["error_message"]
+    assert "a" not in call.sim.context.robots
+
+
+def test_names_are_changed_if_that_is_allowed(call: Caller) -> None:
+    answer = call("spawn_entity", **spawn("robot", "props/crates", pose(3.0, 0.0, 0.5), allow_renaming=True))
+    assert answer["entity_name"] == "robot_1"
+
+
+@pytest.mark.parametrize("pattern", ["(a+)+$", ".*" * 20, "a" * 300, "x{1000}", "[", "a\\"])
+def test_filters_that_may_take_for_ever_are_refused(call: Caller, pattern: str) -> None:
+    assert call("get_entities", filters={**ALL, "filter": pattern})["result"]["result"] != OK
+
+
+def test_a_reset_is_whole(call: Caller) -> None:
+    call.sim.step(10)
+    assert call("reset_simulation", scope=1)["result"]["result"] == UNSUPPORTED
+    assert call("spawn_entity", **spawn("box", "props/crates", pose(3.0, 4.0, 1.0)))["result"]["result"] == OK
+    assert call("reset_simulation", scope=0)["result"]["result"] == OK
+    assert call.sim.clock.tick == 0
+    assert "box" not in call("get_entities", filters=ALL)["entities"]
+    fast = {"header": {"frame_id": "map"}, "pose": pose(0, 0, 0)["pose"],
+            "twist": {**REST, "linear": {"x": 1.0, "y": 0.0, "z": 0.0}}}  # fmt: skip
+    assert call("set_entity_state", entity="robot", state=fast)["result"]["result"] == UNSUPPORTED
