@@ -90,6 +90,10 @@ def command(
         str | None,
         typer.Option("--record", metavar="FILE.mcap", help="Record the run: sensors, frames, log, inputs."),
     ] = None,
+    keep_last: Annotated[
+        float,
+        typer.Option("--keep-last", metavar="S", help="Seconds before a failure that are kept in a file; 0 for none."),
+    ] = 30.0,
     record_only: Annotated[
         str | None,
         typer.Option("--record-only", metavar="NAME[,NAME]", help="The sensors to record (default: all)."),
@@ -122,6 +126,7 @@ def command(
         strict=strict,
         interfaces=["ros2"] if ros2 else [],
         record=_record(record),
+        keep_last=_kept(keep_last),
         record_only=_names(record_only, record),
     )
     options.watch = options.view == "web" if watch is None else watch
@@ -242,6 +247,12 @@ def _record(path: str | None) -> str | None:
             f"--record takes the path of a file in a folder that exists, e.g. run.mcap; got '{path}'.", 2
         )
     return path
+
+
+def _kept(seconds: float) -> float:
+    if not 0.0 <= seconds <= _LONGEST:
+        raise CommandError(f"--keep-last takes simulated seconds, such as 30, or 0; got {seconds:g}.", 2)
+    return seconds
 
 
 def _names(names: str | None, record: str | None) -> list[str]:

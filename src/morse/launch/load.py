@@ -178,5 +178,22 @@ def complete(simulation: Simulation) -> None:
         from morse.simulation.watching.watch import Watch
 
         simulation.observers.append(Watch(simulation))
-    if simulation.options.record is not None:
-        simulation.record(simulation.options.record, simulation.options.record_only or None)
+    options = simulation.options
+    if options.keep_last:
+        from morse.simulation.flight_recorder import FlightRecorder
+
+        simulation.flight_recorder = FlightRecorder(simulation, options.keep_last)
+        simulation.observers.append(simulation.flight_recorder)
+    if options.record is not None:
+        simulation.record(options.record, options.record_only or None)
+        # an edited scene that takes the place of this one has a recording of its own
+        options.record = next_name(options.record)
+
+
+def next_name(path: str) -> str:
+    """The path with a number that no file there has yet: ``run-2.mcap`` for ``run.mcap``."""
+    stem, suffix = os.path.splitext(path)
+    number = 2
+    while os.path.exists(f"{stem}-{number}{suffix}"):
+        number += 1
+    return f"{stem}-{number}{suffix}"

@@ -186,17 +186,26 @@ def _loop(simulation: Simulation) -> int:
     try:
         simulation.run(simulation.options.duration)
     except UnstableError as error:
-        _error(f"tick {simulation.clock.tick + 1}: {error}")
+        failure = f"tick {simulation.clock.tick + 1}: {error}"
+        _error(failure)
+        _keep_last(simulation, failure)
         return 1
     except Exception:
         logger.error("[ERROR][MORSE] Uncaught exception, quit.")
         traceback.print_exc(file=sys.stdout)
+        _keep_last(simulation, "uncaught exception")
         return 1
     finally:
         if live is not None and simulation.profile is not None:
             live.close()
             _write_trace(simulation.profile)
     return 1 if simulation.failed else 0
+
+
+def _keep_last(simulation: Simulation, failure: str) -> None:
+    """Write what led to a failure in the tick that is not complete."""
+    if simulation.flight_recorder is not None:
+        simulation.flight_recorder.write(failure, simulation.ticks + 1)
 
 
 def _write_trace(profile: Profile) -> None:

@@ -20,8 +20,31 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 TOPIC = "/morse/inputs"
-_TYPE = "std_msgs/msg/String"
+TYPE = "std_msgs/msg/String"
 _LENGTH = 2000
+
+
+def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
+    """The message of the topic for an entry.
+
+    Args:
+        entry: of the journal.
+        pack: an entry as bytes; raises ValueError for what bytes cannot hold.
+    """
+    exact: str | None = None
+    try:
+        exact = base64.b64encode(pack(entry)).decode()
+    except ValueError as error:
+        logger.warning("the recording cannot be simulated again: %s", error)
+    shown = repr(entry.content)
+    said = {
+        "tick": entry.tick,
+        "kind": entry.kind,
+        "name": entry.name,
+        "content": shown if len(shown) <= _LENGTH else f"{shown[:_LENGTH]}…",
+        "exact": exact,
+    }
+    return encode(TYPE, {"data": json.dumps(said)})
 
 
 class Inputs:
@@ -35,24 +58,11 @@ class Inputs:
 
     def __init__(self, journal: Journal, tape: Tape, pack: Callable[[Entry], bytes]) -> None:
         self._journal, self._pack = journal, pack
-        self._topic = tape.topic(TOPIC, _TYPE, Qos(1000))
+        self._topic = tape.topic(TOPIC, TYPE, Qos(1000))
         journal.sinks.append(self._take)
 
     def _take(self, entry: Entry) -> None:
-        exact: str | None = None
-        try:
-            exact = base64.b64encode(self._pack(entry)).decode()
-        except ValueError as error:
-            logger.warning("the recording cannot be simulated again: %s", error)
-        shown = repr(entry.content)
-        said = {
-            "tick": entry.tick,
-            "kind": entry.kind,
-            "name": entry.name,
-            "content": shown if len(shown) <= _LENGTH else f"{shown[:_LENGTH]}…",
-            "exact": exact,
-        }
-        self._topic.publish(encode(_TYPE, {"data": json.dumps(said)}))
+        self._topic.publish(as_message(entry, self._pack))
 
     def close(self) -> None:
         """Take no more."""
@@ -67,7 +77,7 @@ def exact_entry(data: bytes) -> bytes:
         RecordingError: the message is damaged, or was not exact.
     """
     try:
-        said: Any = json.loads(decode(_TYPE, data)["data"])
+        said: Any = json.loads(decode(TYPE, data)["data"])
         exact = said["exact"]
         if exact is None:
             raise RecordingError(

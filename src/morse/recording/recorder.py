@@ -26,7 +26,7 @@ logger = logging.getLogger(__name__)
 
 #: names of tables of metadata
 BEGINNING, END = "morse", "morse end"
-_MEDIA_TYPE = "application/octet-stream"
+MEDIA_TYPE = "application/octet-stream"
 
 
 class Beginning(NamedTuple):
@@ -91,7 +91,7 @@ class Recorder(Observer):
         disk, context = self._disk, self._context
         disk.other(lambda file: file.metadata(BEGINNING, beginning.facts))
         for name, data in beginning.files.items():
-            disk.other(partial(McapWriter.attachment, name=name, media_type=_MEDIA_TYPE, data=data))
+            disk.other(partial(McapWriter.attachment, name=name, media_type=MEDIA_TYPE, data=data))
         self._tape = Tape(context, disk)
         self._inputs = Inputs(context.journal, self._tape, beginning.pack)
         self._streams = RecordedStreams(context, self._tape, sensors)

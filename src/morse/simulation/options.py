@@ -30,6 +30,7 @@ class RunOptions:
         watch: whether to reload models and components that are saved while the simulation runs.
         strict: whether an unknown or ill-typed field in a message is an error.
         record: path of the file in which the run is recorded; None for no recording.
+        keep_last: simulated seconds before a failure that are kept, to be run again; 0 for none.
         record_only: full names of the sensors that are recorded; empty for all.
     """
 
@@ -52,4 +53,5 @@ class RunOptions:
     watch: bool = False
     strict: bool = False
     record: str | None = None
+    keep_last: float = 0.0
     record_only: list[str] = field(default_factory=list)

@@ -13,8 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from morse.recording.recorder import Recorder
+    from morse.simulation.flight_recorder import FlightRecorder
     from morse.simulation.input_recording import InputRecording
     from morse.simulation.running import Running
+    from morse.simulation.saving import Saving
+    from morse.simulation.state import State
 
 
 class Recorded:
@@ -22,11 +25,14 @@ class Recorded:
 
     Attributes:
         recorders: the recordings in files that are under way.
+        flight_recorder: keeps the last seconds before a failure, or None.
     """
 
     def __init__(self) -> None:
         super().__init__()
+        self._saving: Saving
         self.recorders: list[Recorder] = []
+        self.flight_recorder: FlightRecorder | None = None
 
     def record(self: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
         """Record the run in an MCAP file: sensors, frames, log, and all inputs.
@@ -45,6 +51,10 @@ class Recorded:
         self._check_open()
         with acting(self.context):
             return start_recording(self, path, sensors)
+
+    def silent_state(self) -> State:
+        """All that determines the future, as `save` gives it, without a word of what cannot be saved."""
+        return self._saving.save(tell=False)
 
     def end_recordings(self) -> None:
         """Complete the files of all recordings; what cannot be written is logged."""

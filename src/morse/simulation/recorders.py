@@ -6,22 +6,33 @@ import base64
 import json
 import os
 import platform
+from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.core.hints import nearest
 from morse.core.project_imports import ProjectImports
+from morse.core.state import StateError
+from morse.middleware.ros2.definitions import definition
 from morse.recording.errors import RecordingError
-from morse.recording.recorder import Beginning, Recorder
+from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.inputs import TYPE as INPUTS_TYPE
+from morse.recording.inputs import as_message
+from morse.recording.mcap.records import Message
+from morse.recording.mcap.writer import McapWriter
+from morse.recording.recorder import BEGINNING, END, MEDIA_TYPE, Beginning, Recorder
 from morse.simulation.input_recording import entry_to_bytes, waiting_to_bytes
 from morse.simulation.own_state import InputsState
 from morse.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from io import FileIO
 
+    from morse.core.journal import Entry
     from morse.simulation.running import Running
+    from morse.simulation.state import State
 
 #: names of files in a recording; modules of the project have this before their path
 SCRIPT, STATE, MODULES = "scene.py", "start.morse-state", "modules/"
@@ -53,6 +64,47 @@ def start_recording(
     return recorder
 
 
+def write_inputs(
+    file: FileIO,
+    simulation: Running,
+    start: State | None,
+    seed: int,
+    entries: Sequence[Entry],
+    last: int,
+    failure: str,
+) -> None:
+    """Write a recording that holds what determines a run that has failed, and no messages of sensors.
+
+    Args:
+        file: opened for writing without a buffer.
+        start: the state at the beginning; None for that after the launch.
+        seed: of the random numbers at the beginning.
+        entries: what came in.
+        last: the tick of the failure.
+        failure: what has failed.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    beginning = _beginning(simulation, ())
+    writer = McapWriter(file)
+    writer.metadata(BEGINNING, {**beginning.facts, "seed": str(seed), "tick": str(start.tick if start else 0)})
+    for name, data in beginning.files.items():
+        if name != STATE:
+            writer.attachment(name, MEDIA_TYPE, data)
+    if start is not None:
+        writer.attachment(STATE, MEDIA_TYPE, start.to_bytes())
+    number = writer.channel(INPUTS, writer.schema(INPUTS_TYPE, definition(INPUTS_TYPE)), {})
+    writer.chunk(
+        [
+            Message(number, entry.tick & 0xFFFFFFFF, order, order, as_message(entry, entry_to_bytes))
+            for order, entry in enumerate(entries)
+        ]
+    )
+    writer.metadata(END, {"tick": str(last), "failure": failure})
+    writer.finish()
+
+
 def _beginning(simulation: Running, sensors: Sequence[str]) -> Beginning:
     options, scene = simulation.options, simulation.scene
     facts = {
@@ -78,17 +130,16 @@ def _beginning(simulation: Running, sensors: Sequence[str]) -> Beginning:
         for module, file in sorted(scene.project.sources().items()):
             files |= _source(f"{MODULES}{module}.py", file)
     if simulation.ticks:
-        files[STATE] = simulation.save().to_bytes()
+        files[STATE] = simulation.silent_state().to_bytes()
     return Beginning(facts, files, entry_to_bytes, lambda: _ending(simulation))
 
 
 def _ending(simulation: Running) -> dict[str, str]:
     waiting = waiting_to_bytes(InputsState(simulation).get_state())
-    return {
-        "tick": str(simulation.ticks),
-        "state": simulation.state_hash(),
-        "waiting": base64.b64encode(waiting).decode(),
-    }
+    facts = {"tick": str(simulation.ticks), "waiting": base64.b64encode(waiting).decode()}
+    with suppress(StateError):  # a component of the user's cannot say its state
+        facts["state"] = simulation.silent_state().hash()
+    return facts
 
 
 def _source(name: str, path: str) -> dict[str, bytes]:

@@ -132,6 +132,9 @@ class Running(Protocol):
     def save(self, path: str | os.PathLike[str] | None = None) -> State:
         """Return the state."""
 
+    def silent_state(self) -> State:
+        """All that determines the future, without a word of what cannot be saved."""
+
     def record(self, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
         """Record the run in a file."""
 

@@ -28,8 +28,11 @@ class Saving:
         self._parts = StateParts(simulation)
         self._said: set[str] = set()
 
-    def save(self) -> State:
+    def save(self, *, tell: bool = True) -> State:
         """Return the present state.
+
+        Args:
+            tell: log what cannot be saved.
 
         Raises:
             StateError: ``get_state`` of a component of the user failed.
@@ -38,7 +41,7 @@ class Saving:
         writer = Writer(self._parts)
         parts = {name: writer.part(name, _state_of(name, holder)) for name, holder in self._holders()}
         for unsaved in writer.unsaved:
-            if unsaved not in self._said:
+            if tell and unsaved not in self._said:
                 self._said.add(unsaved)
                 logger.warning("%s cannot be saved: it stays as it is when a state is restored", unsaved)
         return State(parts, tuple(writer.unsaved), self._simulation.population.makers())

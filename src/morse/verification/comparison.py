@@ -57,7 +57,7 @@ class Comparison(Backend):
 
     def __init__(self, recording: Recording, ticks: Callable[[], int]) -> None:
         self._channels = recording.channels
-        self._complete = bool(recording.end)
+        self._complete = "state" in recording.end
         free = recording.topic_numbers(*_FREE)
         self._expected = recording.messages({number for number in self._channels if number not in free})
         self._ticks = ticks

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from morse.core.context import acting
 from morse.core.observer import Observer
 from morse.launch.load import described, start
+from morse.physics import UnstableError
 from morse.recording.errors import RecordingError
 from morse.recording.streams import RecordedStreams
 from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
@@ -36,12 +37,14 @@ class Outcome(NamedTuple):
         ticks: that were compared.
         messages: that were compared.
         complete: whether the recording has its end, with the hash of the state there.
+        failure: why the physics broke off; empty if it did not.
     """
 
     departure: Departure | None
     ticks: int
     messages: int
     complete: bool
+    failure: str = ""
 
 
 class _EachTick(Observer):
@@ -64,16 +67,19 @@ class _EachTick(Observer):
         self._streams.follow()
 
 
-def resimulate(recording: Recording, scene: str = "", told: Callable[[str], object] = print) -> Outcome:
+def resimulate(
+    recording: Recording, scene: str = "", told: Callable[[str], object] = print, record: str | None = None
+) -> Outcome:
     """Run the scene of a recording again with its seed and its inputs.
 
     Args:
         recording: of a run.
         scene: path of the scene script; empty for the one that was recorded.
         told: takes remarks for people.
+        record: path of a file in which the run is recorded, with all sensors.
 
     Raises:
-        RecordingError: the recording does not say enough.
+        RecordingError: the recording does not say enough, or the new one cannot be written.
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
     """
     inputs = _inputs(recording)
@@ -82,6 +88,7 @@ def resimulate(recording: Recording, scene: str = "", told: Callable[[str], obje
         simulation = stack.enter_context(start(described(options.script, options), options))
         if inputs.start is not None:
             simulation.restore(inputs.start)
+        copy = None if record is None else simulation.record(record)
         comparison = Comparison(recording, lambda: simulation.clock.tick)
         sensors: Sequence[str] | None = recording.texts("sensors") or None
         ticks = _Counter(simulation)
@@ -89,10 +96,15 @@ def resimulate(recording: Recording, scene: str = "", told: Callable[[str], obje
             streams = RecordedStreams(simulation.context, comparison, sensors)
         simulation.observers.append(_EachTick(streams, simulation))
         simulation.observers.append(ticks)
-        simulation.replay(inputs)
+        try:
+            simulation.replay(inputs)
+        except UnstableError as error:
+            return Outcome(comparison.departure, ticks.count, comparison.count, False, str(error))
+        if copy is not None:
+            copy.stop()
         comparison.finish()
         departure = comparison.departure or _departed_state(recording, simulation)
-        return Outcome(departure, ticks.count, comparison.count, bool(recording.end))
+        return Outcome(departure, ticks.count, comparison.count, "state" in recording.end)
 
 
 class _Counter(Observer):

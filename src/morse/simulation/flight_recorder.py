@@ -1,0 +1,150 @@
+"""Keeps what is needed to run the last seconds before a failure again."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from typing import TYPE_CHECKING, NamedTuple
+
+from morse.core.journal import RESET, RESTORE
+from morse.core.observer import Observer
+from morse.core.state import StateError
+
+if TYPE_CHECKING:
+    from morse.core.journal import Entry
+    from morse.simulation.running import Running
+    from morse.simulation.state import State
+
+logger = logging.getLogger(__name__)
+
+#: inputs that are kept; with more of them, the time before the failure is shorter
+_MOST_INPUTS = 100_000
+#: ticks of a simulation whose state cannot be saved
+_NEVER = 2**62
+#: files that one run leaves
+_MOST_FILES = 3
+
+
+class _Segment(NamedTuple):
+    """From one state to the next.
+
+    Attributes:
+        start: the state at its beginning; None for that after the launch, or after a reset.
+        seed: of the random numbers.
+        entries: what came in since then.
+    """
+
+    start: State | None
+    seed: int
+    entries: list[Entry]
+
+
+class FlightRecorder(Observer):
+    """Keeps states and inputs; when something fails, a file gets them, and the log names it.
+
+    With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` runs the
+    seconds before the failure again, as often as somebody wants to look.
+
+    Args:
+        simulation: that is watched.
+        span: simulated seconds before a failure that are kept at least, if there are so many.
+    """
+
+    def __init__(self, simulation: Running, span: float) -> None:
+        self._simulation = simulation
+        # from the first of three states on, at least two whole segments have passed
+        self._every = max(1, round(span / 2 * simulation.clock.frequency))
+        self._segments: list[_Segment] = []
+        self._known: set[str] = set()
+        self._files = 0
+        self._begin_anew()
+        simulation.journal.sinks.append(self._take)
+
+    def _take(self, entry: Entry) -> None:
+        if entry.kind in (RESET, RESTORE):
+            self._anew = True  # what follows begins there
+            return
+        segment = self._segments[-1]
+        segment.entries.append(entry)
+        if len(segment.entries) >= _MOST_INPUTS // 2:
+            self._full = True
+
+    def _begin_anew(self) -> None:
+        self._segments.clear()
+        self._add()
+
+    def _add(self) -> None:
+        simulation = self._simulation
+        self._full = self._anew = False
+        self._began = simulation.ticks
+        try:
+            start = simulation.silent_state() if simulation.ticks else None
+        except StateError as error:
+            logger.debug("the last seconds before a failure are not kept: %s", error)
+            self.close()
+            self._segments.clear()
+            self._every = _NEVER
+            return
+        self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), [])]
+
+    def after_tick(self) -> None:
+        """Keep a state if it is time for it; look whether a component has failed."""
+        failed = self._simulation.context.failed
+        if len(failed) > len(self._known):
+            names = ", ".join(sorted(failed - self._known))
+            self._known = set(failed)
+            self.write(f"{names} failed", self._simulation.ticks)
+        if self._simulation.ticks - self._began >= self._every or self._full:
+            self._add()
+
+    def restarted(self) -> None:
+        """Time begins anew."""
+        self._known.clear()
+        self._begin_anew()
+
+    def edited(self) -> None:
+        """A class was exchanged: what was before cannot be run again."""
+        self._begin_anew()
+
+    def rearranged(self) -> None:
+        """Another state was restored, or somebody has come or gone."""
+        if self._anew:
+            self._begin_anew()
+
+    def write(self, failure: str, last: int) -> str | None:
+        """Write a file, and say so in the log.
+
+        Args:
+            failure: what has failed.
+            last: the tick in which it failed.
+
+        Returns:
+            The path; None if there are enough files, or if it cannot be written.
+        """
+        if self._files >= _MOST_FILES or not self._segments:
+            return None
+        from morse.simulation.recorders import write_inputs  # not before it is needed: it brings the messages of ROS
+
+        self._files += 1
+        first = self._segments[0]
+        entries = [entry for segment in self._segments for entry in segment.entries]
+        seconds = (last - (first.start.tick if first.start is not None else 0)) / self._simulation.clock.frequency
+        try:
+            handle, path = tempfile.mkstemp(prefix="morse-failure-", suffix=".mcap")
+            with open(handle, "wb", buffering=0) as file:
+                write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
+        except OSError as error:
+            logger.warning("the last seconds before the failure cannot be kept: %s", error.strerror or error)
+            return None
+        logger.error(
+            "[ERROR][MORSE] the last %.0f s before it are in %s: morse replay %s --resimulate",
+            seconds,
+            path,
+            path,
+        )
+        return path
+
+    def close(self) -> None:
+        """The simulation ends."""
+        if self._take in self._simulation.journal.sinks:
+            self._simulation.journal.sinks.remove(self._take)
