@@ -46,6 +46,7 @@ def tick_until(sim, done, ticks=6000):
             [1.0, 0.0, 10.0, 0.0],
             lambda c: c.robot_parent.move_status == "Arrived",
         ),
+        ("ATRV", 0, "KukaLWR", "rotate", ["kuka_2", 0.5], lambda c: abs(c.joint_values[1] - 0.5) < 0.011),
         (
             "ATRV",
             0,

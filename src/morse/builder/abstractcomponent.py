@@ -149,7 +149,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         """Make a component part of this one; it is named after the variable or attribute that holds it.
 
         Args:
-            obj: the component; its pose is from now on in the frame of this one.
+            obj: the component; its pose is from now on in the frame of this one. An object of the scene that is below
+                this one already, such as an armature of the model of a robot, stays where it is.
             child: name of one of the objects below this one, to fix it on that instead.
             level: whose variables are searched for the name: 1 for those of the caller.
 
@@ -164,8 +165,11 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             if (found := naming.name_in_frame(obj, self, frame)) is not None:
                 obj.suggest_name(found, Strength.VARIABLE)
             naming.name_unparented(frame.f_locals, Strength.GUESSED)
+        # an object that the model holds below this one already stays where it is
+        is_below = obj.parent is None and any(above is mount.node for above in obj.scene_node.ancestors())
         try:
-            workspace.current().attach(mount.node, obj.scene_node)
+            if not is_below:
+                workspace.current().attach(mount.node, obj.scene_node)
         except ValueError:
             raise MorseBuilderError(f"'{obj.name}' cannot be appended to '{self.name}', which is part of it") from None
         if obj.parent is not None:
