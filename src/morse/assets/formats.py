@@ -14,6 +14,11 @@ if TYPE_CHECKING:
 #: suffix to the function that reads such files; it is imported when the first one is read
 _READERS = {
     ".blend": "morse.assets.blend:read_blend",
+    ".glb": "morse.assets.meshfiles:read_meshes",
+    ".gltf": "morse.assets.meshfiles:read_meshes",
+    ".obj": "morse.assets.meshfiles:read_meshes",
+    ".ply": "morse.assets.meshfiles:read_meshes",
+    ".stl": "morse.assets.meshfiles:read_meshes",
 }
 
 #: the suffixes, the preferred one first

@@ -1,0 +1,58 @@
+"""The files that a model file names: only those below its folder."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: bytes of a file
+SIZE_LIMIT = 512 << 20
+
+
+class Below:
+    """Gives trimesh the files that a model refers to; a model from a stranger must not read elsewhere.
+
+    Attributes:
+        refused: names of files that lie elsewhere, are missing or are too large.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = Path(os.path.realpath(folder))
+        self.refused: list[str] = []
+
+    def get(self, name: str) -> bytes:
+        """The content of a file.
+
+        Raises:
+            FileNotFoundError: it lies elsewhere, is missing or is too large.
+        """
+        try:
+            path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
+            if path.is_relative_to(self._folder) and path.is_file() and path.stat().st_size <= SIZE_LIMIT:
+                return path.read_bytes()
+        except (OSError, ValueError):
+            pass
+        self.refused.append(str(name))
+        raise FileNotFoundError(f"'{name!s:.200}' cannot be read from the folder of the model")
+
+    def __getitem__(self, name: str) -> bytes:
+        return self.get(name)
+
+    def __contains__(self, name: object) -> bool:
+        return (self._folder / str(name)).is_file()
+
+    def keys(self) -> Iterator[str]:
+        """No names: a folder may be large, and trimesh asks for what a model names."""
+        return iter(())
+
+    def write(self, name: str, data: bytes) -> None:
+        """Refuse: models are read only."""
+        raise PermissionError(name)
+
+    def namespaced(self, namespace: str) -> Below:
+        """The files of a folder below."""
+        return Below(self._folder / namespace)

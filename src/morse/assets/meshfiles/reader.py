@@ -1,0 +1,157 @@
+"""Reads glTF, OBJ, STL and PLY files as libraries of nodes."""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from morse.assets.errors import AssetError
+from morse.assets.meshfiles.files import SIZE_LIMIT, Below
+from morse.assets.meshfiles.surfaces import Surfaces
+from morse.mathutils import Matrix
+from morse.scene import Library, Node, NodeKind, PhysicsType
+
+#: glTF looks along +Z with +Y up; models of MORSE look along +X with +Z up
+_FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+_GLTF = (".gltf", ".glb")
+#: relative; what a rotation and a scale cannot say
+_SHEAR = 1e-3
+
+
+def read_meshes(path: str | Path) -> Library:
+    """Read a file.
+
+    glTF is turned so that its front becomes +X and its top +Z. The axes of OBJ, STL and PLY, which say nothing of
+    front and top, are taken as they are; one unit is a metre. Files that a model names are read only from its folder
+    and below.
+
+    Raises:
+        AssetError: it is broken, too large or empty.
+        OSError: it cannot be opened.
+    """
+    path = Path(path)
+    if path.stat().st_size > SIZE_LIMIT:
+        raise AssetError(path, f"it is larger than {SIZE_LIMIT >> 20} MiB")
+    below = Below(path.parent)
+    try:
+        scene = _loaded(path, below)
+        library = _Reading(path, scene).library()
+    except AssetError:
+        raise
+    except RecursionError:
+        raise AssetError(path, "it is nested too deeply") from None
+    except MemoryError:
+        raise AssetError(path, "it needs more memory than there is") from None
+    except Exception as error:  # whatever a damaged file leads trimesh to
+        what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
+        raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error
+    if below.refused:
+        names = ", ".join(f"'{name:.80}'" for name in below.refused[:5])
+        library.warnings.append(f"files that are missing, or not below its folder, are left out: {names}")
+    return library
+
+
+def _loaded(path: Path, below: Any) -> Any:
+    import trimesh
+
+    quiet = logging.getLogger("trimesh")
+    level = quiet.level
+    quiet.setLevel(logging.CRITICAL)
+    try:
+        with path.open("rb") as file, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return trimesh.load_scene(
+                file, file_type=path.suffix.lower().lstrip("."), resolver=below, process=False, allow_remote=False
+            )
+    finally:
+        quiet.setLevel(level)
+
+
+class _Reading:
+    """From the graph of a scene of trimesh to nodes."""
+
+    def __init__(self, path: Path, scene: Any) -> None:
+        self._path, self._scene = path, scene
+        self._turn = _FROM_GLTF if path.suffix.lower() in _GLTF else np.eye(3)
+        self._surfaces = Surfaces(self._turn)
+        self._names: set[str] = set()
+        self._sheared: list[str] = []
+
+    def library(self) -> Library:
+        graph = self._scene.graph
+        base, parents = graph.base_frame, dict(graph.transforms.parents)
+        made: dict[str, Node] = {}
+        roots: list[Node] = []
+        for frame in self._in_order(parents, base):
+            parent = parents.get(frame, base)
+            matrix, geometry = graph.get(frame, parent) if frame != parent else (np.eye(4), None)
+            above = made.get(parent)
+            node = self._node(str(frame), matrix, geometry)
+            made[frame] = node
+            if above is None:
+                roots.append(node)
+            else:
+                above.attach(node)
+        roots = [root for root in roots if any(node.mesh is not None for node in root.walk())]
+        if not roots:
+            raise AssetError(self._path, "there is no mesh in it")
+        library = Library(path=str(self._path), roots=roots, images=self._surfaces.images)
+        if self._sheared:
+            library.warnings.append(f"sheared objects are shown without it: {', '.join(self._sheared[:5])}")
+        return library
+
+    def _in_order(self, parents: dict[Any, Any], base: Any) -> list[Any]:
+        """The frames but the base, parents first."""
+        ordered: dict[Any, None] = {}
+        for frame in sorted(parents, key=str):
+            chain = []
+            while frame in parents and frame != base and frame not in ordered and frame not in chain:
+                chain.append(frame)
+                frame = parents[frame]
+            ordered.update(dict.fromkeys(reversed(chain)))
+        return list(ordered)
+
+    def _node(self, name: str, matrix: Any, geometry: str | None) -> Node:
+        given = self._scene.geometry.get(geometry) if geometry is not None else None
+        has_triangles = given is not None and len(getattr(given, "faces", ())) > 0
+        node = Node(self._unique(name), NodeKind.MESH if has_triangles else NodeKind.EMPTY)
+        node.source_name = node.name
+        node.body.type = PhysicsType.AUTO  # the file has no physics: its role decides
+        if has_triangles:
+            node.mesh = self._surfaces.mesh(str(geometry), given)
+            node.materials = list(node.mesh.materials)
+        self._place(node, np.asarray(matrix, dtype=float))
+        return node
+
+    def _unique(self, name: str) -> str:
+        stem = name.strip()
+        if not stem or stem.startswith("geometry_") or stem in (self._path.name, str(self._path)):
+            stem = self._path.stem
+        unique, number = stem, 0
+        while unique in self._names:
+            number += 1
+            unique = f"{stem}.{number:03}"
+        self._names.add(unique)
+        return unique
+
+    def _place(self, node: Node, matrix: Any) -> None:
+        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+            raise AssetError(self._path, f"the place of '{node.name}' is not a matrix of finite numbers")
+        # the axes of each node are turned, as its mesh is
+        turn = self._turn @ matrix[:3, :3] @ self._turn.T
+        scale = np.linalg.norm(turn, axis=0)
+        if np.linalg.det(turn) < 0.0:
+            scale[2] = -scale[2]
+        scale[scale == 0.0] = 1.0
+        rotation = turn / scale
+        if not np.allclose(rotation.T @ rotation, np.eye(3), atol=_SHEAR):
+            self._sheared.append(node.name)
+            u, _, v = np.linalg.svd(rotation)
+            rotation = u @ v
+        node.location = (self._turn @ matrix[:3, 3]).tolist()
+        node.rotation_euler = list(Matrix(rotation.tolist()).to_euler())
+        node.scale = scale.tolist()

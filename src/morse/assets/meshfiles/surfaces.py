@@ -1,0 +1,141 @@
+"""Meshes and materials of trimesh as those of a scene."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+
+from morse.assets.blend.normals import corner_normals
+from morse.assets.blend.polygons import Polygons
+from morse.scene import Image, Material, Mesh
+
+#: rad; edges that bend by more are shown as edges
+_CREASE = 0.7
+
+
+class Surfaces:
+    """Converts each mesh, material and picture once.
+
+    Args:
+        turn: (3, 3) from the axes of the file to those of MORSE.
+    """
+
+    def __init__(self, turn: Any) -> None:
+        self._turn = np.asarray(turn, dtype=np.float32)
+        self._meshes: dict[int, Mesh] = {}
+        self._materials: dict[int, Material] = {}
+        self.images: dict[str, Image] = {}
+
+    def mesh(self, name: str, given: Any) -> Mesh:
+        """Triangles with normals and texture coordinates.
+
+        Raises:
+            ValueError: a coordinate is not a finite number.
+        """
+        if id(given) not in self._meshes:
+            self._meshes[id(given)] = self._converted(name, given)
+        return self._meshes[id(given)]
+
+    def _converted(self, name: str, given: Any) -> Mesh:
+        vertices = np.asarray(given.vertices, dtype=np.float32).reshape(-1, 3) @ self._turn.T
+        triangles = np.ascontiguousarray(given.faces, dtype=np.int32).reshape(-1, 3)
+        if not np.isfinite(vertices).all():
+            raise ValueError(f"the mesh '{name}' has coordinates that are not finite numbers")
+        if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
+            raise ValueError(f"the mesh '{name}' has triangles without corners")
+        a, b, c = triangles.T
+        triangles = triangles[(a != b) & (b != c) & (a != c)]
+        uvs = getattr(given.visual, "uv", None)
+        if uvs is not None:
+            uvs = np.asarray(uvs, dtype=np.float32)
+            uvs = uvs[triangles] if uvs.shape == (len(vertices), 2) and np.isfinite(uvs).all() else None
+        return Mesh(
+            name=name,
+            vertices=vertices,
+            triangles=triangles,
+            material_index=np.zeros(len(triangles), np.int32),
+            uvs=uvs,
+            normals=_normals(vertices, triangles),
+            materials=(self._material(name, given.visual),),
+        )
+
+    def _material(self, name: str, visual: Any) -> Material:
+        given = getattr(visual, "material", None)
+        if given is None:
+            color = _linear(_numbers(getattr(visual, "main_color", None), 4, (204, 204, 204, 255)) / 255.0)
+            return Material(name, (color[0], color[1], color[2], color[3]))
+        if id(given) not in self._materials:
+            self._materials[id(given)] = self._of(name, given)
+        return self._materials[id(given)]
+
+    def _of(self, name: str, given: Any) -> Material:
+        own = str(getattr(given, "name", None) or name)
+        if hasattr(given, "baseColorFactor"):
+            color = _numbers(given.baseColorFactor, 4, (255, 255, 255, 255)) / 255.0
+            roughness, metallic = (
+                float(np.clip(_numbers(value, 1, (1.0,))[0], 0.0, 1.0))
+                for value in (given.roughnessFactor, given.metallicFactor)
+            )
+            glow = np.clip(_numbers(given.emissiveFactor, 3, (0.0, 0.0, 0.0)), 0.0, 100.0)
+            picture, sided = given.baseColorTexture, bool(given.doubleSided)
+        else:
+            color = _numbers(getattr(given, "diffuse", None), 4, (204, 204, 204, 255)) / 255.0
+            roughness, metallic, glow = 0.6, 0.0, np.zeros(3)
+            picture, sided = getattr(given, "image", None), True
+            if picture is not None:
+                color = np.ones(4)
+        r, g, b, alpha = (float(part) for part in np.clip(color, 0.0, 1.0))
+        return Material(
+            own,
+            (r, g, b, alpha),
+            metallic=metallic,
+            roughness=roughness,
+            emission=(float(glow[0]), float(glow[1]), float(glow[2])),
+            image=None if picture is None else self._image(own, picture),
+            double_sided=sided,
+        )
+
+    def _image(self, name: str, picture: Any) -> Image:
+        encoded = io.BytesIO()
+        picture.convert("RGBA" if "A" in picture.getbands() else "RGB").save(encoded, "PNG", compress_level=1)
+        image = Image(name, encoded.getvalue(), "image/png")
+        self.images.setdefault(name, image)
+        return image
+
+
+def _normals(vertices: Any, triangles: Any) -> Any:
+    """(T, 3, 3) normals of the corners, smooth but for creases; what has one place is one vertex, as in STL files."""
+    if not len(triangles):
+        return None
+    _, same = np.unique(vertices, axis=0, return_inverse=True)
+    count = len(triangles)
+    polygons = Polygons(
+        vertices=vertices.astype(np.float64)[np.unique(same, return_index=True)[1]],
+        corners=same.reshape(-1)[triangles.ravel()].astype(np.int64),
+        sizes=np.full(count, 3, np.int64),
+        materials=np.zeros(count, np.int64),
+        smooth=np.ones(count, bool),
+        uvs=None,
+        sharp=np.zeros((0, 2), np.int64),
+    )
+    normals = corner_normals(polygons, _CREASE)
+    return None if normals is None else normals.astype(np.float32).reshape(count, 3, 3)
+
+
+def _numbers(given: Any, count: int, default: tuple[float, ...]) -> Any:
+    """Some numbers, or the default where there are others."""
+    if given is None:
+        return np.array(default, dtype=float)
+    array = np.asarray(given, dtype=float).ravel()
+    if array.size == count - 1 and count == 4:
+        array = np.append(array, default[3])
+    return array if array.size == count and np.isfinite(array).all() else np.array(default, dtype=float)
+
+
+def _linear(color: Any) -> list[float]:
+    """From sRGB; the fourth number is opacity."""
+    rgb = color[:3]
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return [*(float(part) for part in linear), float(color[3])]

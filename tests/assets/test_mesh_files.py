@@ -1,0 +1,192 @@
+"""glTF, OBJ, STL and PLY files as models: shapes, axes, looks, and files that are broken or hostile."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+import morse
+from morse.assets import load
+from morse.assets.errors import AssetError
+from morse.builder import Environment, FakeRobot, PassiveObject
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+FORMATS = ("glb", "obj", "stl", "ply")
+
+
+def saved(path: Path, *parts: tuple[str, Any, tuple[float, float, float]]) -> Path:
+    scene = trimesh.Scene()
+    for name, mesh, at in parts:
+        scene.add_geometry(mesh, node_name=name, transform=trimesh.transformations.translation_matrix(at))
+    path.write_bytes(trimesh.exchange.gltf.export_glb(scene))
+    return path
+
+
+def brick(path: Path) -> Path:
+    """0.4 m long, 0.2 m wide, 0.6 m high."""
+    trimesh.creation.box((0.4, 0.2, 0.6)).export(path)
+    return path
+
+
+def extent(path: Path) -> np.ndarray:
+    corners = []
+    for node in load(path).nodes():
+        if node.mesh is not None:
+            matrix = np.array([list(row) for row in node.world_matrix()])
+            corners.append(node.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3])
+    return np.ptp(np.concatenate(corners), axis=0)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_sizes_are_those_of_the_file(tmp_path: Path, suffix: str) -> None:
+    # the axes X, Y, Z of glTF are left, up and ahead
+    wanted = [0.6, 0.4, 0.2] if suffix == "glb" else [0.4, 0.2, 0.6]
+    assert extent(brick(tmp_path / f"brick.{suffix}")) == pytest.approx(wanted, abs=1e-6)
+
+
+def test_the_front_of_gltf_is_x_and_its_top_is_z(tmp_path: Path) -> None:
+    dot = trimesh.creation.box((0.1, 0.1, 0.1))
+    path = saved(tmp_path / "axes.glb", ("left", dot, (1, 0, 0)), ("up", dot, (0, 1, 0)), ("ahead", dot, (0, 0, 1)))
+    at = {node.name: list(node.world_matrix().translation) for node in load(path).nodes()}
+    assert at["ahead"] == pytest.approx([1, 0, 0])
+    assert at["left"] == pytest.approx([0, 1, 0])
+    assert at["up"] == pytest.approx([0, 0, 1])
+
+
+def test_names_and_parents_are_kept(tmp_path: Path) -> None:
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box((1, 1, 1)), node_name="body")
+    eye = trimesh.transformations.translation_matrix([0.0, 0.5, 0.25])
+    scene.add_geometry(trimesh.creation.icosphere(), node_name="eye", parent_node_name="body", transform=eye)
+    path = tmp_path / "head.glb"
+    path.write_bytes(trimesh.exchange.gltf.export_glb(scene))
+    (root,) = load(path).roots
+    assert root.name == "body"
+    (child,) = root.children
+    assert child.name == "eye"
+    assert list(child.world_matrix().translation) == pytest.approx([0.25, 0.0, 0.5])
+
+
+def test_colours_and_pictures(tmp_path: Path) -> None:
+    picture = Image.new("RGB", (4, 4), (255, 0, 0))
+    look = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=[0.5, 0.25, 1.0, 1.0], metallicFactor=0.3, roughnessFactor=0.7, baseColorTexture=picture
+    )
+    mesh = trimesh.creation.box((1, 1, 1))
+    mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)), material=look)
+    (root,) = load(saved(tmp_path / "painted.glb", ("painted", mesh, (0, 0, 0)))).roots
+    (material,) = root.materials
+    assert material.color == pytest.approx((0.5, 0.25, 1.0, 1.0), abs=0.01)
+    assert (material.metallic, material.roughness) == pytest.approx((0.3, 0.7))
+    assert material.image.mime == "image/png"
+    assert root.mesh.uvs.shape == (12, 3, 2)
+
+
+def test_a_sphere_is_smooth_and_a_box_is_not(tmp_path: Path) -> None:
+    trimesh.creation.icosphere(subdivisions=3).export(tmp_path / "ball.stl")
+    (ball,) = load(tmp_path / "ball.stl").roots
+    outward = ball.mesh.vertices[ball.mesh.triangles]
+    assert np.einsum("tcx,tcx->tc", ball.mesh.normals, outward).min() > 0.999
+    (box,) = load(brick(tmp_path / "brick.stl")).roots
+    assert set(np.abs(box.mesh.normals).max(axis=2).ravel().round(6)) == {1.0}
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_thing_falls_and_rests_on_its_lower_side(tmp_path: Path, suffix: str) -> None:
+    path = brick(tmp_path / f"brick.{suffix}")
+
+    def scene() -> None:
+        FakeRobot("robot")
+        thing = PassiveObject(str(path))
+        thing.name = "thing"
+        thing.translate(2.0, 0.0, 1.0)
+        Environment("empty", fastmode=True)
+
+    with morse.load(scene) as simulation:
+        simulation.step(180)
+        body = next(body for body in simulation.world.objects() if body.name == "thing")
+        # glTF lies on its side: what was 0.2 m along its Z axis is its length, 0.2 m along Y its height
+        assert body.worldPosition.z == pytest.approx(0.1 if suffix == "glb" else 0.3, abs=0.01)
+        assert body.worldPosition.x == pytest.approx(2.0, abs=0.01)
+
+
+# -- what strangers send ---------------------------------------------------------------------------------
+
+
+def test_pictures_elsewhere_are_not_read(tmp_path: Path) -> None:
+    secret = tmp_path / "secret.png"
+    Image.new("RGB", (2, 2), (1, 2, 3)).save(secret)
+    folder = tmp_path / "model"
+    folder.mkdir()
+    (folder / "m.mtl").write_text(f"newmtl a\nKd 1 1 1\nmap_Kd ../secret.png\nnewmtl b\nmap_Kd {secret}\n")
+    (folder / "m.obj").write_text(
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n"
+    )
+    library = load(folder / "m.obj")
+    assert library.images == {}
+    assert any("secret.png" in warning for warning in library.warnings)
+
+
+def test_a_gltf_reads_nothing_outside_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "outside.bin").write_bytes(np.zeros(9, "<f4").tobytes())
+    folder = tmp_path / "model"
+    folder.mkdir()
+    content = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"uri": "../outside.bin", "byteLength": 36}],
+    }
+    (folder / "m.gltf").write_text(json.dumps(content))
+    with pytest.raises(AssetError, match="outside"):
+        load(folder / "m.gltf")
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("content", [b"", b"\0" * 200, b"solid", b"glTF\2\0\0\0\xff\xff\xff\xff", b"v nan nan nan\n"])
+def test_broken_files_are_refused(tmp_path: Path, suffix: str, content: bytes) -> None:
+    path = tmp_path / f"broken.{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(AssetError, match="broken"):
+        load(path)
+
+
+def test_coordinates_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "far.obj"
+    path.write_text("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n")
+    with pytest.raises(AssetError, match="finite"):
+        load(path)
+
+
+@settings(max_examples=60, suppress_health_check=list(HealthCheck), deadline=None)
+@given(data=st.data())
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_damaged_files_are_refused_or_read(tmp_path: Path, suffix: str, data: st.DataObject) -> None:
+    content = bytearray(brick(tmp_path / f"whole.{suffix}").read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = tmp_path / f"damaged.{suffix}"
+    path.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))]))
+    try:
+        library = load(path)
+    except AssetError:
+        return
+    for node in library.nodes():
+        assert all(math.isfinite(number) for number in (*node.location, *node.rotation_euler, *node.scale))
+        if node.mesh is not None:
+            assert np.isfinite(node.mesh.vertices).all()
+            assert node.mesh.triangles.size == 0 or node.mesh.triangles.max() < len(node.mesh.vertices)
