@@ -10,10 +10,12 @@ import pickle
 from typing import TYPE_CHECKING
 
 import msgspec
+import numpy as np
 import pytest
 
 import morse
 from morse.core.sensor import Sensor
+from morse.sensors.laserscanner import LaserScanner
 from morse.simulation.together import Together
 
 if TYPE_CHECKING:
@@ -339,3 +341,73 @@ def test_profiles_name_groups(sim):
     sim.step(2)
     assert {f"{COUNT} x Pose", f"{COUNT} x MotionVW", f"{COUNT} x IntegratedOdometry"} <= profile.components.keys()
     assert all(isinstance(unit, Together) for unit in groups(sim))
+
+
+# laser scanners -----------------------------------------------------------------------------------
+
+
+def scanners():
+    from morse.builder import Environment, Hokuyo, Infrared, Morsy, MotionVW, Sick
+
+    for number in range(COUNT):
+        robot = Morsy(f"r{number}")
+        robot.translate(2.0 * number, 0.3 * number, 0.0)
+        robot.append(MotionVW("motion"))
+        for kind, name, level in ((Sick, "sick", "raw"), (Infrared, "infrared", "raw"), (Hokuyo, "hokuyo", "range")):
+            scanner = kind(name)
+            scanner.level(level)
+            scanner.translate(0.2, 0.0, 0.3)
+            robot.append(scanner)
+        rssi = Sick("rssi")
+        rssi.level("rssi")
+        robot.append(rssi)
+    Environment("indoors-1/boxes", fastmode=True)
+
+
+def scan(sim, name):
+    data = named(sim, name).local_data
+    return {key: np.asarray(data[key]).copy() for key in data}
+
+
+def test_scanners_of_one_level_act_together_with_the_same_bits(monkeypatch):
+    def seen():
+        found = []
+        with morse.load(scanners) as simulation:
+            units = {(type(unit.members[0]), unit.members[0].level): len(unit._group) for unit in groups(simulation)}
+            for tick in range(90):
+                drive(simulation, tick)
+                simulation.step(1)
+                if tick == 50:
+                    named(simulation, "r1.sick").set_property("scan_window", 90.0)
+                if tick % 7 == 0:
+                    found += [
+                        scan(simulation, f"r{number}.{name}")
+                        for number in range(COUNT)
+                        for name in ("sick", "infrared", "hokuyo", "rssi")
+                    ]
+            return units, found, simulation.state_hash()
+
+    units, together, state = seen()
+    assert units[LaserScanner, "raw"] == 2 * COUNT
+    assert units[LaserScanner, "range"] == COUNT
+    assert (LaserScanner, "rssi") not in units
+    monkeypatch.setenv("MORSE_FLEETS", "off")
+    units, alone, other = seen()
+    assert not units
+    assert state == other
+    for one, two in zip(together, alone, strict=True):
+        assert one.keys() == two.keys()
+        assert all(np.array_equal(one[key], two[key]) for key in one)
+    assert {len(one["range_list"]) for one in together} >= {91, 181, 21, 1081}
+    assert any((one["range_list"] < 5.0).any() for one in together)
+
+
+def test_a_scan_that_was_read_stays_as_it_was():
+    with morse.load(scanners) as simulation:
+        simulation.step(1)
+        kept = named(simulation, "r0.sick").local_data["range_list"]
+        before = kept.copy()
+        named(simulation, "r0.motion").local_data.update(v=1.0, w=1.0)
+        simulation.step(60)
+        assert np.array_equal(kept, before)
+        assert not np.array_equal(named(simulation, "r0.sick").local_data["range_list"], before)

@@ -11,7 +11,7 @@ import numpy as np
 from morse.core.group_poses import GroupPoses
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from numpy.typing import NDArray
 
@@ -74,6 +74,11 @@ class Group:
         return len(self.members)
 
     # -- for act_together: reading ---------------------------------------------------------
+
+    @property
+    def fields(self) -> Collection[str]:
+        """The names of the data fields of each member."""
+        return self._datas[0].keys()
 
     def read(self, field: str) -> list[float]:
         """Return a field of the data of all members: N finite numbers.

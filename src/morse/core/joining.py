@@ -6,6 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
+from morse.core.local_data import LocalData
 from morse.core.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -37,10 +38,9 @@ def may_join(component: Object) -> bool:
     return (
         component.active
         and getattr(component, "realism", None) is None
-        and not component.requests
         and not component.input_modifiers
         and not component.output_modifiers
-        and type(component.local_data) is dict
+        and type(component.local_data) in (dict, LocalData)
         and not any(name in own for name in (*_ALONE, "act_together", "settle") if name != "local_data")
         and component.may_act_together()
     )

@@ -114,6 +114,11 @@ class Drives:
         commands = {index: command for fleet in self._fleets for index, command in fleet.commands().items()}
         return {**commands, **self._commands}
 
+    @property
+    def has_commands(self) -> bool:
+        """Whether any slot has a command for the next tick."""
+        return bool(self._commands or self._fleets)
+
     def is_commanded(self, index: int) -> bool:
         """Whether a slot has a command for the next tick."""
         return index in self._commands or any(index in fleet.rows for fleet in self._fleets)

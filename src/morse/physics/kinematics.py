@@ -54,4 +54,4 @@ def contact_pairs(state: EngineState) -> NDArray[np.int32]:
     """Return (N, 2) pairs of geoms that were in contact at the last collision detection."""
     if state.known_contacts is not None:
         return state.known_contacts
-    return np.asarray(state.data.contact.geom[: state.data.ncon])
+    return np.asarray(state.data.contact.geom)

@@ -44,6 +44,8 @@ class Traction:
         self._slots = [index for index, _ in robots]
         if not robots:
             return
+        self._some_driven = False
+        self._gravity = state.model.opt.gravity
         each = [self._chassis(index, wheels) for index, wheels in robots]
         geoms, motors, radii, levers = (np.concatenate(column) for column in list(zip(*each, strict=True))[:4])
         axles, frictions, turnings = (
@@ -104,10 +106,13 @@ class Traction:
         """
         if not self._slots:
             return
-        state = self._state
-        self._arrays.driven[:] = [drives.is_commanded(index) for index in self._slots]
+        state, arrays = self._state, self._arrays
+        if drives.has_commands or self._some_driven:
+            arrays.driven[:] = driven = [drives.is_commanded(index) for index in self._slots]
+            self._some_driven = any(driven)
         pairs = contact_pairs(state)
-        if len(pairs) > len(self._arrays.touching):
-            self._arrays.touching = np.zeros((2 * len(pairs), 2), dtype=np.int32)
-        self._arrays.touching[: len(pairs)] = pairs
-        self._work.pull(state.rotations.array, len(pairs), -float(state.model.opt.gravity[2]))
+        count = len(pairs)
+        if count > len(arrays.touching):
+            arrays.touching = np.zeros((2 * count, 2), dtype=np.int32)
+        arrays.touching[:count] = pairs
+        self._work.pull(state.rotations.array, count, -float(self._gravity[2]))

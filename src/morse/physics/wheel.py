@@ -34,6 +34,7 @@ class Wheel:
         self.object = wheel
         self._model: mujoco.MjModel | None = None
         self._actuator = -1
+        self._controls = state.data.ctrl
         self.radius = wheel_size(wheel.node, wheel_axis(wheel.node, robot.node))[0]
         self.offset_x, self.offset_y, _ = rigid.relative(*robot.world_pose(), *wheel.world_pose())[0]
 
@@ -55,8 +56,8 @@ class Wheel:
         state = self._state
         if self._model is not state.model:
             # objects were added or removed, so the model of the engine is a new one
-            self._model, self._actuator = state.model, self._slot.actuator
-        state.data.ctrl[self._actuator] = speed
+            self._model, self._actuator, self._controls = state.model, self._slot.actuator, state.data.ctrl
+        self._controls[self._actuator] = speed
 
     @property
     def angle(self) -> float:

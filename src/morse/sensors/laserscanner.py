@@ -19,6 +19,7 @@ from morse.helpers.fans import fan
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.core.group import Group
     from morse.core.noise import Noise
 
 #: of the fan of a rotating scanner, downward
@@ -242,17 +243,21 @@ class LaserScanner(Sensor):
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
-    def measure(self) -> None:
-        """Take the scan."""
+    def _look(self) -> Any:
+        """What the rays meet now; they are made again if properties were changed."""
         if self._arc != self._arc_properties():
             self.create_laser_arc()
-        rays, data = self.rays, self.local_data
+        rays = self.rays
         rays.refresh()
-        sight = rays.sight
+        return rays.sight
+
+    def measure(self) -> None:
+        """Take the scan."""
+        sight, data = self._look(), self.local_data
         # copies, as the bundles of a cast share their arrays
         data["range_list"] = Later(lambda: sight.ranges.copy())
         if self.level == "rssi":
-            data["remission_list"] = rays.remissions
+            data["remission_list"] = sight.remissions
 
     def report(self) -> None:
         """Work out the points from the distances; without noise they are those of the cast."""
@@ -268,6 +273,26 @@ class LaserScanner(Sensor):
         data["point_list"] = rays.directions * np.where(met, distances, 0.0)[:, None] + 0.0
         if "remission_list" in data:
             data["remission_list"] = np.where(met, data["remission_list"], 0.0)
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Take the scans of all members, which have one level."""
+        sights = [scanner._look() for scanner in group.members]  # type: ignore[attr-defined]
+
+        def ranges(row: int) -> Later:
+            return Later(lambda: sights[row].ranges.copy())
+
+        def points(row: int) -> Later:
+            return Later(lambda: sights[row].points.copy())
+
+        if "point_list" in group.fields:
+            group.write(("range_list", "point_list"), lambda row: (ranges(row), points(row)))
+        else:
+            group.write(("range_list",), lambda row: (ranges(row),))
+
+    def may_act_together(self) -> bool:
+        """Not with remissions: what they are now may be changed until somebody reads them."""
+        return self.level != "rssi"
 
     def noisy_fields(self) -> tuple[str, ...]:
         """Noise is in the distances; the points follow them."""

@@ -201,14 +201,14 @@ def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> lis
     for component in components:
         carriers[id(component.robot_parent)] = carriers.get(id(component.robot_parent), 0) + 1
     order: list[Any] = []
-    gathered: dict[tuple[Any, float, float], list[Object]] = {}
+    gathered: dict[tuple[Any, float, float, str | None], list[Object]] = {}
     for component in components:
         if not has_group_action(type(component)) or (
             isinstance(component, Actuator) and carriers[id(component.robot_parent)] > 1
         ):
             order.append(component)
             continue
-        key = (type(component), component.frequency, phase_of(component))
+        key = (type(component), component.frequency, phase_of(component), component.level)
         if key not in gathered:
             gathered[key] = []
             order.append(gathered[key])
