@@ -107,7 +107,7 @@ def _world() -> Any:
 
 def _request(renderer: Renderer, width: int, height: int, color: bool) -> CameraRequest:
     lens = Lens.of_focal_length(width, height, work.PICTURE_FOCAL, work.PICTURE_NEAR, work.PICTURE_FAR)
-    return renderer.request(Tripod(), lens, color=color)  # type: ignore[arg-type]  # a camera without an object
+    return renderer.request(Tripod(), lens, color=color)
 
 
 def main() -> None:

@@ -122,7 +122,7 @@ def test_morseexec_without_a_script(tmp_path):
 @pytest.mark.parametrize(
     ("line", "completed"),
     [
-        ("morse r", {"replay", "rm", "run"}),
+        ("morse r", {"render", "replay", "rm", "run"}),
         ("morse run --he", {"--headless", "--help"}),
         ("morse verify --t", {"--ticks"}),
     ],

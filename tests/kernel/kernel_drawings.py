@@ -99,4 +99,5 @@ class RandomDrawing:
             row["axes"] = rotations(self.rng, 1)[0].ravel()
             row["eye"] = -3 * row["axes"][6:9] + self.rng.normal(size=3) * 0.3
             row["color"] = color
+            row["exposure"] = self.rng.uniform(0.5, 2.0)
         return rows

@@ -27,6 +27,7 @@ _MODULES = {
     "verify": "morse.cli.verify",
     "replay": "morse.cli.replay",
     "export": "morse.cli.export",
+    "render": "morse.cli.render",
     "edit": "morse.cli.edit",
 }
 

@@ -12,7 +12,7 @@ from morse.kernel import targets
 logger = logging.getLogger(__name__)
 
 #: the version of the structures and signatures that Python knows; see ``c/processor.c``
-INTERFACE = 4
+INTERFACE = 5
 VARIABLE = "MORSE_KERNEL"
 
 

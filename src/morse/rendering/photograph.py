@@ -2,49 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from morse.mathutils import Euler
 from morse.rendering.lens import Lens
 from morse.rendering.renderer import Renderer
+from morse.rendering.viewpoint import Viewpoint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from morse.physics import World
 
 _FAR = 1000.0
-
-
-class Tripod:
-    """Holds a camera that looks along its own -Z axis, as those of Blender and of ``env.set_camera_rotation`` do.
-
-    Args:
-        location: metres in the world.
-        rotation: Euler angles about X, Y and Z, radians.
-    """
-
-    def __init__(self, location: Sequence[float], rotation: Sequence[float]) -> None:
-        self._location = _three(location, "location")
-        axes = np.array([list(row) for row in Euler(_three(rotation, "rotation")).to_matrix()])
-        # the renderer looks along Z, with Y down
-        self._axes = (axes * (1.0, -1.0, -1.0)).ravel()
-
-    def world_pose(self) -> tuple[Any, Any]:
-        """Position, and the rows of the rotation."""
-        return self._location, self._axes
-
-
-def _three(values: Sequence[float], what: str) -> tuple[float, ...]:
-    numbers = tuple(float(value) for value in values)
-    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"the {what} of a camera is three finite numbers, got {values!r:.80}")
-    return numbers
 
 
 def photograph(
@@ -76,7 +48,7 @@ def photograph(
     place = view.camera_location if location is None else location
     turned = view.camera_rotation if rotation is None else rotation
     renderer = Renderer(world)
-    request = renderer.request(Tripod(place, turned), lens)  # type: ignore[arg-type] # all that it asks for is the pose
+    request = renderer.request(Viewpoint.turned(place, turned), lens)
     renderer.serve([request])
     assert request.picture is not None
     assert request.picture.rgb is not None

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from morse.kernel.drawing import Light, drawer
 from morse.kernel.drawing.arrays import CAMERA
 from morse.rendering.contents import Contents, MeshStore
+from morse.rendering.distortion import DistortedLens
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
 from morse.rendering.request import CameraRequest, Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.textures import TextureStore
+from morse.rendering.warp import Drawn
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from morse.physics import GameObject, World
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing import Pictures
+    from morse.physics import World
     from morse.rendering.lens import Lens
+    from morse.rendering.request import Placed
 
 #: of each pixel
 _SAMPLES = 5
@@ -43,7 +49,7 @@ class Renderer:
         self._shadows: Shadows | None = None
 
     def request(
-        self, obj: GameObject, lens: Lens, *, color: bool = True, wanted: Callable[[], bool] = lambda: True
+        self, obj: Placed, lens: Lens, *, color: bool = True, wanted: Callable[[], bool] = lambda: True
     ) -> CameraRequest:
         """What a camera asks for whenever it acts; see `CameraRequest`."""
         return CameraRequest(self, obj, lens, color=color, wanted=wanted)
@@ -54,7 +60,7 @@ class Renderer:
         while wanted:
             pixels, count = 0, 0
             for request in wanted:
-                pixels += request.lens.width * request.lens.height
+                pixels += sum(view.lens.width * view.lens.height for view in _views(request))
                 if count and pixels > _MOST_PIXELS:
                     break
                 count += 1
@@ -65,24 +71,22 @@ class Renderer:
         self._look()
         contents = self.contents
         poses = contents.poses()
-        cameras = np.zeros(len(requests), CAMERA)
-        for row, request in zip(cameras, requests, strict=True):
-            _fill(row, request)
+        views = [view for request in requests for view in _views(request)]
+        cameras = np.zeros(len(views), CAMERA)
+        for row, view in zip(cameras, views, strict=True):
+            _fill(row, view)
         light = self._light
         if cameras["color"].any():
             light = self._lit()
             assert self._shadows is not None
             self._shadows.update(poses)
         made = self._drawer.draw(cameras, poses, light, self._samples)
-        for row, request in zip(cameras, requests, strict=True):
-            shape = (request.lens.height, request.lens.width)
-            part = slice(int(row["pixel"]), int(row["pixel"]) + shape[0] * shape[1])
-            request.picture = Picture(
-                made.rgb[part].reshape(*shape, 3) if request.color else None,
-                made.depth[part].reshape(shape),
-                made.ids[part].reshape(shape),
-                contents.nodes,
-            )
+        rows = iter(cameras)
+        for request in requests:
+            flats = [_cut(made, next(rows), request.color) for _ in _views(request)]
+            lens = request.lens
+            drawn = lens.warp.gather(flats) if isinstance(lens, DistortedLens) else flats[0]
+            request.picture = Picture(drawn.rgb, drawn.depth, drawn.ids, contents.nodes)
 
     def _look(self) -> None:
         """Look at all of the world anew if something has come or gone, or has another colour."""
@@ -115,10 +119,46 @@ class Renderer:
         return self._shadows.light
 
 
-def _fill(row: Any, request: CameraRequest) -> None:
+class _View(NamedTuple):
+    """A flat picture for a camera.
+
+    Attributes:
+        request: of the camera.
+        lens: of the flat picture.
+        turn: (3, 3) its axes in the frame of the camera, in columns.
+    """
+
+    request: CameraRequest
+    lens: Lens
+    turn: NDArray[np.float64]
+
+
+_STRAIGHT = np.eye(3)
+
+
+def _views(request: CameraRequest) -> list[_View]:
     lens = request.lens
+    if isinstance(lens, DistortedLens):
+        return [_View(request, flat.lens, flat.turn) for flat in lens.warp.flats]
+    return [_View(request, lens, _STRAIGHT)]
+
+
+def _fill(row: Any, view: _View) -> None:
+    request, lens = view.request, view.lens
     position, rotation = request.obj.world_pose()
     for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
         row[name] = getattr(lens, name)
-    row["axes"] = np.reshape(rotation, (3, 3)).T.ravel()
-    row["eye"], row["color"] = position, request.color
+    # the turns of flat pictures exchange axes, so that these products are exact
+    row["axes"] = (np.reshape(rotation, (3, 3)) @ view.turn).T.ravel()
+    row["eye"], row["color"], row["exposure"] = position, request.color, request.exposure
+
+
+def _cut(made: Pictures, row: Any, color: bool) -> Drawn:
+    """One of the pictures that were drawn."""
+    shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
+    part = slice(first, first + shape[0] * shape[1])
+    return Drawn(
+        made.rgb[part].reshape(*shape, 3) if color else None,
+        made.depth[part].reshape(shape),
+        made.ids[part].reshape(shape),
+    )

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
 
-    from morse.physics import GameObject
     from morse.rendering.lens import Lens
     from morse.rendering.renderer import Renderer
     from morse.scene import Node
+
+
+class Placed(Protocol):
+    """Something that is somewhere: an object of the world, or a `morse.rendering.viewpoint.Viewpoint`."""
+
+    def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Position (3) and rotation (9, row by row) in the world."""
 
 
 class Picture(NamedTuple):
@@ -39,13 +45,13 @@ class CameraRequest:
         obj: the object.
         lens: may be replaced between pictures.
         color: whether the picture has colours, not only depth and ids.
+        exposure: factor of the light.
         wanted: tells whether a picture is wanted now.
         picture: the last one; None before the first.
     """
 
-    def __init__(
-        self, server: Renderer, obj: GameObject, lens: Lens, *, color: bool, wanted: Callable[[], bool]
-    ) -> None:
+    def __init__(self, server: Renderer, obj: Placed, lens: Lens, *, color: bool, wanted: Callable[[], bool]) -> None:
         self.server = server
         self.obj, self.lens, self.color, self.wanted = obj, lens, color, wanted
+        self.exposure = 1.0
         self.picture: Picture | None = None

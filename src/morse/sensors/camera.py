@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -24,7 +23,16 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 #: properties that the lens is made of
-_OF_LENS = ("image_width", "image_height", "image_focal", "image_fov", "near_clipping", "far_clipping")
+_OF_LENS = (
+    "image_width",
+    "image_height",
+    "image_focal",
+    "image_fov",
+    "near_clipping",
+    "far_clipping",
+    "lens_model",
+    "distortion",
+)
 #: declaration of the field ``intrinsic_matrix``
 INTRINSIC: dict[str, Any] = {
     "default_value": [[0.0] * 3] * 3,
@@ -40,8 +48,8 @@ CAMERA_INFO: dict[str, Any] = {
     "width": lambda camera: camera.image_width,
     "height": lambda camera: camera.image_height,
     "k": "intrinsic_matrix",
-    "d": [0.0] * 5,
-    "model": "plumb_bob",
+    "d": lambda camera: list(getattr(camera.lens, "coefficients", (0.0,) * 5)),
+    "model": lambda camera: camera.lens_model,
 }
 #: of the pictures of `StereoUnit.capture` and of similar services
 Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
@@ -69,7 +77,7 @@ class Camera(Sensor):
         "Angle of view from left to right; replaces the focal length",
         unit="deg",
         low=1e-3,
-        high=179.99,
+        high=360.0,
         allow=("none",),
     )
     add_property("near_clipping", 0.1, "cam_near", "float", "What is nearer is not seen", unit="m", low=1e-6, high=1e6)
@@ -77,6 +85,16 @@ class Camera(Sensor):
     add_property("vertical_flip", True, "Vertical_Flip", "bool", "The first row of the picture is the top one")
     add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
     add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; kept for old scripts")
+    add_property(
+        "lens_model", "plumb_bob", "lens_model", "string", "Of the distortion", choices=("plumb_bob", "equidistant")
+    )
+    add_property(
+        "distortion",
+        "",
+        "distortion",
+        "string",
+        "Coefficients k1, k2, p1, p2, k3; of the fisheye lens 'equidistant' k1, k2, k3, k4",
+    )
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     color = True
@@ -88,6 +106,8 @@ class Camera(Sensor):
     image_fov: float | None
     near_clipping: float
     far_clipping: float
+    lens_model: str
+    distortion: str
     vertical_flip: bool
     capturing: bool
 
@@ -123,12 +143,9 @@ class Camera(Sensor):
         return tuple(getattr(self, name) for name in _OF_LENS)
 
     def _make_lens(self) -> Lens:
-        from morse.rendering import Lens
+        from morse.rendering.distortion import lens_of
 
-        width, height, focal, fov, near, far = self._lens_properties()
-        if fov is not None:
-            return Lens.of_angle(width, height, math.radians(fov), near, far)
-        return Lens.of_focal_length(width, height, focal, near, far)
+        return lens_of(*self._lens_properties())
 
     @service
     def set_property(self, name: str, value: Any) -> None:

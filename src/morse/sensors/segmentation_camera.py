@@ -99,11 +99,22 @@ class SegmentationCamera(Camera):
     add_property("relative", False, "relative", "bool", "Boxes are in the frame of the camera, not of the world")
     add_property("fewest_pixels", 1, "fewest_pixels", "integer", "Things of fewer pixels are no objects", low=1)
 
+    add_property(
+        "compression",
+        "",
+        "compression",
+        "string",
+        "Streams over the socket hold files of this kind instead of bare ids",
+        choices=("", "png"),
+    )
+
     add_kind("image", pixels=_ids, encoding="16UC1")
     add_kind("camera_info", **CAMERA_INFO)
     add_kind("detections", topic="detections", records=_records)
 
     color = False
+    #: PNG has none
+    quality = 100
     not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
 
     tag: str
@@ -111,6 +122,7 @@ class SegmentationCamera(Camera):
     class_names: str
     relative: bool
     fewest_pixels: int
+    compression: str
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
-from morse.helpers.components import add_data, add_kind
+from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
 if TYPE_CHECKING:
@@ -47,14 +48,77 @@ class VideoCamera(Camera):
 
     add_data("intrinsic_matrix", **INTRINSIC)
 
+    add_property(
+        "exposure", 0.0, "exposure", "float", "Stops: each doubles the light that is taken in", low=-20.0, high=20.0
+    )
+    add_property(
+        "full_well",
+        0.0,
+        "full_well",
+        "float",
+        "Electrons of the brightest pixel, whose number scatters: shot noise; 0 for none",
+        low=0.0,
+        high=1e9,
+    )
+    add_property(
+        "read_noise",
+        0.0,
+        "read_noise",
+        "float",
+        "Standard deviation of the read-out, as a share of the brightest light",
+        low=0.0,
+        high=1.0,
+    )
+    add_property(
+        "stuck_pixels",
+        0.0,
+        "stuck_pixels",
+        "float",
+        "Share of pixels that are stuck, black or white",
+        low=0.0,
+        high=1.0,
+    )
+
+    add_property(
+        "compression",
+        "",
+        "compression",
+        "string",
+        "Streams over the socket hold files of this kind instead of RGBA",
+        choices=("", "jpeg", "png"),
+    )
+    add_property("quality", 90, "quality", "integer", "Of JPEG", low=1, high=100)
+
     add_kind("image", pixels=_pixels, encoding="rgba8")
     add_kind("camera_info", **CAMERA_INFO)
 
+    exposure: float
+    full_well: float
+    read_noise: float
+    stuck_pixels: float
+    compression: str
+    quality: int
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._random = self.context.random(f"{self.name()}/pixels")
+
+    def _wants(self) -> bool:
+        # it may have been set while the simulation runs
+        self.request.exposure = math.exp2(self.exposure)
+        return super()._wants()
+
     def take(self, picture: Picture) -> None:
         """Keep the picture, opaque."""
-        assert picture.rgb is not None
-        image = np.full((*picture.rgb.shape[:2], 4), 255, np.uint8)
-        image[..., :3] = picture.rgb
+        rgb = picture.rgb
+        assert rgb is not None
+        if self.full_well or self.read_noise or self.stuck_pixels:
+            from morse.rendering.pixel_noise import Chip, exposed
+
+            chip = Chip(self.full_well, self.read_noise, self.stuck_pixels)
+            rgb = exposed(chip, rgb, self._random, self.context.random(f"{self.name()}/stuck pixels"))
+        image = np.full((*rgb.shape[:2], 4), 255, np.uint8)
+        image[..., :3] = rgb
         self.local_data["image"] = self.ordered(image)
 
     def noisy_fields(self) -> tuple[str, ...]:

@@ -93,7 +93,7 @@ static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, fl
             }
         }
         if (any(none)) c = chosen(none, sky_in(sky, d), c);
-        c = chosen(plain, base, tone(c));
+        c = chosen(plain, base, tone(scaled(c, splat(k->exposure))));
         c = (V3){within(c.x, 0, 1) * share, within(c.y, 0, 1) * share, within(c.z, 0, 1) * share};
         EACH_LANE(j) if (i + j < count) {
             const int32_t at = l->column[i + j];

@@ -12,7 +12,7 @@ enum { MIRRORED = 2 };
 
 // A pinhole camera. Axes are rows: right, down, forward. Its pixels begin at number `pixel`, its tiles at `tile`.
 typedef struct {
-    float fx, fy, cx, cy, near, far, axes[9], eye[3];
+    float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure;
     int32_t width, height, tile, color;
     int64_t pixel;
 } Camera;

@@ -4,7 +4,7 @@
 #include "export.h"
 
 // Changes whenever a structure or the signature of a function does: Python refuses a library of another version.
-#define INTERFACE 4
+#define INTERFACE 5
 
 MORSE_EXPORT int32_t morse_interface(void);
 MORSE_EXPORT int32_t morse_processor_level(void);

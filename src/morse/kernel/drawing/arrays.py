@@ -57,6 +57,7 @@ CAMERA = np.dtype(
         ("far", "f4"),
         ("axes", "f4", 9),
         ("eye", "f4", 3),
+        ("exposure", "f4"),
         ("width", "i4"),
         ("height", "i4"),
         ("tile", "i4"),

@@ -54,7 +54,7 @@ def _colors(
     r, sky = k["axes"], light.sky
     cx, cy = (x - k["cx"]) * (_ONE / k["fx"]), (y - k["cy"]) * (_ONE / k["fy"])
     direction = unit([r[i] * cx + r[3 + i] * cy + r[6 + i] for i in range(3)])
-    sky_color = tone(sky_in(sky, direction))
+    sky_color = tone([part * k["exposure"] for part in sky_in(sky, direction)])
     result = np.stack(sky_color, axis=1)
     solid = np.flatnonzero(~none)
     if not len(solid):
@@ -98,7 +98,9 @@ def _colors(
         t = within((depth - sky[15]) * (_ONE / sky[16]), 0, 1)
         color = mixed(color, [sky[0], sky[1], sky[2]], t * t * (np.float32(3) - np.float32(2) * t))
     plain = material["flags"] & SHADELESS != 0
-    result[solid] = np.where(plain[:, None], np.stack(base, axis=1), np.stack(tone(color), axis=1))
+    result[solid] = np.where(
+        plain[:, None], np.stack(base, axis=1), np.stack(tone([part * k["exposure"] for part in color]), axis=1)
+    )
     return result
 
 

@@ -1,0 +1,236 @@
+"""``morse render``: a picture or a film of a scene, without a window."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from morse.cli.messages import CommandError, nearest, say
+from morse.cli.scenes import resolve
+from morse.simulation.options import RunOptions
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.rendering import CameraRequest, Lens
+    from morse.simulation.simulation import Simulation
+
+CONTEXT_SETTINGS = {"allow_interspersed_args": True}
+
+_SHOWN = ("color", "depth", "ids")
+_SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
+_FARTHEST = 1e4
+_LONGEST = 3600.0
+
+
+def command(
+    scene: Annotated[
+        list[str],
+        typer.Argument(metavar="ENVIRONMENT [FILE] | PATH", help="The scene, as for `morse run`.", show_default=False),
+    ],
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="FILE", help="picture.png, .jpg or .webp; with --film see there.")
+    ] = "picture.png",
+    origin: Annotated[
+        str | None,
+        typer.Option("--from", metavar="X,Y,Z", help="Where to look from, m (default: the viewpoint of the script)."),
+    ] = None,
+    target: Annotated[
+        str | None, typer.Option("--to", metavar="X,Y,Z", help="What to look at, m (default: the origin).")
+    ] = None,
+    camera: Annotated[
+        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="What a camera of the scene sees instead.")
+    ] = None,
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels.")] = "1280x720",
+    fov: Annotated[
+        float | None, typer.Option("--fov", help="Angle of view from left to right, degrees (default: of the script).")
+    ] = None,
+    show: Annotated[str, typer.Option("--show", metavar="color|depth|ids", help="What to draw.")] = "color",
+    time: Annotated[float, typer.Option("--time", min=0.0, help="Simulated seconds before the picture.")] = 0.5,
+    film: Annotated[
+        float | None,
+        typer.Option(
+            "--film",
+            metavar="SECONDS",
+            help="A film of so many simulated seconds: .gif, .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
+        ),
+    ] = None,
+    rate: Annotated[float, typer.Option("--rate", help="Frames of a film in a second.")] = 20.0,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = None,
+) -> int:
+    """Draw a picture or a film of a scene: the same file on every machine, without a window or a graphics card."""
+    from morse.rendering import picture_files
+
+    path = Path(output)
+    _check(show, time, film, rate, camera, (origin, target, fov))
+    width, height = _size(size)
+    places = _place(origin, "--from"), _place(target, "--to")
+    try:
+        picture_files.check(path, film=film is not None)
+    except ValueError as error:
+        raise CommandError(f"-o: {error}.", status=2) from None
+    simulation = _load(scene, seed)
+    try:
+        request = _request(simulation, camera, places, (width, height), fov, fine, show == "color")
+        _run(simulation, time)
+        if film is None:
+            picture_files.save_picture(path, _draw(request, show, fine))
+            say(f"{path}: {time:g} s after the start.")
+            return 0
+        frames = max(1, round(film * rate))
+        made = picture_files.film(path, _shape(request, fine), rate)
+        for number in range(frames):
+            made.add(_draw(request, show, fine))
+            _run(simulation, time + (number + 1) / rate)
+        made.close()
+        say(f"{path}: {frames} frames of {film:g} s.")
+        return 0
+    except OSError as error:
+        raise CommandError(f"{path} could not be written: {error}") from None
+    finally:
+        simulation.close()
+
+
+def _check(
+    show: str, time: float, film: float | None, rate: float, camera: str | None, others: tuple[Any, ...]
+) -> None:
+    if show not in _SHOWN:
+        raise CommandError(f"--show is one of {', '.join(_SHOWN)}, not '{show}'.{nearest(show, _SHOWN)}", status=2)
+    if not 0.0 <= time <= _LONGEST:
+        raise CommandError(f"--time is 0 to {_LONGEST:g} simulated seconds, not {time:g}.", status=2)
+    if film is not None and not 0.0 < film <= _LONGEST:
+        raise CommandError(f"--film is a number of simulated seconds up to {_LONGEST:g}, not {film:g}.", status=2)
+    if not 0.0 < rate <= 1000.0:
+        raise CommandError(f"--rate is a number of frames in a second up to 1000, not {rate:g}.", status=2)
+    if camera is not None and any(other is not None for other in others):
+        raise CommandError("--camera shows what a camera sees: --from, --to and --fov do not go with it.", status=2)
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = _SIZE.fullmatch(text)
+    if found is None or not all(1 <= int(number) <= 8192 for number in found.groups()):
+        raise CommandError(f"--size is width x height in pixels up to 8192, such as 1280x720, not '{text}'.", status=2)
+    return int(found[1]), int(found[2])
+
+
+def _place(text: str | None, option: str) -> tuple[float, ...] | None:
+    if text is None:
+        return None
+    try:
+        found = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        found = ()
+    if len(found) != 3 or not all(abs(number) <= 1e6 for number in found):
+        raise CommandError(f"{option} is three numbers in metres, such as 4,-5,2.5, not '{text}'.", status=2)
+    return found
+
+
+def _load(words: list[str], seed: int | None) -> Simulation:
+    from morse.builder.errors.script_error import ScriptError
+    from morse.core.exceptions import MorseError
+    from morse.launch.load import described, start
+
+    resolved = resolve(words)
+    options = RunOptions(
+        script=str(resolved.script),
+        arguments=resolved.arguments,
+        source_paths=resolved.source_paths,
+        resource_paths=resolved.resource_paths,
+        view="none",
+        sockets=False,
+        seed=seed,
+    )
+    try:
+        return start(described(resolved.script, options), options)
+    except ScriptError as error:
+        raise CommandError(error.report()) from None
+    except (MorseError, ValueError, OSError) as error:
+        raise CommandError(str(error)) from None
+
+
+def _run(simulation: Simulation, until: float) -> None:
+    ticks = round(until * simulation.clock.frequency) - simulation.clock.tick
+    if ticks > 0:
+        simulation.step(ticks)
+
+
+def _request(
+    simulation: Simulation,
+    camera: str | None,
+    places: tuple[Any, Any],
+    size: tuple[int, int],
+    fov: float | None,
+    fine: bool,
+    color: bool,
+) -> CameraRequest:
+    from morse.rendering import Renderer
+    from morse.rendering.viewpoint import Viewpoint, angle_of
+
+    renderer = simulation.context.server(Renderer)
+    if camera is not None:
+        component = simulation.context.components.get(camera)
+        lens: Lens | None = getattr(component, "lens", None)
+        if component is None or lens is None:
+            known = [n for n, c in simulation.context.components.items() if getattr(c, "lens", None) is not None]
+            there = f" There are: {', '.join(known)}." if known else " The scene has none."
+            raise CommandError(f"There is no camera '{camera}'.{nearest(camera, known)}{there}")
+        return renderer.request(component.bge_object, lens, color=color)
+    view = simulation.context.scene.settings.view
+    try:
+        if places == (None, None):
+            viewpoint = Viewpoint.of_script(view)
+        else:
+            viewpoint = Viewpoint.looking_at(places[0] or view.camera_location, places[1] or (0.0, 0.0, 0.0))
+        angle = angle_of(view) if fov is None else math.radians(fov)
+        return renderer.request(viewpoint, _lens(size, angle, fine), color=color)
+    except ValueError as error:
+        raise CommandError(f"{error}.", status=2) from None
+
+
+def _lens(size: tuple[int, int], angle: float, fine: bool) -> Lens:
+    from morse.rendering import Lens
+
+    width, height = (2 * number for number in size) if fine else size
+    return Lens.of_angle(width, height, angle, 0.05, _FARTHEST)
+
+
+def _shape(request: CameraRequest, fine: bool) -> tuple[int, int]:
+    from morse.rendering.viewpoint import Viewpoint
+
+    lens = request.lens
+    halved = fine and isinstance(request.obj, Viewpoint)
+    return (lens.width // 2, lens.height // 2) if halved else (lens.width, lens.height)
+
+
+def _draw(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
+    """(H, W, 3) what is seen now."""
+    import numpy as np
+
+    from morse.rendering.light_codes import LIGHT, encoded
+    from morse.viewer.feeds.id_colors import as_colors
+    from morse.viewer.feeds.pictures import as_pixels
+
+    request.server.serve([request])
+    picture = request.picture
+    assert picture is not None
+    if show == "ids":
+        pixels = as_colors(np.minimum(picture.ids + 1, 65535).astype(np.uint16))
+    elif show == "depth":
+        grey = as_pixels(np.where(picture.depth > 0, picture.depth, np.float32(np.inf)))
+        pixels = np.repeat(grey[..., None], 3, axis=2)
+    else:
+        assert picture.rgb is not None
+        pixels = picture.rgb
+    width, height = _shape(request, fine)
+    if pixels.shape[:2] == (height, width):
+        return pixels
+    if show != "color":
+        return np.ascontiguousarray(pixels[::2, ::2])
+    light = LIGHT[pixels]
+    return encoded((light[0::2, 0::2] + light[1::2, 0::2] + light[0::2, 1::2] + light[1::2, 1::2]) * np.float32(0.25))

@@ -1,0 +1,200 @@
+"""Lenses that bend straight lines: where each pixel looks.
+
+The models are those of OpenCV and of ROS: ``plumb_bob`` of D. C. Brown (Close-Range Camera Calibration, 1971) with the
+coefficients k1, k2, p1, p2, k3, and ``equidistant`` of J. Kannala and S. S. Brandt (A Generic Camera Model and
+Calibration Method, 2006) with k1, k2, k3, k4, for fisheye lenses.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.rendering.lens import Lens
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.rendering.warp import Warp
+
+    Floats = NDArray[np.float64]
+
+MODELS = ("plumb_bob", "equidistant")
+_COUNTS = {"plumb_bob": 5, "equidistant": 4}
+_STEPS, _PRECISE = 30, 1e-9
+#: beyond, a flat picture shows nothing
+_WIDEST_RADIUS = 20.0
+_MOST_COEFFICIENT = 1e6
+
+
+def coefficients(text: str, model: str) -> tuple[float, ...]:
+    """The numbers of a text such as ``'[-0.3, 0.1, 0, 0]'``, filled up with zeros.
+
+    Raises:
+        ValueError: not such a list, too many numbers, or an unknown model.
+    """
+    if model not in MODELS:
+        raise ValueError(f"a lens is one of {', '.join(map(repr, MODELS))}, got {model!r:.40}")
+    words = str(text).strip().strip("[]()").replace(",", " ").split()
+    most = _COUNTS[model]
+    try:
+        found = [float(word) for word in words]
+    except ValueError:
+        found = [math.nan]
+    if not all(abs(number) <= _MOST_COEFFICIENT for number in found) or len(found) > most:
+        names = "k1, k2, p1, p2, k3" if model == "plumb_bob" else "k1, k2, k3, k4"
+        raise ValueError(f"distortion of a lens '{model}' is {names}, such as '-0.28, 0.07', got {text!r:.80}")
+    return (*found, *[0.0] * (most - len(found)))
+
+
+@dataclass(frozen=True)
+class DistortedLens(Lens):
+    """A lens that bends straight lines.
+
+    Attributes:
+        model: ``plumb_bob`` or ``equidistant``.
+        coefficients: k1, k2, p1, p2, k3, or k1, k2, k3, k4.
+
+    Raises:
+        ValueError: numbers that make no picture.
+    """
+
+    model: str = "plumb_bob"
+    coefficients: tuple[float, ...] = (0.0,) * 5
+
+    @classmethod
+    def of_fisheye_angle(
+        cls, width: int, height: int, angle: float, numbers: tuple[float, ...], near: float, far: float
+    ) -> DistortedLens:
+        """The fisheye lens that sees so much from left to right, radians, up to a full turn.
+
+        Raises:
+            ValueError: no such lens.
+        """
+        half = angle / 2
+        bent = half * _fisheye(np.array(half * half), numbers)[0]
+        if not (0.0 < half <= math.pi and bent > 0.0):
+            raise ValueError(f"a fisheye lens sees between 0 and 360 degrees, got {math.degrees(angle):g}")
+        f = width / 2 / float(bent)
+        return cls(width, height, f, f, width / 2, height / 2, near, far, "equidistant", numbers)
+
+    @cached_property
+    def directions(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """(H, W, 3) unit vectors from the camera to what each pixel shows, and whether it shows anything."""
+        x = np.broadcast_to((np.arange(self.width) + 0.5 - self.cx) / self.fx, (self.height, self.width))
+        y = np.broadcast_to(((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None], x.shape)
+        with np.errstate(all="ignore"):
+            if self.model == "equidistant":
+                return _of_fisheye(x, y, self.coefficients)
+            return _of_plumb_bob(x, y, self.coefficients)
+
+    def rays(self) -> NDArray[np.float32]:
+        """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; zeros where there is none."""
+        found, shows = self.directions
+        ahead = shows & (found[..., 2] > 1e-6)
+        depth = np.where(ahead, found[..., 2], 1.0)[..., None]
+        return np.where(ahead[..., None], found / depth, 0.0).astype(np.float32)
+
+    @cached_property
+    def warp(self) -> Warp:
+        """The flat pictures that this one is made of."""
+        from morse.rendering.warp import Warp
+
+        return Warp(self)
+
+
+def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Newton's method, from the place that the pixel would have without distortion."""
+    k1, k2, p1, p2, k3 = numbers
+    u, v = x.copy(), y.copy()
+    for _ in range(_STEPS):
+        r2 = u * u + v * v
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        slope = 2 * (k1 + r2 * (2 * k2 + r2 * 3 * k3))
+        du = u * radial + 2 * p1 * u * v + p2 * (r2 + 2 * u * u) - x
+        dv = v * radial + p1 * (r2 + 2 * v * v) + 2 * p2 * u * v - y
+        a = radial + u * u * slope + 2 * p1 * v + 6 * p2 * u
+        b = u * v * slope + 2 * p1 * u + 2 * p2 * v
+        d = radial + v * v * slope + 6 * p1 * v + 2 * p2 * u
+        determinant = a * d - b * b
+        u, v = u - (d * du - b * dv) / determinant, v - (a * dv - b * du) / determinant
+    # beyond the radius where the picture folds back, nothing is shown
+    radii = np.arange(1, 20001) * (_WIDEST_RADIUS / 20000)
+    squares = radii * radii
+    rising = 1 + squares * (3 * k1 + squares * (5 * k2 + squares * 7 * k3)) > 0
+    limit = _WIDEST_RADIUS if rising.all() else float(radii[int(rising.argmin())])
+    shows = (abs(du) + abs(dv) < _PRECISE) & (u * u + v * v < limit * limit)
+    u, v = np.where(shows, u, 0.0), np.where(shows, v, 0.0)
+    found = np.stack([u, v, np.ones_like(u)], axis=-1)
+    return found / np.sqrt(u * u + v * v + 1)[..., None], shows
+
+
+def _fisheye(square: Floats, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Of the square of an angle: by what the angle grows, and the slope of the angle in the picture."""
+    k1, k2, k3, k4 = numbers
+    grows = 1 + square * (k1 + square * (k2 + square * (k3 + square * k4)))
+    slope = 1 + square * (3 * k1 + square * (5 * k2 + square * (7 * k3 + square * 9 * k4)))
+    return grows, slope
+
+
+def _of_fisheye(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Floats, NDArray[np.bool_]]:
+    bent = np.sqrt(x * x + y * y)
+    angle = bent.copy()
+    for _ in range(_STEPS):
+        grows, slope = _fisheye(angle * angle, numbers)
+        missing = angle * grows - bent
+        angle = angle - missing / slope
+    angles = np.arange(1, 3142) / 1000
+    rising = _fisheye(angles * angles, numbers)[1] > 0
+    limit = math.pi if rising.all() else float(angles[int(rising.argmin())])
+    shows = (abs(missing) < _PRECISE) & (angle >= 0) & (angle <= limit)
+    angle = np.where(shows, angle, 0.0)
+    sine, cosine = _sine_and_cosine(angle)
+    share = np.where(bent > 0, sine / np.where(bent > 0, bent, 1.0), 1.0)
+    return np.stack([x * share, y * share, cosine], axis=-1), shows
+
+
+def _sine_and_cosine(angle: Floats) -> tuple[Floats, Floats]:
+    """Of 0 to pi, by their series: those of the system's library differ in the last bit from machine to machine."""
+    square = angle * angle
+    sine, cosine = np.ones_like(angle), np.ones_like(angle)
+    for n in range(13, 0, -1):
+        sine = 1 - sine * square / ((2 * n) * (2 * n + 1))
+        cosine = 1 - cosine * square / ((2 * n - 1) * (2 * n))
+    return angle * sine, cosine
+
+
+def lens_of(
+    width: int,
+    height: int,
+    millimetres: float,
+    degrees: float | None,
+    near: float,
+    far: float,
+    model: str = "plumb_bob",
+    distortion: str = "",
+) -> Lens:
+    """The lens that a camera with such properties has.
+
+    Args:
+        millimetres: focal length, for a sensor 32 mm wide.
+        degrees: angle of view from left to right, of ``plumb_bob`` without its distortion; replaces the focal length.
+        distortion: coefficients as text, see `coefficients`.
+
+    Raises:
+        ValueError: there is no such lens.
+    """
+    numbers = coefficients(distortion, model)
+    if model == "equidistant" and degrees is not None:
+        return DistortedLens.of_fisheye_angle(width, height, math.radians(degrees), numbers, near, far)
+    if degrees is not None:
+        flat = Lens.of_angle(width, height, math.radians(degrees), near, far)
+    else:
+        flat = Lens.of_focal_length(width, height, millimetres, near, far)
+    if model == "plumb_bob" and not any(numbers):
+        return flat
+    return DistortedLens(flat.width, flat.height, flat.fx, flat.fy, flat.cx, flat.cy, near, far, model, numbers)

@@ -1,0 +1,54 @@
+"""What the chip of a camera adds to the light: shot noise, read-out noise, and pixels that are stuck.
+
+Electrons are counted, as in the standard EMVA 1288: their number scatters by its square root, and reading them adds the
+same scatter to all. The Gaussian distribution stands for that of Poisson, which is the same for many of them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.rendering.light_codes import LIGHT, encoded
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Chip(NamedTuple):
+    """What a chip is like.
+
+    Attributes:
+        full_well: electrons of the brightest pixel; 0 for no shot noise.
+        read_noise: standard deviation of the read-out, as a share of the brightest pixel.
+        stuck: share of the pixels that are always black or always white, half of them each.
+    """
+
+    full_well: float = 0.0
+    read_noise: float = 0.0
+    stuck: float = 0.0
+
+
+def exposed(
+    chip: Chip, rgb: NDArray[np.uint8], random: np.random.Generator, flaws: np.random.Generator
+) -> NDArray[np.uint8]:
+    """A picture (H, W, 3) as a chip gives it.
+
+    Args:
+        random: for this picture.
+        flaws: for the pixels that are stuck; the same for all pictures of a camera.
+    """
+    if chip.full_well or chip.read_noise:
+        light = LIGHT[rgb]
+        spread = np.full(light.shape, np.float32(chip.read_noise) ** 2, np.float32)
+        if chip.full_well:
+            spread += light * np.float32(1.0 / chip.full_well)
+        noise = random.standard_normal(light.shape, np.float32)
+        rgb = encoded((light + np.sqrt(spread) * noise).astype(np.float32))
+    if chip.stuck:
+        draws = flaws.random(rgb.shape[:2], dtype=np.float32)
+        rgb = rgb.copy()
+        rgb[draws < np.float32(chip.stuck)] = 255
+        rgb[draws < np.float32(chip.stuck / 2)] = 0
+    return rgb

@@ -1,0 +1,83 @@
+"""Where somebody looks from who is no robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.mathutils import Euler
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.scene import ViewSettings
+
+
+@dataclass(frozen=True)
+class Viewpoint:
+    """A place in the world, for `CameraRequest.obj`.
+
+    Attributes:
+        position: (3,) m.
+        axes: (3, 3) right, down, forward, in columns, frame of the world.
+    """
+
+    position: NDArray[np.float64]
+    axes: NDArray[np.float64]
+
+    def world_pose(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Position (3) and rotation (9, row by row)."""
+        return tuple(self.position.tolist()), tuple(self.axes.ravel().tolist())
+
+    @classmethod
+    def looking_at(cls, position: Sequence[float], target: Sequence[float]) -> Viewpoint:
+        """At a place, upright; straight down or up, the Y axis of the world is up.
+
+        Raises:
+            ValueError: numbers that are not finite, or both places are one.
+        """
+        here, there = np.array(_three(position, "location")), np.array(_three(target, "target"))
+        forward = there - here
+        if not np.linalg.norm(forward) > 1e-9:
+            raise ValueError(f"the viewpoint and the place that it looks at are both {tuple(here.tolist())}")
+        forward /= np.linalg.norm(forward)
+        up = (0.0, 0.0, 1.0) if abs(forward[2]) < 0.9999 else (0.0, 1.0, 0.0)
+        right = np.cross(forward, up)
+        right /= np.linalg.norm(right)
+        return cls(here, np.column_stack([right, np.cross(forward, right), forward]))
+
+    @classmethod
+    def turned(cls, location: Sequence[float], rotation: Sequence[float]) -> Viewpoint:
+        """At a place, turned as a camera of Blender and of ``env.set_camera_rotation``: along -Z, with Y up.
+
+        Args:
+            location: m, frame of the world.
+            rotation: Euler angles about X, Y and Z, radians; zeros look straight down.
+
+        Raises:
+            ValueError: numbers that are not finite, or not three.
+        """
+        turn = np.array([list(row) for row in Euler(_three(rotation, "rotation")).to_matrix()])
+        return cls(np.array(_three(location, "location")), turn * (1.0, -1.0, -1.0))
+
+    @classmethod
+    def of_script(cls, view: ViewSettings) -> Viewpoint:
+        """Where ``env.set_camera_location`` and ``set_camera_rotation`` put it."""
+        return cls.turned(view.camera_location, view.camera_rotation)
+
+
+def _three(values: Sequence[float], what: str) -> tuple[float, ...]:
+    numbers = tuple(float(value) for value in values)
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ValueError(f"the {what} of a camera is three finite numbers, got {values!r:.80}")
+    return numbers
+
+
+def angle_of(view: ViewSettings) -> float:
+    """What the viewpoint of a script sees from left to right, radians, for Blender's sensor 32 mm wide."""
+    return 2 * math.atan(16.0 / max(view.camera_focal_length, 1e-3))

@@ -1,0 +1,176 @@
+"""Pictures of lenses that bend straight lines, made of flat pictures.
+
+Flat pictures are drawn in up to six directions, and looked up where the pixels of the picture look: colours from
+four neighbours, depths from four neighbours that show one plane, ids from the nearest one. The near plane of a camera
+is that of each of its flat pictures.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.rendering.lens import MOST_PIXELS, Lens
+from morse.rendering.light_codes import LIGHT, encoded
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.rendering.distortion import DistortedLens
+
+#: pixels of flat pictures for one of the bent one
+_DENSITY = 1.25
+#: one flat picture is enough if nothing is farther than 60 degrees from the axis
+_ONE_IS_ENOUGH = 0.5
+#: right, down, forward of the faces of a cube around the camera, in columns
+_FACES = tuple(
+    np.array(rows, np.float64).T
+    for rows in (
+        ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        ((0, 0, -1), (0, 1, 0), (1, 0, 0)),
+        ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+        ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
+        ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+        ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    )
+)
+#: of a pixel, in which places are given: differences in the last bit of a number do not matter
+_FRACTIONS = 256
+#: 1 / depth at the corners of a square on a plane differs by no more than this share from a linear function
+_FLAT = np.float32(1e-3)
+
+
+class Flat(NamedTuple):
+    """One of the flat pictures.
+
+    Attributes:
+        lens: how it is drawn.
+        turn: (3, 3) its axes in the frame of the camera, in columns.
+        pixels: (N,) numbers of the pixels that look into it.
+        left, top: (N,) the upper left one of the four neighbours.
+        across, down: (N,) float32, how far towards the others, 0 to 1.
+        nearest: (N,) number of the nearest neighbour.
+        stretch: (N,) float32, from depths along its axis to depths along that of the camera; 0 where there is none.
+    """
+
+    lens: Lens
+    turn: NDArray[np.float64]
+    pixels: NDArray[np.intp]
+    left: NDArray[np.intp]
+    top: NDArray[np.intp]
+    across: NDArray[np.float32]
+    down: NDArray[np.float32]
+    nearest: NDArray[np.intp]
+    stretch: NDArray[np.float32]
+
+
+class Drawn(NamedTuple):
+    """What was drawn of a flat picture; see `morse.rendering.Picture`."""
+
+    rgb: NDArray[np.uint8] | None
+    depth: NDArray[np.float32]
+    ids: NDArray[np.int32]
+
+
+class Warp:
+    """The flat pictures that the picture of a lens is made of.
+
+    Attributes:
+        flats: one to six, or none if no pixel shows anything.
+    """
+
+    def __init__(self, lens: DistortedLens) -> None:
+        self._lens = lens
+        found, shows = lens.directions
+        numbers = np.flatnonzero(shows)
+        rays = found.reshape(-1, 3)[numbers]
+        if not len(rays) or rays[:, 2].min() > _ONE_IS_ENOUGH:
+            face = np.zeros(len(rays), np.intp)
+        else:
+            face = np.stack([rays @ turn[:, 2] for turn in _FACES]).argmax(axis=0)
+        self.flats = [
+            _flat(lens, turn, numbers[face == n], rays[face == n]) for n, turn in enumerate(_FACES) if (face == n).any()
+        ]
+
+    def gather(self, drawn: Sequence[Drawn]) -> Drawn:
+        """The bent picture of the flat ones."""
+        size = self._lens.height * self._lens.width
+        color = bool(drawn) and drawn[0].rgb is not None
+        rgb = np.zeros((size, 3), np.uint8)
+        depth, ids = np.zeros(size, np.float32), np.full(size, -1, np.int32)
+        for flat, picture in zip(self.flats, drawn, strict=True):
+            if picture.rgb is not None:
+                rgb[flat.pixels] = _colors(flat, picture.rgb)
+            numbers = picture.ids.ravel()[flat.nearest]
+            depths = _depths(flat, picture, numbers) * flat.stretch
+            far = depths > np.float32(self._lens.far)
+            ids[flat.pixels] = np.where(far, np.int32(-1), numbers)
+            depth[flat.pixels] = np.where(far | (numbers < 0), np.float32(0), depths)
+        shape = (self._lens.height, self._lens.width)
+        return Drawn(rgb.reshape(*shape, 3) if color else None, depth.reshape(shape), ids.reshape(shape))
+
+
+def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.intp], rays: NDArray[np.float64]) -> Flat:
+    own = rays @ turn
+    x, y = own[:, 0] / own[:, 2], own[:, 1] / own[:, 2]
+    low, high = (x.min(), y.min()), (x.max(), y.max())
+    f = _DENSITY * max(lens.fx, lens.fy)
+    wide, tall = high[0] - low[0], high[1] - low[1]
+    # a part of the picture as large as allowed is less sharp
+    f = min(f, np.sqrt(MOST_PIXELS / 4 / max(wide * tall, 1e-12)), 4000 / max(wide, tall, 1e-9))
+    # a margin of a pixel, so that all have four neighbours
+    width, height = int(np.ceil(wide * f)) + 4, int(np.ceil(tall * f)) + 4
+    cx, cy = 2.0 - low[0] * f, 2.0 - low[1] * f
+    u, v = (np.floor((p * f + c - 0.5) * _FRACTIONS + 0.5) for p, c in ((x, cx), (y, cy)))
+    left, top = np.floor(u / _FRACTIONS), np.floor(v / _FRACTIONS)
+    across, down = u / _FRACTIONS - left, v / _FRACTIONS - top
+    column, row = left.astype(np.intp), top.astype(np.intp)
+    nearest = (row + (down >= 0.5)) * width + column + (across >= 0.5)
+    stretch = np.where(rays[:, 2] > 1e-6, rays[:, 2] / own[:, 2], 0.0)
+    return Flat(
+        Lens(width, height, float(f), float(f), float(cx), float(cy), lens.near, lens.far),
+        turn,
+        pixels,
+        column,
+        row,
+        across.astype(np.float32),
+        down.astype(np.float32),
+        nearest,
+        stretch.astype(np.float32),
+    )
+
+
+def _neighbours(flat: Flat) -> list[tuple[NDArray[np.intp], NDArray[np.float32]]]:
+    """The numbers of the four neighbours, and their weights."""
+    first, one = flat.top * flat.lens.width + flat.left, np.float32(1)
+    return [
+        (first, (one - flat.across) * (one - flat.down)),
+        (first + 1, flat.across * (one - flat.down)),
+        (first + flat.lens.width, (one - flat.across) * flat.down),
+        (first + flat.lens.width + 1, flat.across * flat.down),
+    ]
+
+
+def _colors(flat: Flat, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(N, 3) mixed as light, not as codes of sRGB."""
+    pixels = rgb.reshape(-1, 3)
+    light = np.zeros((len(flat.pixels), 3), np.float32)
+    for at, share in _neighbours(flat):
+        light += LIGHT[pixels[at]] * share[:, None]
+    return encoded(light)
+
+
+def _depths(flat: Flat, picture: Drawn, numbers: NDArray[np.int32]) -> NDArray[np.float32]:
+    """(N,) 1 / depth is linear along a plane: mixed where the neighbours show one plane of one thing."""
+    depth, ids = picture.depth.ravel(), picture.ids.ravel()
+    inverse, bend, same = np.zeros(len(numbers), np.float32), np.zeros(len(numbers), np.float32), numbers >= 0
+    for (at, share), sign in zip(_neighbours(flat), (1, -1, -1, 1), strict=True):
+        same &= ids[at] == numbers
+        here = np.float32(1) / np.where(depth[at] > 0, depth[at], np.float32(1))
+        inverse += share * here
+        bend += np.float32(sign) * here
+    same &= np.abs(bend) < _FLAT * inverse
+    return np.where(same, np.float32(1) / np.where(same, inverse, np.float32(1)), depth[flat.nearest])
