@@ -171,6 +171,43 @@ def eyes(journey: Journey) -> None:
     save("eyes", frames, 160)
 
 
+def _furnished(journey: Journey) -> Path:
+    """Chapters five and six: the script of the scene."""
+    journey.own_robot()
+    journey.own_actuator()
+    journey.person.edits("draw_playroom.py", None, str(journey.project / "data/ranger_sim/environments/playroom.blend"))
+    scene = journey.project / "default.py"
+    scene.write_text(block("playroom.py"))
+    return scene
+
+
+def playroom(journey: Journey) -> None:
+    """A world of one's own."""
+    with morse.load(_furnished(journey)) as simulation:
+        simulation.step(60)
+        save("playroom", [Image.fromarray(simulation.picture(1280, 800))])
+
+
+def moods(journey: Journey) -> None:
+    """An LED array shows a smile."""
+    scene = _furnished(journey)
+    journey.person.types("add", "actuator", "mood", "ranger_sim", answer="Shows the mood of the ranger\n")
+    source = journey.project / "src/ranger_sim"
+    (source / "actuators/mood.py").write_text(block("mood.py"))
+    (source / "builder/actuators/mood.py").write_text(block("mood_builder.py"))
+    builder = source / "builder/robots/ranger.py"
+    at = "        self.append(self.motion)\n"
+    added = at + "".join(f"        {line}\n" for line in block("mood_lines.py").splitlines())
+    text = builder.read_text().replace(block("builder_import.py"), block("mood_import.py"))
+    builder.write_text(text.replace(at, added))
+    with morse.load(scene) as simulation:
+        simulation.step(60)
+        simulation.robot.mood.show("happy")
+        simulation.step(2)
+        view = {"location": (-0.6, -1.1, 1.0), "rotation": (1.38, 0.0, 1.05), "focal_length": 32.0}
+        save("moods", [Image.fromarray(simulation.picture(1280, 800, **view))])
+
+
 #: name of a class to where it stands (x, y, z) and its heading
 _PLACES = {
     "Hummer": (-3.2, 3.4, 0.9, -0.9),
@@ -218,7 +255,9 @@ def gallery(journey: Journey) -> None:
             save(name, [picture.convert("RGB").resize((1280, 800), Image.Resampling.LANCZOS)])
 
 
-PICTURES = {made.__name__: made for made in (morsy, keys, view, ranger, controller, eyes, robots, gallery)}
+PICTURES = {
+    made.__name__: made for made in (morsy, keys, view, ranger, controller, eyes, playroom, moods, robots, gallery)
+}
 
 
 def main(names: list[str]) -> None:

@@ -131,14 +131,14 @@ class Person:
             if running.process.poll() is None:
                 running.process.kill()
 
-    def edits(self, script: str, blend: Path, *arguments: str) -> None:
-        """Work on a model in Blender."""
+    def edits(self, script: str, blend: Path | None, *arguments: str) -> None:
+        """Work on a model in Blender; None for a new file."""
         blender = shutil.which(os.environ.get("MORSE_BLENDER", "blender"))
         assert blender is not None, "the journey needs Blender: apt-get install blender"
         done = subprocess.run(
             [
                 blender,
-                *("-b", "--factory-startup", "-noaudio", str(blend)),
+                *("-b", "--factory-startup", "-noaudio", *([] if blend is None else [str(blend)])),
                 *("--python-exit-code", "3", "--python", str(Path(__file__).parent / script), "--", *arguments),
             ],
             env=self.environment,

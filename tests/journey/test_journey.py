@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import subprocess
 import sys
 from pathlib import Path
 
@@ -31,9 +32,9 @@ def _nothing_keeps_running(person):
     person.leaves()
 
 
-def client(person, name):
+def client(person, name, file="keyboard_ctrl.py"):
     """Start a client program of the tutorial in a terminal."""
-    script = person.project / "scripts" / "keyboard_ctrl.py"
+    script = person.project / "scripts" / file
     script.write_text(block(name))
     return pexpect.spawn(sys.executable, [str(script)], cwd=str(person.folder), encoding="utf-8", timeout=20)
 
@@ -151,16 +152,21 @@ def test_chapter_three_read_the_pose(person):
     simulation.stop()
 
 
+def inserted(text, after, lines):
+    """A text with lines below the one that contains ``after``, as deep as that."""
+    found = text.splitlines()
+    last = max(i for i, line in enumerate(found) if after in line)
+    indent = " " * (len(found[last]) - len(found[last].lstrip()))
+    found[last + 1 : last + 1] = [indent + line for line in lines.splitlines()]
+    return "\n".join(found) + "\n"
+
+
 def test_chapter_four_a_new_actuator(person):
     said = person.types("add", "actuator", "eyes", "ranger_sim", answer="Controls the eyes of the EPFL Ranger robot\n")
     assert "from ranger_sim.builder.actuators import Eyes" in said
     builder = person.project / "src/ranger_sim/builder/robots/ranger.py"
-    source = builder.read_text()
-    lines = source.splitlines()
-    last = max(i for i, line in enumerate(lines) if "self.append(self.motion)" in line)
-    indent = " " * (len(lines[last]) - len(lines[last].lstrip()))
-    lines[last + 1 : last + 1] = [indent + line for line in block("builder_lines.py").splitlines()]
-    builder.write_text(block("builder_import.py") + "\n".join(lines) + "\n")
+    added = inserted(builder.read_text(), "self.append(self.motion)", block("builder_lines.py"))
+    builder.write_text(block("builder_import.py") + added)
     simulation = person.runs("--headless", "ranger_sim")
     summary = "\n".join(simulation.lines)
     assert "ROBOT: 'robot'" in summary
@@ -220,3 +226,101 @@ def turn_of(eye):
     """Angle of the pupil about the viewing direction, from straight up, turning to the left."""
     _, right, up = eye
     return math.atan2(-right, up)
+
+
+def where(simu, name):
+    """Where a thing is, metres."""
+    return simu.rpc("simulation", "get_scene_objects")[name][1]
+
+
+def test_chapter_five_a_world(person):
+    world = person.project / "data/ranger_sim/environments/playroom.blend"
+    person.edits("draw_playroom.py", None, str(world))
+    (person.project / "default.py").write_text(block("playroom.py"))
+    simulation = person.runs("--headless", "--speed", "2", "ranger_sim")
+    with pymorse.Morse() as simu:
+        assert {"battery", "motion", "pose", "eyes"} <= set(simu.robot)
+        assert where(simu, "Ball")[:2] == pytest.approx([0.0, 0.0], abs=0.02)
+        # the ball lies on the floor, and the basket stands there
+        assert where(simu, "Ball")[2] == pytest.approx(0.25, abs=0.02)
+        assert where(simu, "basket")[:2] == pytest.approx([3.0, 3.0], abs=0.1)
+        # on the station nothing is lost
+        assert simu.robot.battery.get()["charge"] == 100.0
+        terminal = client(person, "play.py", "play.py")
+        terminal.expect(r"(\w+), (\d+) %", timeout=60)
+        assert terminal.match.group(1) == "Charging"
+        # at 1 m/s it takes 3.7 s out of the zone to x = 1.5 and as long back, at 2 % a second
+        assert 60 < int(terminal.match.group(2)) <= 100 - 2 * 2 * 3.5
+        terminal.expect(pexpect.EOF)
+        terminal.close()
+        # it ran into the ball, which rolls
+        assert math.hypot(*where(simu, "Ball")[:2]) > 0.5
+        assert abs(simu.robot.pose.get()["x"] + 3.0) < 1.2
+        # the walls are 0.1 m thick on this side of their middle
+        simu.robot.motion.publish({"v": -2.0, "w": 0.0})
+        simu.sleep(4.0)
+        assert -5.0 < simu.robot.pose.get()["x"] < -4.0
+    simulation.stop()
+
+
+def test_chapter_six_lights_and_sound(person):
+    person.types("add", "actuator", "mood", "ranger_sim", answer="Shows the mood of the Ranger\n")
+    source = person.project / "src/ranger_sim"
+    (source / "actuators/mood.py").write_text(block("mood.py"))
+    (source / "builder/actuators/mood.py").write_text(block("mood_builder.py"))
+    robot = source / "builder/robots/ranger.py"
+    text = robot.read_text().replace(block("builder_import.py"), block("mood_import.py"))
+    robot.write_text(inserted(text, "self.append(self.eyes)", block("mood_lines.py")))
+    beep = person.project / "scripts" / "beep.py"
+    beep.write_text(block("beep.py"))
+    subprocess.run([sys.executable, str(beep)], cwd=person.folder, check=True, timeout=60)
+    scene = person.project / "default.py"
+    scene.write_text(inserted(scene.read_text(), "robot.append(battery)", "\n" + block("voice_lines.py")))
+    simulation = person.runs("--headless", "--speed", "2", "ranger_sim")
+    with pymorse.Morse() as simu:
+        start = simu.time()
+        terminal = client(person, "moods.py", "moods.py")
+        terminal.expect_exact("The moods of the Ranger are over", timeout=60)
+        # two moods of 2 s
+        assert simu.time() - start >= 4.0
+        terminal.expect(pexpect.EOF)
+        terminal.close()
+        with pytest.raises(pymorse.MorseServiceFailed, match="'mood' is one of 'happy', 'sad', not 'angry'"):
+            simu.robot.mood.show("angry").result()
+    simulation.stop()
+
+
+def test_chapter_six_the_lights_are_seen(person, monkeypatch):
+    monkeypatch.chdir(person.folder)
+    with morse.load(person.project / "default.py") as simulation:
+
+        def green():
+            """Pixels of a picture of the front of the robot that are green."""
+            view = {"location": (-1.2, 0.0, 0.5), "rotation": (math.pi / 2, 0.0, math.pi / 2)}
+            red, green, blue = simulation.picture(160, 100, **view).astype(int).transpose(2, 0, 1)
+            return int(((green > 120) & (green > 1.5 * red) & (green > 1.5 * blue)).sum())
+
+        simulation.step(60)
+        assert green() == 0
+        shown = simulation.robot.mood.show("happy")
+        simulation.step(2)
+        assert green() > 10
+        begun = simulation.clock.time
+        shown.result()
+        assert simulation.clock.time - begun == pytest.approx(2.0, abs=0.05)
+        simulation.step()
+        assert green() == 0
+        simulation.robot.voice.publish({"mode": "play"})
+        simulation.step(30)
+        assert simulation.context.component("robot.voice").played == pytest.approx(0.5, abs=0.02)
+
+
+def test_chapter_six_the_actuator_keeps_the_contract(person):
+    said = person.types(
+        "check",
+        "component",
+        "ranger_sim/src/ranger_sim/actuators/mood.py",
+        "--robot",
+        "ranger_sim.builder.robots.Ranger",
+    )
+    assert "Mood keeps the contract" in said

@@ -1,0 +1,1 @@
+from ranger_sim.builder.actuators import Eyes, Mood
