@@ -21,7 +21,7 @@ def block(name: str) -> str:
     return (BLOCKS / name).read_text()
 
 
-def wait_for(condition, what: str, limit: float = 20.0):
+def wait_for(condition, what: str, limit: float = 60.0):
     """The first true value of ``condition()``; fails after ``limit`` seconds."""
     end = time.monotonic() + limit
     while True:
