@@ -1,4 +1,4 @@
-"""Models of robots, things and environments: where their files are, and what is in them."""
+"""Model files of robots, objects and environments: search, readers and collision shapes."""
 
 from morse.assets.formats import SUFFIXES, UnsupportedFormatError
 from morse.assets.loader import instantiate, load

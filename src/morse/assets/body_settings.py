@@ -1,6 +1,6 @@
-"""What an object of a model file says of its physics.
+"""Physics settings of an object of a model file.
 
-The settings come from several places; the stronger one decides each of them:
+The settings come from several sources, in order of precedence:
 
 1. custom properties of the object: ``physics_type`` (`RIGID_BODY`, `DYNAMIC`, `STATIC`, `NO_COLLISION`, `SENSOR`),
    ``collision`` (`box`, `sphere`, `cylinder`, `cone`, `capsule`, `convex`, `mesh`, `none`), ``compound``,
@@ -35,7 +35,7 @@ _COLLISIONS = {
 }
 _TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
 _FLAGS = ("compound", "ghost", "actor")
-#: property to the smallest and the largest value that means something
+#: property to its smallest and largest valid value
 _NUMBERS = {
     "mass": (1e-9, 1e9),
     "radius": (1e-6, 1e6),
@@ -44,20 +44,20 @@ _NUMBERS = {
     "linear_damping": (0.0, 1.0),
     "angular_damping": (0.0, 1.0),
 }
-#: custom properties that are settings, so that they do not show up among the properties of a node
+#: custom properties that are settings, and are therefore removed from the properties of a node
 SETTINGS = frozenset({"physics_type", "collision", "visible", *_FLAGS, *_NUMBERS})
 
 
 @dataclass(slots=True)
 class Settled:
-    """What the settings of one object come to.
+    """The resulting settings of one object.
 
     Attributes:
-        body: type AUTO if the file says nothing of it.
-        shapes: none at all for a body without a shape of its own, or None: to be worked out.
+        body: settings of the body; the type is AUTO if the file does not specify it.
+        shapes: empty for a body without its own shape; None if the shapes have to be computed.
         visible: False if a custom property hides it.
         properties: the custom properties that are not settings.
-        warnings: settings that make no sense.
+        warnings: warnings about invalid settings.
     """
 
     body: BodySettings = field(default_factory=lambda: BodySettings(type=PhysicsType.AUTO))
@@ -73,7 +73,7 @@ def settle(
     rigid_body: Mapping[str, Any] | None = None,
     game: Mapping[str, Any] | None = None,
 ) -> Settled:
-    """Weigh the settings of an object against each other.
+    """Combine the settings of an object by precedence.
 
     Args:
         name: of the object, for warnings.
@@ -100,7 +100,7 @@ def settle(
         settled.shapes = []
         weaker.setdefault("type", PhysicsType.NO_COLLISION)
     if "type" not in weaker and own.says("mass"):
-        # what weighs something is meant to move, with all that hangs on it
+        # an object with a mass is meant to move, with all objects below it
         weaker["type"] = PhysicsType.RIGID_BODY
         if weaker["compound"] is None:
             weaker["compound"] = True

@@ -1,4 +1,4 @@
-"""Works out the collision shapes of a scene from meshes and the bounds that files and scripts name."""
+"""Computes the collision shapes of a scene from meshes and the bounds in files and scripts."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 _SOLID = (PhysicsType.STATIC, PhysicsType.SENSOR, PhysicsType.OCCLUDER)
 _FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSULE)
 
-#: metres: the least thickness of a hull, and the same as a share of its coordinates, which the engine rounds to 32 bits
+#: minimum thickness of a hull, m, and as a share of its coordinates, which the engine rounds to 32 bits
 _LEAST, _ROUNDING = 1e-4, 4e-6
 
 _Key = tuple[int, tuple[float, ...], Bounds | None]
 
 
 def resolve_shapes(scene: Scene) -> list[str]:
-    """Fill in ``shapes`` of every node that has none yet.
+    """Compute ``shapes`` of every node without shapes.
 
     Returns:
-        Warnings for the user: meshes too intricate to be followed exactly.
+        Warnings about meshes that are too complex for exact collision shapes.
     """
     known: dict[_Key, list[CollisionShape]] = {}
     warnings: list[str] = []
@@ -73,7 +73,7 @@ def _parts(
         return [], []
     if bounds in _FITTED:
         return [fit_bounds(vertices, bounds)], []
-    # mirroring turns the triangles inside out
+    # mirroring flips the triangles
     triangles = mesh.triangles if np.linalg.det(stretch) >= 0.0 else mesh.triangles[:, ::-1]
     primitive = detect_primitive(vertices, triangles)
     if primitive is not None:
@@ -94,9 +94,10 @@ def _hull(vertices: NDArray[np.float64]) -> Primitive | ConvexPart:
 
 
 def _made_solid(part: Primitive | ConvexPart) -> Primitive | ConvexPart:
-    """The part, thick enough that its volume is not lost in the rounding of the engine.
+    """Thicken a part if its volume would be lost by the rounding of the engine.
 
-    Slivers between large faces become prisms a few micrometres thick, of which the engine makes no hull.
+    Slivers between large faces become prisms of a few micrometres thickness, for which the engine cannot compute a
+    hull.
     """
     if isinstance(part, Primitive):
         return part

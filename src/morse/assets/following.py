@@ -1,4 +1,4 @@
-"""A model file has changed: which nodes of a scene are replaced, come and go."""
+"""Determines which nodes of a scene are replaced, added and removed when a model file has changed."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ if TYPE_CHECKING:
 
     from morse.scene import ModelUse, Node
 
-#: fields in which nodes are not compared: those of the tree, and what follows from the others
+#: fields that are not compared: those of the tree, and those derived from other fields
 _NOT_COMPARED = ("parent", "children", "source_name", "shapes")
-#: stretches that differ by less are the same
+#: tolerance for equal stretches
 _ROUNDING = 1e-9
 
 
 @dataclass
 class Revision:
-    """What a changed file does to a scene; nothing has been done yet.
+    """The changes of a scene by a changed file, before they are applied.
 
     Attributes:
-        use: the record of the nodes as it is then.
-        replaced: trees of the scene and those that take their places.
-        moved: nodes of other origin, and the new nodes on which they hang then.
-        come: trees that hang on nothing.
-        gone: trees of the scene that the file has no more.
-        warnings: what the user should know.
+        use: the record of the nodes after the change.
+        replaced: pairs of old and new trees of the scene.
+        moved: nodes of other origin, and their new parents.
+        come: new trees without a parent.
+        gone: trees of the scene that are no longer in the file.
+        warnings: warnings for the user.
     """
 
     use: ModelUse
@@ -44,25 +44,26 @@ class Revision:
 
     @property
     def changes_something(self) -> bool:
-        """Whether the scene looks or behaves differently then."""
+        """Whether the scene looks or behaves differently after the change."""
         return bool(self.replaced or self.come or self.gone)
 
 
 def follow(scene: Scene, use: ModelUse, roots: Sequence[Node], latest: ModelUse) -> Revision:
-    """What becomes of the nodes of a file that has changed.
+    """Compute the changes of the nodes of a changed file.
 
-    What a script has set stays: poses, materials, physics, properties. So does what hangs on the nodes.
+    Values that a script has set are kept: poses, materials, physics, properties. Nodes attached to the nodes are kept
+    as well.
 
     Args:
         use: the record of the nodes in the scene.
-        roots: the nodes as the file has them now; they become part of the result.
-        latest: the record of these.
+        roots: the present nodes of the file; they become part of the result.
+        latest: the record of the present nodes.
     """
     return _Following(scene, use, roots, latest).follow()
 
 
 def resolve(revisions: Sequence[Revision]) -> list[str]:
-    """Work out the collision shapes of what is new.
+    """Compute the collision shapes of the new nodes.
 
     Returns:
         Warnings for the user.
@@ -75,7 +76,7 @@ def resolve(revisions: Sequence[Revision]) -> list[str]:
 
 @contextmanager
 def _hanging(replaced: Sequence[tuple[Node, Node]]) -> Iterator[None]:
-    """Within the block, new trees know on what they will hang: its scale counts for their shapes."""
+    """Attach new trees to their future parents inside the block, whose scale affects the shapes."""
     for now, after in replaced:
         after.parent = now.parent
     try:
@@ -90,7 +91,7 @@ class _Following:
         self._roots = roots
         self._present = {node.name: node for node in scene.nodes()}
         self._use = use if use.choice.role == "environment" else _with_root(use, [root.name for root in roots])
-        #: by their names in the file: the nodes of the scene, and those of the file as it is now
+        #: the nodes of the scene, and the present nodes of the file, by name in the file
         self._now = {name: node for name, node in self._use.nodes.items() if self._present.get(node.name) is node}
         self._after = latest.nodes
         self._own = {id(node) for node in self._now.values()}
@@ -113,7 +114,7 @@ class _Following:
         return self._revision
 
     def _taken_elsewhere(self) -> list[str]:
-        """Nodes that a script has given another parent than the file: they stay where the script has put them."""
+        """Return nodes whose parent was changed by a script; they keep that parent."""
         names = []
         for name, after in self._after.items():
             now = self._now.get(name)
@@ -127,7 +128,7 @@ class _Following:
         return names
 
     def _leave_out_deleted(self) -> None:
-        """What a script has deleted does not come back."""
+        """Leave out nodes that a script has deleted."""
         for name in [name for name in self._after if name in self._use.originals and name not in self._now]:
             self._after.pop(name).detach()
 
@@ -142,7 +143,7 @@ class _Following:
                 taken.add(after.name)
 
     def _replace(self, now: Node, after: Node) -> None:
-        """Let a tree of the scene be replaced, unless nothing of it has changed."""
+        """Replace a tree of the scene, unless it is unchanged."""
         within = {id(node) for node in after.walk()}
         new = {id(mine): self._after[name] for name, mine in self._now.items() if name in self._after}
         going, moved, stack = set(), [], [now]
@@ -165,7 +166,7 @@ class _Following:
         self._revision.moved += moved
 
     def _go(self) -> None:
-        """What the file has no more, and is not part of a tree that is replaced anyway."""
+        """Remove nodes that are no longer in the file and do not belong to a replaced tree."""
         covered = {id(node) for now, _ in self._revision.replaced for node in now.walk()}
         for name, node in self._now.items():
             if name in self._after or id(node) in covered:
@@ -180,7 +181,7 @@ class _Following:
             self._revision.gone.append(node)
 
     def _remember_the_first(self) -> None:
-        """The first object is the one that the script handles, wherever it stands in the file now."""
+        """Keep the first object, which the script refers to, independent of its position in the file."""
         first, originals = next(iter(self._use.originals)), self._revision.use.originals
         if first in originals:
             self._revision.use.originals = {first: originals[first], **originals}
@@ -194,9 +195,9 @@ class _Following:
 
 
 def _with_root(use: ModelUse, roots: Sequence[str]) -> ModelUse:
-    """The record, as if the first object of a component had the name that it has in the file now.
+    """Return the record, with the name of the first object of a component changed to its present name in the file.
 
-    It may have been renamed, or another one may have become the root.
+    The object may have been renamed, or another object may have become the root.
     """
     before, name = next(iter(use.originals)), roots[0]
     if before in roots or (name in use.originals and not use.choice.whole):
@@ -211,7 +212,7 @@ def _with_root(use: ModelUse, roots: Sequence[str]) -> ModelUse:
 
 
 def _shaped_alike(now: Node, after: Node) -> bool:
-    """Whether the shapes of a node, which take time to work out, can serve the other one."""
+    """Whether the shapes of a node, whose computation takes time, can be used for the other node."""
     if after.shapes is not None or after.mesh is None or after.mesh is not now.mesh or not same(now.body, after.body):
         return False
     one, other = rigid_frame(now).stretch, rigid_frame(after).stretch

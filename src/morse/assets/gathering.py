@@ -1,4 +1,4 @@
-"""From several loose objects of a file to one component."""
+"""Combines the loose objects of a file into one component."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 
 def gather_under_root(library: Library) -> Node:
-    """The one node that stands for a robot, sensor or actuator whose file may hold several loose objects.
+    """Return the root node of a robot, sensor or actuator whose file may contain several loose objects.
 
     The root is the object named like the file, else the first one that has children, physics or no mesh, else the
-    first mesh. All other objects become part of it where they are: eyes need no parent in the file to turn with the
-    head. Lights, cameras and objects whose names begin with ``_`` are dropped.
+    first mesh. All other objects become children of the root with their present poses. Lights, cameras and objects
+    whose names begin with ``_`` are dropped.
 
     Raises:
-        AssetError: the file holds no object that could be a component.
+        AssetError: the file does not contain an object that could be a component.
     """
     placed = [root for root in library.roots if root.name not in library.outside_scene]
     loose = [part for root in placed or library.roots for part in _without_lights(root)]
     if not loose:
-        raise AssetError(library.path, "it holds no object that can be a component: add a mesh or an empty")
+        raise AssetError(library.path, "it contains no object that can be a component: add a mesh or an empty")
     root = _choose(loose, Path(library.path).stem)
     for part in loose:
         if part is not root:
@@ -36,7 +36,7 @@ def gather_under_root(library: Library) -> Node:
 
 
 def _without_lights(root: Node) -> list[Node]:
-    """A tree without lights, cameras and private objects, as the trees it falls into."""
+    """Remove lights, cameras and private objects from a tree, and return the remaining trees."""
     if _is_private(root):
         return []
     for node in list(root.walk()):

@@ -1,4 +1,4 @@
-"""Model files as libraries of nodes, each file read once; copies of their nodes."""
+"""Loads model files as libraries of nodes, with a cache, and copies their nodes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _cache: dict[Path, tuple[tuple[int, int], Library]] = {}
 
 
 def load(path: str | Path) -> Library:
-    """Read a model file, or return what it held if it has not changed since.
+    """Read a model file, or return the cached content if the file has not changed.
 
     The library is shared: take copies of its nodes (`instantiate`).
 
@@ -43,7 +43,7 @@ def load(path: str | Path) -> Library:
 
 
 def instantiate(node: Node) -> Node:
-    """A copy of a node and all below it, without a parent.
+    """Return a copy of a node and all nodes below it, without a parent.
 
     Poses, properties and settings are copied; meshes, materials and images are shared.
     """

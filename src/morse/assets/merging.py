@@ -1,4 +1,4 @@
-"""A model file has changed: what becomes of a value that the file gave and a script may have changed."""
+"""Merges the values of a changed model file with changes that a script has made."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from morse.mathutils import Matrix
 if TYPE_CHECKING:
     from morse.scene import Material, Node
 
-#: fields of a node that its place in the scene decides, or that follow from others
+#: fields of a node that depend on its place in the scene, or are derived from other fields
 _APART = ("name", "parent", "children", "source_name", "location", "materials", "shapes")
 
 
@@ -36,12 +36,12 @@ def same(one: Any, other: Any) -> bool:
 
 
 def merged(before: Any, now: Any, after: Any) -> Any:
-    """What the file says now, except for what a script has changed.
+    """Return the present value in the file, except for changes by a script.
 
     Args:
-        before: what the file said when it was loaded.
-        now: what the scene has.
-        after: what the file says now.
+        before: value in the file when it was loaded.
+        now: value in the scene.
+        after: present value in the file.
     """
     if same(before, after) or same(now, after):
         return now
@@ -66,24 +66,24 @@ def _merged_dict(before: dict[Any, Any], now: dict[Any, Any], after: dict[Any, A
     result = {}
     for key in [*now, *(key for key in after if key not in now)]:
         if key in now and key in before and key not in after and same(before[key], now[key]):
-            continue  # the file does not say it any more
+            continue  # the key is no longer in the file
         if key in now:
             result[key] = merged(before.get(key), now[key], after[key]) if key in after else now[key]
         elif key not in before:
-            result[key] = after[key]  # what a script has taken away stays away
+            result[key] = after[key]  # keys that a script has removed stay removed
     return result
 
 
 def merge_node(before: Node, now: Node, after: Node, *, is_root: bool) -> None:
-    """Make the node of the file that has changed the one that comes into the scene.
+    """Merge the changes of a script into a node of the changed file.
 
-    A part that a script has shifted stays shifted by as much.
+    An offset that a script has added to the pose of a part is kept.
 
     Args:
-        before: the node as the file had it.
+        before: the node in the old file.
         now: the node of the scene.
-        after: the node as the file has it now; it is changed.
-        is_root: whether the script decides where it is.
+        after: the node in the changed file; it is modified.
+        is_root: whether the script determines its pose.
     """
     for part in fields(after):
         if part.name not in _APART:
@@ -107,7 +107,7 @@ def _materials(before: Node, now: Node, after: Node) -> list[Material | None]:
 
 
 def _slots(node: Node) -> list[Material | None]:
-    """What a node shows: its own materials, else those of its mesh."""
+    """Return the materials of a node: its own, else those of its mesh."""
     defaults = list(node.mesh.materials) if node.mesh is not None else []
     slots = [*node.materials, *defaults[len(node.materials) :]]
     return [own if own is not None else defaults[i] if i < len(defaults) else None for i, own in enumerate(slots)]

@@ -1,4 +1,4 @@
-"""Poses of nodes that change their place in the tree."""
+"""Poses of nodes whose parent changes."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 
 def set_free(node: Node, world: Matrix | None = None) -> None:
-    """Take a node from its parent, without moving it or to the given 4x4 pose in the world.
+    """Detach a node from its parent, at its present pose or at a given 4x4 pose in the world.
 
-    Location, rotation and scale cannot say all that a tree of scaled nodes can: shear gets lost.
+    Location, rotation and scale cannot represent the shear of a tree of scaled nodes, so shear is lost.
     """
     world = node.world_matrix() if world is None else world
     node.detach()
@@ -23,7 +23,7 @@ def set_free(node: Node, world: Matrix | None = None) -> None:
 
 
 def attach_in_place(parent: Node, child: Node) -> None:
-    """Attach a node without moving it; to a parent that is flat in one direction, with the pose that it has."""
+    """Attach a node without moving it; if the parent has a scale of 0, its local pose is kept instead."""
     try:
         parent.attach(child, keep_world_pose=True)
     except ValueError:

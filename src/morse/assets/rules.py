@@ -1,6 +1,7 @@
-"""From what model files say of physics to bodies; from several loose objects to one component.
+"""Derives physics types for the nodes of a model file.
 
-What an object says of itself is weighed by `settle`; what nothing decides, its role does: `resolve_auto`.
+The settings of an object are combined by `settle`. Without settings, the role of the file determines the type:
+`resolve_auto`.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ __all__ = ["SETTINGS", "Settled", "gather_under_root", "resolve_auto", "settle"]
 
 
 def resolve_auto(roots: Iterable[Node], *, role: Literal["environment", "component", "prop"]) -> None:
-    """Give a physics type to the nodes of one file for which the file names none.
+    """Assign a physics type to the nodes of one file for which the file does not specify it.
 
-    Below a body that moves, they are its shapes if nothing else there is, otherwise decoration. Elsewhere, those of an
-    environment stand still; a component or prop without any settings becomes one rigid body of all its meshes, one
-    with some settings gets no more than these say.
+    Nodes below a moving body become its shapes if no other node does, otherwise decoration. Other nodes of an
+    environment are static. A component or prop without any settings becomes one rigid body of all its meshes; with some
+    settings, only these apply.
     """
     roots = list(roots)
     nodes = [node for root in roots for node in root.walk()]
@@ -42,7 +43,7 @@ def resolve_auto(roots: Iterable[Node], *, role: Literal["environment", "compone
 
 
 def _complete(body: Node) -> None:
-    """Settle the undecided nodes below a moving one."""
+    """Assign types to the undecided nodes below a moving node."""
     parts = list(_parts(body))
     undecided = [node for node in parts if node.mesh is not None and node.body.type is PhysicsType.AUTO]
     outlined = [node for node in undecided if node.body.bounds is not None]

@@ -1,4 +1,4 @@
-"""Where the files of models are found."""
+"""Search for model files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: the models that come with MORSE: ``robots``, ``environments``, ``props``, ...
+#: directory of the models that are part of MORSE: ``robots``, ``environments``, ``props``, ...
 MORSE_COMPONENTS = str(Path(__file__).resolve().parents[1] / "data")
 
 _project_dirs: list[Path] = []
@@ -29,7 +29,7 @@ _MAX_ENTRIES = 20_000
 
 
 class AssetNotFoundError(FileNotFoundError):
-    """No file has the name that was asked for; the message says where it was looked for."""
+    """There is no model file of that name; the message lists the searched directories."""
 
 
 def set_project_dirs(directories: Iterable[str | Path]) -> None:
@@ -49,9 +49,9 @@ def project_dirs(directories: Iterable[str | Path]) -> Iterator[None]:
 
 
 def component_dirs() -> list[Path]:
-    """The directories that are laid out by category.
+    """Return the directories with one subdirectory per category.
 
-    These are MORSE's own, those of the packages that the entry points ``morse.assets`` name, and
+    These are the directory of MORSE, those of packages in the entry points ``morse.assets``, and
     ``$MORSE_ROOT/share/morse/data``.
     """
     directories = [Path(MORSE_COMPONENTS)]
@@ -70,14 +70,14 @@ def _package_dirs(package: str) -> list[Path]:
         if spec is not None and spec.submodule_search_locations:
             return [Path(directory) for directory in spec.submodule_search_locations]
         error: object = "there is no such package"
-    except Exception as raised:  # a parent package is imported: it is third-party code
+    except Exception as raised:  # importing a parent package runs third-party code
         error = repr(raised)
     logger.warning("the models of the installed package '%s' are left out: %s", package, error)
     return []
 
 
 def resource_dirs() -> list[Path]:
-    """The directories of projects: those of the scene that runs, then ``MORSE_RESOURCE_PATH``."""
+    """Return the directories of projects: those of the running scene, then ``MORSE_RESOURCE_PATH``."""
     listed = os.environ.get("MORSE_RESOURCE_PATH", "").split(os.pathsep)
     return [*_project_dirs, *(Path(directory) for directory in listed if directory)]
 
@@ -90,13 +90,13 @@ def find(name: str, category: str = "") -> Path:
     ``<component directory>/<category>/<name>.blend``, then in the resource directories.
 
     Raises:
-        AssetNotFoundError: there is none.
-        ValueError: the name cannot be that of a file.
+        AssetNotFoundError: the file does not exist.
+        ValueError: the name cannot be the name of a file.
     """
     if "\0" in name or not name.strip():
         raise ValueError(f"{name!r} is not the name of a model file")
     for candidate in _candidates(name, category):
-        # unlike Path.is_file, this takes a name that is too long for the file system as one that is not there
+        # unlike Path.is_file, this treats a name that is too long for the file system as missing
         if os.path.isfile(candidate):
             return candidate.absolute()
     raise AssetNotFoundError(_not_found(name, category))
@@ -134,7 +134,7 @@ def _not_found(name: str, category: str) -> str:
 
 
 def available(category: str = "") -> list[str]:
-    """The names that `find` knows for a category, sorted: without suffix, relative to the category."""
+    """Return the names that `find` accepts for a category, sorted, without suffix, relative to the category."""
     names: set[str] = set()
     for directory in component_dirs():
         names.update(_models_below(directory / category, keep_suffix=False))
@@ -145,7 +145,7 @@ def available(category: str = "") -> list[str]:
 
 def _models_below(directory: Path, *, keep_suffix: bool) -> Iterator[str]:
     if directory.is_dir():
-        # a search path may hold anything, a home directory even: a hint is not worth a long walk
+        # the search is limited, because a search path may contain a large tree such as a home directory
         for path in itertools.islice(directory.rglob("*"), _MAX_ENTRIES):
             if path.suffix.lower() in SUFFIXES and not path.name.startswith((".", "@")):
                 relative = path.relative_to(directory)

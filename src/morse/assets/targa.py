@@ -1,4 +1,4 @@
-"""Truevision TGA images, as PNG: browsers do not show TGA.
+"""Converts Truevision TGA images to PNG, because browsers do not show TGA.
 
 Reads true-colour images of 24 and 32 bits per pixel, uncompressed and run-length encoded. Source: Truevision TGA File
 Format Specification, version 2.0 (1991).
@@ -15,13 +15,13 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: bytes of the header
+#: size of the header, bytes
 HEADER_SIZE = 18
 _HEADER = struct.Struct("<BBB5xHHHHBB")
 _TRUE_COLOR, _RUN_LENGTH = 2, 10
-#: pixels of one image
+#: maximum number of pixels of an image
 _MAX_PIXELS = 1 << 25
-#: run-length packets of one image: 0.5 s
+#: maximum number of run-length packets of an image, which take 0.5 s
 _MAX_PACKETS = 1 << 21
 _RIGHT_TO_LEFT, _TOP_FIRST, _INTERLEAVED = 0x10, 0x20, 0xC0
 _ALPHA_BITS = 0x0F
@@ -30,11 +30,11 @@ _RGB, _RGBA = 2, 6
 
 
 class TargaError(ValueError):
-    """The image is damaged, too large, or of a kind that is not read."""
+    """The image is damaged, too large, or of an unsupported kind."""
 
 
 class _Header(NamedTuple):
-    """The fields of a header that matter here; ``channels`` are the bytes of a pixel."""
+    """The relevant fields of the header; ``channels`` is the number of bytes per pixel."""
 
     start: int
     compressed: bool

@@ -1,4 +1,4 @@
-"""A world as plain data: built by a script, run by the simulation, shown by the view."""
+"""The scene as plain data: built by a script, run by the simulation, shown by the view."""
 
 from morse.scene.appearance import Camera, Image, Light, Material
 from morse.scene.armature import Bone, JointKind

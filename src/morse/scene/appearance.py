@@ -1,4 +1,4 @@
-"""What things look like: images, materials, lights, cameras."""
+"""Appearance of nodes: images, materials, lights, cameras."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Material:
     Attributes:
         color: linear RGBA, 0..1; multiplied with the image where there is one.
         emission: linear RGB times strength.
-        specular: 0..1; what a laser scanner reports as remission.
+        specular: 0..1; a laser scanner reports it as remission.
         image: base colour texture, or None.
-        shadeless: shown in its own colour, lights ignored.
+        shadeless: whether the surface is shown in its own colour, without lighting.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Light:
     Attributes:
         type: ``POINT``, ``SUN``, ``SPOT``, ``AREA`` or ``HEMI``.
         energy: relative to 1, the brightness of a normal lamp (for every type).
-        distance: metres at which it has faded to half.
+        distance: distance at which the intensity is half, m.
         spot_size: full opening angle of a spot, radians.
     """
 

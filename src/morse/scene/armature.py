@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class JointKind(StrEnum):
-    """How a bone moves on the one before it."""
+    """How a bone moves relative to its parent."""
 
     FIXED = "fixed"
     REVOLUTE = "revolute"
@@ -22,12 +22,12 @@ class JointKind(StrEnum):
 class Bone:
     """A bone, and the joint at its root.
 
-    The frame of a bone has its origin at the joint and its Y axis along the bone. ``position`` and ``rotation`` say
-    where that frame is while the value of the joint is 0.
+    The frame of a bone has its origin at the joint and its Y axis along the bone. ``position`` and ``rotation`` are the
+    pose of that frame at joint value 0.
 
     Attributes:
         name: unique within the armature.
-        parent: index of the bone it hangs on, or -1 for the armature itself.
+        parent: index of the parent bone, or -1 for the armature itself.
         position: metres, in the frame of the parent.
         rotation: 9 numbers, row by row, from the frame of the bone to that of the parent.
         length: metres.
@@ -36,7 +36,7 @@ class Bone:
         free: the axes about which the file lets the bone turn.
         low: smallest value of the joint, rad or m.
         high: largest value.
-        value: at the start.
+        value: initial value.
     """
 
     name: str

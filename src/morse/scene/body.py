@@ -9,8 +9,8 @@ from enum import StrEnum
 class PhysicsType(StrEnum):
     """The physics types of scene scripts and model files.
 
-    ``AUTO`` is what a file without any physics settings says; it is resolved when the file is
-    loaded (`morse.assets.rules`), so that a built scene holds none.
+    ``AUTO`` stands for a file without physics settings. It is resolved when the file is loaded (`morse.assets.rules`),
+    so that a built scene does not contain it.
     """
 
     AUTO = "AUTO"
@@ -44,15 +44,15 @@ class BodySettings:
     Attributes:
         type: see `PhysicsType`.
         bounds: collision shape, or None to detect one from the mesh.
-        compound: the shapes of the children belong to this body.
+        compound: whether the shapes of the children belong to this body.
         mass: kg.
-        radius: metres; size of the sphere that stands for a body without a mesh.
+        radius: radius of the sphere that represents a body without a mesh, m.
         friction: Coulomb coefficient, or None for the default of the simulation.
         restitution: 0 (no bounce) to 1.
         linear_damping: share of the linear velocity lost each second, 0..1.
         angular_damping: share of the angular velocity lost each second, 0..1.
         ghost: contacts are reported but exert no force.
-        actor: seen by sensors.
+        actor: whether sensors detect it.
         lock_location: world axes along which the body cannot move.
         lock_rotation: world axes about which the body cannot turn.
         gravity: False for a body that does not fall.
@@ -75,10 +75,10 @@ class BodySettings:
 
     @property
     def moves(self) -> bool:
-        """True for the types that obey forces."""
+        """Whether the body is dynamic."""
         return self.type in (PhysicsType.DYNAMIC, PhysicsType.RIGID_BODY, PhysicsType.CHARACTER, PhysicsType.SOFT_BODY)
 
     @property
     def collides(self) -> bool:
-        """True for the types that stop others."""
+        """Whether other bodies collide with the body."""
         return (self.moves or self.type is PhysicsType.STATIC) and not self.ghost

@@ -1,4 +1,4 @@
-"""What the scene says of robots, sensors and actuators."""
+"""Declarations of robots, sensors and actuators in a scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class SourceLine:
-    """Where in the user's script something was said."""
+    """A location in the script of the user."""
 
     file: str
     line: int
@@ -28,7 +28,7 @@ class StreamDeclaration:
         manager: class path of the stream manager.
         stream: class path of the publisher or reader.
         direction: ``IN`` or ``OUT``.
-        options: what the script gave: topic, port, frame_id, ...
+        options: options from the script: topic, port, frame_id, ...
     """
 
     manager: str
@@ -49,7 +49,7 @@ class ModifierDeclaration:
 
 @dataclass(eq=False, slots=True)
 class OverlayDeclaration:
-    """Another face that a request manager shows of a component."""
+    """An overlay: class path, options and request manager."""
 
     manager: str
     classpath: str
@@ -66,13 +66,13 @@ class ComponentDeclaration:
 
     Attributes:
         kind: ``robot``, ``external_robot``, ``sensor`` or ``actuator``.
-        classpath: the class that runs.
+        classpath: class path of the component.
         robot: the node of the robot that carries it (the node itself for a robot).
         frequency: Hz, or None for every tick.
         level: abstraction level, or None for the default one.
         managers: class paths of the request managers that offer its services.
-        profile: show the time it takes.
-        where: the line of the script that made it.
+        profile: whether to show its computation time.
+        where: the line of the script that created it.
     """
 
     node: Node

@@ -1,4 +1,4 @@
-"""Rigid frames of nodes: scaling belongs to meshes, never to poses."""
+"""Rigid frames of nodes; scale is part of meshes, never of poses."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RigidFrame:
-    """Where a node is, free of scale.
+    """The pose of a node without scale.
 
     ``world_point = position + rotation @ (stretch @ mesh_point)``
 
     Attributes:
         position: metres, world frame.
         rotation: 3x3 proper rotation, node to world.
-        stretch: 3x3 scale and shear (and mirroring) that the vertices of the node's mesh get.
+        stretch: 3x3 scale and shear (and mirroring) of the vertices of the mesh of the node.
     """
 
     position: Vector
@@ -34,14 +34,14 @@ class RigidFrame:
 
     @property
     def is_unstretched(self) -> bool:
-        """True if the mesh keeps its size."""
+        """Whether the mesh keeps its size."""
         return all(abs(self.stretch[i][j] - (i == j)) < 1e-9 for i in range(3) for j in range(3))
 
 
 def rigid_frame(node: Node) -> RigidFrame:
     """The rigid frame of a node, from its world matrix.
 
-    The rotation is that of the orthonormalised columns of the matrix, as Blender takes it.
+    The rotation consists of the orthonormalised columns of the matrix, as in Blender.
     """
     world = node.world_matrix()
     columns = [Vector([world[row][column] for row in range(3)]) for column in range(3)]

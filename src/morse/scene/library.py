@@ -1,4 +1,4 @@
-"""What a reader returns: the content of one model file."""
+"""The content of one model file, as returned by a reader."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class Library:
         collections: name to the names of the nodes in it (Blender's groups and collections).
         world: properties of the world the file describes: ``horizon_color`` (linear RGB),
             ``ambient_color``, ``gravity`` (m/s^2), ``mist`` where the file has them.
-        outside_scene: names of nodes that are in the file but not in its scene: templates, which show only through
+        outside_scene: names of nodes that are in the file but not in its scene: templates, which are only shown by
             instances of their collection.
         images: images by name, for textures that no material uses.
-        warnings: what could not be read, one sentence each, for the user.
+        warnings: warnings for the user about what could not be read, one sentence each.
     """
 
     path: str

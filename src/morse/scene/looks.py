@@ -1,4 +1,4 @@
-"""What a node shows of itself."""
+"""Materials and visibility of nodes."""
 
 from __future__ import annotations
 
@@ -28,6 +28,6 @@ def is_shown(node: Node, visible: bool) -> bool:
     """Whether a node is seen.
 
     Args:
-        visible: whether its object is visible; the property ``visible`` hides it all the same.
+        visible: whether its object is visible; the property ``visible`` can also hide it.
     """
     return visible and node.properties.get("visible", True) not in (0, "0", "false", "False")

@@ -1,4 +1,4 @@
-"""Which nodes of a scene came from which model file."""
+"""Records which nodes of a scene came from which model file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Role = Literal["environment", "component", "casing", "prop"]
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Which objects of a model file a scene takes.
+    """The selection of objects of a model file for a scene.
 
     Attributes:
         role: the use of the objects in the scene.
@@ -37,7 +37,7 @@ class ModelUse:
     Attributes:
         path: the file.
         nodes: the nodes in the scene, by their names in the file; a script may have changed, moved or deleted them.
-        originals: copies of the same nodes as the file has them.
+        originals: copies of the same nodes with the values of the file.
     """
 
     path: str

@@ -1,4 +1,4 @@
-"""A node of the scene graph: where something is, what it looks like, how it collides."""
+"""A node of the scene graph: pose, appearance and collision."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class NodeKind(StrEnum):
 class Node:
     """One object of the scene.
 
-    The pose is stored as Blender stores it, so that numbers written in a scene script mean the
-    same: ``world = parent_world @ parent_inverse @ T(location) @ R(rotation_euler) @ S(scale)``.
+    The pose is stored as in Blender, so that numbers in scene scripts have the same meaning: ``world = parent_world @
+    parent_inverse @ T(location) @ R(rotation_euler) @ S(scale)``.
 
     Attributes:
         name: unique within a scene once the scene is built.
@@ -47,11 +47,11 @@ class Node:
         source_name: the name the node has in the file it came from (None if it has no file).
         properties: typed properties that components and services read (``obj['name']``).
         debug: the properties that ``env.show_debug_properties()`` shows from the start.
-        shapes: collision shapes in the rigid frame of the node, or None until they are worked out
+        shapes: collision shapes in the rigid frame of the node, or None until they are computed
             (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
-        bones: those of an armature, each after the one it hangs on.
-        bone: name of the bone of its parent that the node hangs on; empty for the parent as such.
+        bones: bones of an armature, parents before their children.
+        bone: name of the bone of the parent to which the node is attached; empty for the parent itself.
     """
 
     name: str
@@ -94,11 +94,11 @@ class Node:
         child.parent = self
         self.children.append(child)
         if world is not None:
-            # like Blender's "set parent": the pose that scripts see keeps its numbers
+            # as in Blender's "set parent", the pose values that scripts see are unchanged
             child.parent_inverse = self.world_matrix().inverted() @ world @ child.basis_matrix().inverted()
 
     def detach(self) -> None:
-        """Remove the node from its parent; its pose numbers stay as they are."""
+        """Remove the node from its parent; its local pose values are unchanged."""
         if self.parent is not None:
             self.parent.children.remove(self)
             self.parent = None

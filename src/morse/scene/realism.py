@@ -1,4 +1,4 @@
-"""How the data of a sensor differs from the truth."""
+"""Declarations of noise and delay of sensors."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class NoiseModel:
 
     Attributes:
         gaussian: standard deviation of white noise, in the unit of the field.
-        bias_walk: standard deviation that the bias gathers within a second, in that unit: the bias is a random
-            walk from 0, and grows with the square root of time.
-        quantization: the value is a multiple of that, in that unit.
+        bias_walk: standard deviation of the bias after one second, in the unit of the field. The bias is a random walk
+            from 0, which grows with the square root of time.
+        quantization: step of the values, in the unit of the field.
         dropout: probability that a value is lost, 0..1.
 
     Raises:
@@ -44,12 +44,12 @@ class NoiseModel:
 
 @dataclass(frozen=True, slots=True)
 class RealismModel:
-    """When a sensor measures, when its data can be seen, and with what errors.
+    """The phase, delay and noise of a sensor.
 
     Attributes:
-        phase: seconds after the start at which it measures first.
-        delay: seconds from a measurement until its data can be seen.
-        noise: field to its errors; the empty name stands for all fields that are fit for noise.
+        phase: time of the first measurement after the start, s.
+        delay: time from a measurement until its data are published, s.
+        noise: field to its noise; the empty name stands for all fields that can have noise.
 
     Raises:
         TypeError: a value is not a number.

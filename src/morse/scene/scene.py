@@ -1,4 +1,4 @@
-"""A whole world, as plain data: what the builder makes and the simulation runs."""
+"""A whole scene as plain data, created by the builder and run by the simulation."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Armatures as trees of joints: which axis a bone may turn about or slide along, and how far.
 
-The inverse kinematics settings of a bone say it (Bone > Inverse Kinematics): unlocked axes, limits, and stretch for a
-bone that slides along itself.
+Joints come from the inverse kinematics settings of a bone (Bone > Inverse Kinematics): unlocked axes, limits, and
+stretch for a bone that slides along its own axis.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _Joint(NamedTuple):
 
 
 def bones(record: Record) -> tuple[Bone, ...]:
-    """The bones of an armature object, each after the one that it hangs on.
+    """Return the bones of an armature object, parents before their children.
 
     Bones beyond the first 4096 are left out, with a warning.
     """
@@ -71,7 +71,7 @@ def bones(record: Record) -> tuple[Bone, ...]:
 
 
 def _walk(armature: Record) -> Iterator[tuple[Record, int]]:
-    """Every bone with the index of the one that it hangs on; parents first, in the order of the file."""
+    """Iterate over all bones with the index of the parent bone; parents first, in the order of the file."""
     waiting = [(bone, -1) for bone in reversed(list(armature.chain("bonebase", "Bone")))]
     seen: set[int] = set()
     while waiting:
@@ -130,7 +130,7 @@ def _posed(channel: Record) -> Quaternion:
 
 
 def _fixed_part(bone: Record, channel: Record, joint: _Joint) -> Matrix:
-    """What the saved pose adds to the rest pose of a bone beside the value of its joint."""
+    """Return the part of the saved pose relative to the rest pose that is not the value of the joint."""
     posed = _posed(channel)
     if joint.kind is JointKind.REVOLUTE:
         axis = Vector([float(i == joint.axis) for i in range(3)])

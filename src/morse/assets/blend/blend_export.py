@@ -1,4 +1,4 @@
-"""Runs inside Blender: works out meshes and poses of some objects and writes them as arrays.
+"""Runs inside Blender: evaluates meshes and poses of some objects and writes them as arrays.
 
 ``blender -b --python blend_export.py -- source.blend result.npz names.json``. It imports nothing but Blender's own
 module, numpy and the standard library, and shares no process with the program that starts it.
@@ -16,16 +16,16 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: polygons up to which subdivision is followed
+#: maximum number of polygons of a subdivided mesh
 MAX_POLYGONS = 100_000
 
 
 def main(source: str, result: str, names: str) -> None:
-    """Open a file and write what is asked for.
+    """Open a file and write the requested arrays.
 
     For each object number `i` in the list of names: ``i_matrix`` (4, 4) its pose in the world, and if it has a
     surface ``i_vertices`` (V, 3), ``i_corners`` (C,), ``i_sizes`` (P,), ``i_materials`` (P,), ``i_smooth`` (P,),
-    ``i_normals`` (C, 3) and perhaps ``i_uvs`` (C, 2).
+    ``i_normals`` (C, 3) and optionally ``i_uvs`` (C, 2).
     """
     bpy.ops.wm.open_mainfile(filepath=source, load_ui=False, use_scripts=False)
     with open(names, encoding="utf-8") as file:
@@ -48,7 +48,7 @@ def main(source: str, result: str, names: str) -> None:
 
 
 def reveal(objects: Iterable[Any]) -> None:
-    """Bring all objects into sight: Blender leaves the poses of hidden ones as they were."""
+    """Make all objects visible, because Blender does not update the poses of hidden objects."""
 
     def include(layer: Any) -> None:
         layer.exclude = layer.hide_viewport = False
@@ -65,7 +65,7 @@ def reveal(objects: Iterable[Any]) -> None:
 
 
 def limit_subdivision(obj: Any) -> None:
-    """Keep subdivided meshes at a size that a simulation can use."""
+    """Limit the size of subdivided meshes."""
     polygons = len(obj.data.polygons) if obj.type == "MESH" else 0
     for modifier in obj.modifiers:
         if modifier.type in ("SUBSURF", "MULTIRES"):
@@ -101,7 +101,7 @@ def surface(evaluated: Any) -> dict[str, Any]:
 
 
 def values(items: Any, name: str, width: int, kind: Any = np.float32) -> Any:
-    """One attribute of many things as an array."""
+    """Return one attribute of many items as an array."""
     found = np.empty(len(items) * width, dtype=kind)
     items.foreach_get(name, found)
     return found if width == 1 else found.reshape(-1, width)

@@ -1,4 +1,4 @@
-"""Runs Blender, in a process of its own, on what this reader cannot evaluate; results are kept for the next time."""
+"""Runs Blender in a separate process to evaluate what this reader cannot evaluate; results are cached."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from morse.assets.blend.errors import Damage
 
 Arrays = dict[str, NDArray[np.generic]]
 
-#: seconds that Blender may take
+#: timeout for Blender, s
 TIME_LIMIT = 120.0
 _SCRIPT = Path(__file__).with_name("blend_export.py")
-#: results that are kept
+#: maximum number of cached results
 _MAX_CACHED = 64
 _MAX_RESULT = 1 << 30
 
@@ -35,17 +35,17 @@ def find_blender(given: str | None = None) -> str | None:
 
 
 def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
-    """Meshes and poses of some objects of a file, as `blend_export.py` describes them.
+    """Return the arrays of `blend_export.py` for the meshes and poses of some objects of a file.
 
     Raises:
-        Damage: Blender failed; says why.
+        Damage: Blender failed; with the reason.
     """
     kept = _cache_folder() / f"{_key(path, names, blender)}.npz"
     try:
         if kept.is_file():
             return _load(kept.read_bytes())
     except (OSError, Damage):
-        # a result that cannot be read is worked out again
+        # a cached result that cannot be read is computed again
         pass
     with tempfile.TemporaryDirectory(prefix="morse-blend-") as folder:
         result = Path(folder, "result.npz")
@@ -87,7 +87,7 @@ def _run(path: Path, names: list[str], blender: str, result: Path) -> None:
 
 
 def _reason(log: Path, status: int) -> str:
-    """What Blender said last that sounds like a mistake."""
+    """Return the last error message of Blender."""
     if status < 0 or status > 128:
         return "it crashed: the file may have been saved by a newer version of Blender than this one"
     with log.open("rb") as file:
@@ -107,7 +107,7 @@ def _load(data: bytes) -> Arrays:
 
 
 def _key(path: Path, names: list[str], blender: str) -> str:
-    """Changes with all that the result depends on: the file, the objects, the script, the program."""
+    """Return a cache key of all that the result depends on: the file, the objects, the script, the program."""
     program = Path(blender).stat()
     digest = hashlib.blake2b(digest_size=20)
     for part in (
@@ -121,7 +121,7 @@ def _key(path: Path, names: list[str], blender: str) -> str:
 
 
 def _cache_folder() -> Path:
-    """Where this system keeps what can be made again."""
+    """Return the cache directory of this system."""
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -132,7 +132,7 @@ def _cache_folder() -> Path:
 
 
 def _keep(kept: Path, data: bytes) -> None:
-    """Store a result; a full or read-only disk costs no more than the time to work it out again."""
+    """Store a result in the cache; errors are ignored, and the result is then computed again next time."""
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:

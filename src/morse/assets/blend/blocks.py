@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 from morse.assets.blend.errors import Damage
 
-#: a file of 1 GiB with Blender's usual blocks has a tenth of that
+#: maximum number of blocks; a file of 1 GiB with Blender's usual blocks has a tenth of that
 _MAX_BLOCKS = 4_000_000
 
 
 class Header(NamedTuple):
-    """What the first bytes say.
+    """The content of the file header.
 
     Attributes:
         size: bytes of the file header.
@@ -35,12 +35,12 @@ class Block(NamedTuple):
 
     Attributes:
         code: ``OB``, ``ME``, ... of a datablock; ``DATA`` for what belongs to one.
-        address: what pointers in the file say to mean this block.
-        struct: index of the struct it holds.
-        number: of these structs.
-        offset: of its content in the file.
+        address: value of the pointers in the file that refer to this block.
+        struct: index of the struct that the block contains.
+        number: number of structs.
+        offset: offset of its content in the file, bytes.
         size: bytes.
-        owner: index of the datablock it belongs to (its own for a datablock).
+        owner: index of the datablock to which the block belongs (its own index for a datablock).
     """
 
     code: str
@@ -56,7 +56,7 @@ def read_header(data: bytes) -> Header:
     """The header of a file.
 
     Raises:
-        Damage: it is not one of a ``.blend`` file.
+        Damage: the data are not the header of a ``.blend`` file.
     """
     if data[:7] != b"BLENDER":
         raise Damage("this is not a .blend file: it does not begin with 'BLENDER'")
@@ -72,10 +72,10 @@ def read_header(data: bytes) -> Header:
 
 
 def read_blocks(data: bytes, header: Header) -> tuple[list[Block], Block]:
-    """All blocks but the description of the structs, and that one.
+    """Return all blocks except the description of the structs, and that description.
 
     Raises:
-        Damage: the table runs out of the file, or the description is missing.
+        Damage: the table exceeds the file, or the description is missing.
     """
     if header.large:
         head = struct.Struct(header.endian + "4siQqq")

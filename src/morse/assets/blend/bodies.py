@@ -1,6 +1,6 @@
-"""Physics settings that files hold: rigid bodies of Blender 2.66 and later, and those of the old game engine.
+"""Physics settings in files: rigid bodies of Blender 2.66 and later, and settings of the old game engine.
 
-Both come as dicts of fields of `BodySettings`, for `morse.assets.rules` to weigh against each other.
+Both are dictionaries of fields of `BodySettings`; `morse.assets.rules` combines them.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def game_settings(record: Record) -> dict[str, object]:
 
 
 def game_physics_type(flag: int) -> PhysicsType:
-    """The physics type that a `gameflag` means."""
+    """Return the physics type for a `gameflag`."""
     if not flag & _COLLISION:
         return PhysicsType.OCCLUDER if flag & _OCCLUDER else PhysicsType.NO_COLLISION
     if flag & _CHARACTER:
@@ -111,5 +111,5 @@ def game_properties(record: Record) -> dict[str, object]:
 
 
 def debug_properties(record: Record) -> tuple[str, ...]:
-    """The game properties that are marked to be shown while the game runs."""
+    """Return the game properties that are marked for display while the game runs."""
     return tuple(entry.text("name") for entry in record.chain("prop", "bProperty") if entry.integer("flag", 0) & _SHOWN)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Collections:
-    """The groups and collections of a file, and which objects its first scene holds.
+    """The groups and collections of a file, and the objects of its first scene.
 
     Attributes:
         records: address to collection.
@@ -48,7 +48,7 @@ class Collections:
         return self._members[key]
 
     def scene_objects(self, scene: Record | None) -> list[int]:
-        """Addresses of the objects of a scene, hidden ones too."""
+        """Return the addresses of the objects of a scene, including hidden objects."""
         if scene is None:
             return []
         found = [entry.integer("object") for entry in scene.chain("base", "Base")]
@@ -59,10 +59,10 @@ class Collections:
         return list(dict.fromkeys(address for address in found if address))
 
     def by_name(self, names: dict[int, str]) -> dict[str, list[str]]:
-        """Name of each collection to the names of its objects.
+        """Return the names of the objects of each collection, by name of the collection.
 
         Args:
-            names: of the objects, by address.
+            names: names of the objects by address.
         """
         return {
             datablock_name(record): [names[address] for address in self.members(record) if address in names]

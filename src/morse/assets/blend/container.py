@@ -1,4 +1,4 @@
-"""From a file on disk to the plain bytes of a ``.blend``: size limits and decompression."""
+"""Reads the uncompressed bytes of a ``.blend`` file: size limits and decompression."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from morse.assets.blend.errors import Damage
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: bytes that a file may have after decompression
+#: maximum size after decompression, bytes
 SIZE_LIMIT = 1 << 30
-#: a small file may grow to this without a look at the ratio
+#: size after decompression below which the compression ratio is not checked, bytes
 _HARMLESS = 64 << 20
-#: maximum compression ratio: a higher one means a file that is made to fill the memory (scenes: 2 to 20)
+#: maximum compression ratio (scenes have 2 to 20); files with a higher ratio are decompression bombs
 _MAX_RATIO = 2000
 _CHUNK = 1 << 20
 _ZSTD_WINDOW = 128 << 20
@@ -36,7 +36,7 @@ def load(path: Path, limit: int = SIZE_LIMIT) -> bytes:
         OSError: it cannot be opened.
     """
     mode = path.stat().st_mode
-    # looked at before it is opened: to open a pipe would wait for ever
+    # checked before it is opened, because opening a pipe would block
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
         raise Damage("this is not a regular file")
     with path.open("rb") as file:

@@ -30,7 +30,7 @@ class Field(NamedTuple):
     Attributes:
         offset: bytes from the start of the struct.
         type: name of its type; for a pointer, the name of the type it points to.
-        is_pointer: it holds an address (or several).
+        is_pointer: whether the field contains an address (or several).
         items: 1 for a scalar.
         size: bytes.
         codec: unpacks plain numbers and addresses; None for embedded structs.
@@ -55,7 +55,7 @@ class Struct(NamedTuple):
 
 
 class Catalogue:
-    """All structs of a file; the layout of each is worked out when it is first asked for."""
+    """All structs of a file; the layout of a struct is computed on demand."""
 
     def __init__(self, data: bytes, endian: str, pointer_size: int) -> None:
         self._endian = endian
@@ -101,7 +101,7 @@ class Catalogue:
     def _strings(self, data: bytes, position: int) -> tuple[list[str], int]:
         count = self._integer(data, position)
         position += 4
-        # latin-1: one character a byte
+        # latin-1: one character per byte
         texts = data[position:].decode("latin-1").split("\0", count)
         if len(texts) <= count:
             raise ValueError
@@ -109,7 +109,7 @@ class Catalogue:
         return texts, len(data) - len(rest)
 
     def index(self, name: str) -> int | None:
-        """The number of a struct, or None if this file knows none of that name."""
+        """Return the index of a struct, or None if the file does not describe a struct of that name."""
         return self._index.get(name)
 
     def name(self, index: int) -> str:
@@ -120,7 +120,7 @@ class Catalogue:
         """The layout of a struct.
 
         Raises:
-            Damage: there is none of that number, or its fields do not fit into it.
+            Damage: there is no struct of that index, or its fields exceed its size.
         """
         known = self._layouts.get(index)
         return known if known is not None else self._lay_out(index)

@@ -1,4 +1,4 @@
-"""What goes wrong with ``.blend`` files."""
+"""Errors of ``.blend`` files."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ class BlendError(AssetError):
 
 
 class Excess(Exception):
-    """The file asks for more time than any scene does; it is not read further."""
+    """Reading the file would take longer than for any real scene; it is not read further."""
 
 
 class Damage(Exception):
-    """A part of the file is inconsistent; the reader of that part decides what is left out."""
+    """A part of the file is inconsistent; the caller decides what is left out."""

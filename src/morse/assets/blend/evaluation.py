@@ -1,4 +1,4 @@
-"""Puts what Blender worked out into the nodes of a file."""
+"""Applies the results of Blender to the nodes of a file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _KEYS = ("vertices", "corners", "sizes", "materials", "smooth", "normals", "uvs"
 
 
 def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None) -> None:
-    """Let Blender work out what only it can; without it, name the objects that are shown as they are stored."""
+    """Evaluate objects with Blender; without Blender, warn about the objects that are shown as stored."""
     wanted = {address: need for address in objects.nodes if any(need := needs(objects.records[address]))}
     if not wanted:
         return
@@ -60,7 +60,7 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
 
 
 class _Surfaces:
-    """Gives objects the surfaces that Blender worked out; equal ones share one mesh."""
+    """Assigns surfaces that Blender has evaluated to objects; equal surfaces share one mesh."""
 
     def __init__(self, objects: Objects, arrays: Arrays) -> None:
         self._objects = objects
@@ -99,7 +99,7 @@ def _mesh(name: str, own: Arrays, slots: tuple[Material | None, ...]) -> Mesh:
 
 
 def _move(node: Node, world: Matrix) -> None:
-    """Put a node where Blender has it."""
+    """Set the pose of a node to the result of Blender."""
     if node.parent is None:
         set_free(node, world)
         return

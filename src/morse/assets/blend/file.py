@@ -1,4 +1,4 @@
-"""A ``.blend`` file as records that know their fields and follow their pointers."""
+"""A ``.blend`` file as records with access to fields and pointers."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: steps along lists in one file; guards against files made to cost time and memory
+#: maximum number of list steps in one file, against files that would take excessive time and memory
 _MAX_STEPS = 3_000_000
-#: sentences for the user
+#: maximum number of warnings
 _MAX_WARNINGS = 50
 
 
@@ -40,19 +40,19 @@ class BlendFile:
         self.blocks, description = read_blocks(data, header)
         end = description.offset + description.size
         self.dna = Catalogue(data[description.offset : end], header.endian, header.pointer_size)
-        # since 5.0 an address means something only within the datablock that holds the pointer
+        # since 5.0 an address is valid only within the datablock that contains the pointer
         self._data = {(b.owner, b.address): b for b in self.blocks if b.code == "DATA"}
         self._ids = {b.address: b for b in self.blocks if len(b.code) == 2}
         self._shared = {b.address: b for b in self.blocks} if header.version < 500 else {}
         self._steps = 0
 
     def warn(self, message: str) -> None:
-        """Note what could not be read; the same sentence only once."""
+        """Add a warning about something that could not be read; the same text is added only once."""
         self._warnings[message] = None
 
     @property
     def warnings(self) -> list[str]:
-        """What could not be read, one sentence each."""
+        """The warnings about what could not be read, one sentence each."""
         told = list(self._warnings)[:_MAX_WARNINGS]
         more = len(self._warnings) - len(told)
         return [*told, f"{more} more warnings of this kind"] if more else told
@@ -66,13 +66,13 @@ class BlendFile:
                     yield self.record(block, index)
 
     def block(self, address: int, owner: int) -> Block | None:
-        """What a pointer of a datablock means."""
+        """Return the block to which a pointer of a datablock refers."""
         if not address:
             return None
         return self._data.get((owner, address)) or self._ids.get(address) or self._shared.get(address)
 
     def record(self, block: Block, index: int | None = None, item: int = 0) -> Record:
-        """One of the structs of a block, read as the struct that it names or as the given one.
+        """Return one of the structs of a block, read as the struct type of the block or as a given type.
 
         Raises:
             Damage: the block is too small.
@@ -86,7 +86,7 @@ class BlendFile:
         """One field of the first `count` structs in a block, as a (count, ...) array.
 
         Raises:
-            Damage: the block has fewer, or the struct has no such field of numbers.
+            Damage: the block has fewer structs, or the struct has no such numeric field.
         """
         field = struct.fields.get(name)
         if field is None or not field.numpy or count * struct.size > block.size:
@@ -102,10 +102,10 @@ class BlendFile:
         return np.frombuffer(self.data, kind, count, block.offset)["value"]
 
     def spend(self, steps: int = 1) -> None:
-        """Count steps along lists, or what costs as much: items of arrays can be meant by many pointers.
+        """Count list steps, or work of similar cost; many pointers may refer to the same array.
 
         Raises:
-            Excess: the file asks for more than any scene does.
+            Excess: the limit is exceeded.
         """
         self._steps += steps
         if self._steps > _MAX_STEPS:

@@ -14,7 +14,7 @@ _STRING, _INT, _FLOAT, _ARRAY, _GROUP, _ID, _DOUBLE, _GROUP_ARRAY, _BOOLEAN = 0,
 _ITEMS = {_INT: "i4", _FLOAT: "f4", _DOUBLE: "f8", _BOOLEAN: "i1"}
 _DEPTH = 8
 _MAX_ITEMS = 1 << 20
-#: settings of Blender and its renderers that are kept as if they were custom properties
+#: settings of Blender and its renderers that are stored like custom properties
 _PRIVATE = ("_RNA_UI", "cycles", "cycles_visibility", "cycles_curves", "rigify_", "bl_")
 
 
@@ -93,7 +93,7 @@ def _length(entry: Record) -> int:
 
 
 def _pointed_name(data: Record) -> str | None:
-    """Of a datablock that a property points to, its name."""
+    """Return the name of a datablock to which a property points."""
     target = data.follow("pointer", "ID")
     return None if target is None else target.text("name")[2:]
 

@@ -1,4 +1,4 @@
-"""Textures: packed into the file, or beside it."""
+"""Textures, packed into the file or in separate files."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from morse.scene import Image
 if TYPE_CHECKING:
     from morse.assets.blend.record import Record
 
-#: environment variable: more folders whose images models may show
+#: environment variable with further directories from which models may read images
 PATH_VARIABLE = "MORSE_IMAGE_PATH"
-#: bytes of one encoded picture
+#: maximum size of one encoded image, bytes
 _MAX_BYTES = 256 << 20
-#: bytes of all pictures of a file
+#: maximum size of all images of a file, bytes
 _MAX_TOTAL = 1 << 30
-#: names in one warning
+#: maximum number of names in a warning
 _MAX_NAMED = 5
-#: bytes by which a format is known
+#: signatures of image formats
 _SIGNATURE = 8
 _GENERATED, _VIEWER = 4, 5
 _SIGNATURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -31,7 +31,7 @@ _TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 
 
 class Images:
-    """Reads each image once, however many materials show it."""
+    """Reads each image once, for all materials that use it."""
 
     def __init__(self, path: Path) -> None:
         self._folder = path.parent
@@ -43,7 +43,7 @@ class Images:
         self.by_name: dict[str, Image] = {}
 
     def image(self, record: Record) -> Image | None:
-        """The picture of an image datablock, or None (with a warning) if there is no PNG, JPEG or TGA."""
+        """Return the image of an image datablock, or None (with a warning) if it is not PNG, JPEG or TGA."""
         if record.offset not in self._read:
             image = self._read[record.offset] = self._image(record)
             if image is not None:
@@ -51,7 +51,7 @@ class Images:
         return self._read[record.offset]
 
     def warnings(self) -> list[str]:
-        """One sentence about all TIFF images, and one about all images in other formats that are not read."""
+        """Return one warning about all TIFF images, and one about images in other formats that are not read."""
         sentences = []
         if self._tiff:
             sentences.append(f"TIFF images are not read (save them as PNG): {_listed(self._tiff)}")
@@ -99,10 +99,10 @@ class Images:
             if status.st_size > _MAX_BYTES:
                 raise Damage(f"'{path}' is larger than {_MAX_BYTES >> 20} MiB")
             with path.open("rb") as file:
-                # a look at the first bytes: nothing but pictures is read
+                # checks the first bytes, so that only images are read
                 head = file.read(targa.HEADER_SIZE)
                 known = any(head.startswith(signature) for signature in _SIGNATURES)
-                # TGA has no signature: the name counts, too
+                # TGA has no signature, so the suffix is checked as well
                 if not known and not (path.suffix.lower() == ".tga" and targa.is_targa(head)):
                     return head[:_SIGNATURE]
                 return head + file.read(_MAX_BYTES)
@@ -123,11 +123,11 @@ def _converted(data: bytes) -> bytes:
 
 
 def _is_allowed(path: Path, folder: Path) -> bool:
-    """Whether a model may read an image: a model from a stranger must not show what else is on the disk."""
+    """Whether a model may read an image; an untrusted model must not read other files of the user."""
     listed = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
     folders = [folder, *search.resource_dirs(), *search.component_dirs(), *(Path(entry) for entry in listed if entry)]
     try:
-        # links are followed: one inside the folder may point out of it
+        # symbolic links are resolved, because a link inside the directory may point out of it
         real = Path(os.path.realpath(path))
         return any(real.is_relative_to(os.path.realpath(allowed)) for allowed in folders)
     except (OSError, ValueError):
@@ -156,11 +156,11 @@ def _packed(record: Record) -> bytes:
 
 
 def _resolve(stored: str, folder: Path) -> Path | None:
-    """The file that a path in Blender's notation means (``//`` is the folder of the .blend file)."""
+    """Resolve a path in Blender's notation (``//`` is the directory of the .blend file)."""
     if stored.startswith("//"):
         path = folder / stored[2:].replace("\\", "/")
     elif stored.startswith("\\\\") or not stored:
-        # a share of another computer: opening it would send the user's credentials there
+        # a network share: opening it would send the credentials of the user to another computer
         return None
     else:
         path = Path(stored.replace("\\", "/"))

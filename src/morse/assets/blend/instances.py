@@ -1,4 +1,4 @@
-"""Empties that show a collection: the objects of the collection are copied to where they are seen."""
+"""Instances of collections: the objects of a collection are copied to the empties that show it."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 _COLLECTION = 1 << 8
-#: collections that show collections that show ...
+#: maximum nesting depth of collection instances
 _MAX_DEPTH = 16
-#: copies that one file may come to
+#: maximum number of copies in one file
 _MAX_NODES = 20_000
 
 
@@ -39,9 +39,9 @@ class Instances:
         """Add the copies to the nodes that show them.
 
         Returns:
-            Copies that move by themselves: they stand in the world, as a body moves with all that is below it.
+            Copies that are dynamic bodies. They become root nodes, because a body moves with all nodes below it.
         """
-        # all copies are made of what the file holds, before the first one is attached
+        # all copies are made from the content of the file before the first one is attached
         made = [(node, self._shown(node, ())) for node in self._addresses]
         loose: list[Node] = []
         for node, copies in made:
@@ -54,7 +54,7 @@ class Instances:
         return loose
 
     def _shown(self, node: Node, path: tuple[int, ...]) -> list[Node]:
-        """Copies of the objects of the collection that a node shows, posed relative to it."""
+        """Return copies of the objects of the collection that a node shows, with poses relative to the node."""
         collection = self._collection(self._objects.records[self._addresses[node]])
         if collection is None:
             return []
@@ -91,7 +91,7 @@ class Instances:
         return self._collections.records.get(record.integer(field))
 
     def _copy(self, top: Node, members: dict[Node, None], path: tuple[int, ...]) -> Node:
-        """A copy of a node and of those below it that belong to the collection too."""
+        """Return a copy of a node and of the nodes below it that also belong to the collection."""
         copy = instantiate(top)
         for original, double in zip(list(top.walk()), list(copy.walk()), strict=True):
             if original not in members:

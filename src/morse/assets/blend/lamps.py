@@ -30,7 +30,7 @@ def light(record: Record) -> Light:
         color=(red, green, blue),
         energy=_energy(record) / (1.0 if old else _UNIT[kind]),
         distance=max(record.real("dist", 25.0), 1e-3) if old else 25.0,
-        # degrees until the angle became a plain one in 2.6x: no spot opens wider than pi
+        # the angle was stored in degrees until 2.6x; values in radians are at most pi
         spot_size=radians(size) if size > pi + 1e-3 else max(size, 0.0),
         casts_shadow=bool(record.integer("mode", 1) & (_OLD_SHADOWS if old else _SHADOW)),
     )

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MVERT, MEDGE, MTFACE, INT32, MTEXPOLY, MLOOPUV, MPOLY, MLOOP, FLOAT3, FLOAT2, BOOL, INT32_2D = (
     0, 3, 5, 11, 15, 16, 25, 26, 48, 49, 50, 46,
 )  # fmt: skip
-#: of attributes, the types of layers that they continue
+#: type of attribute to the corresponding type of layer
 _ATTRIBUTE_TYPES = {0: BOOL, 3: INT32, 4: INT32_2D, 6: FLOAT2, 7: FLOAT3}
 _NUMPY = {BOOL: ("u1", 1), INT32: ("i4", 1), FLOAT3: ("f4", 3), FLOAT2: ("f4", 2), INT32_2D: ("i4", 2)}
 _MAX_LAYERS = 10_000
@@ -29,9 +29,9 @@ class Layer(NamedTuple):
 
     Attributes:
         type: one of Blender's numbers for the type of its items.
-        data: the block that holds the items.
-        render: it is the one to show among those of its type.
-        single: one item stands for all.
+        data: the block that contains the items.
+        render: whether it is the layer to show among those of its type.
+        single: whether one item applies to all elements.
     """
 
     type: int
@@ -84,7 +84,7 @@ def named(among: list[Layer], name: str, kind: int) -> Layer | None:
 
 
 def shown(among: list[Layer], kind: int) -> Layer | None:
-    """The layer of that type that is to be shown, or else the first."""
+    """Return the layer of that type that is marked for rendering, or else the first."""
     chosen = [layer for layer in among if layer.type == kind]
     return next((layer for layer in chosen if layer.render), chosen[0] if chosen else None)
 
@@ -93,7 +93,7 @@ def column(mesh: Record, block: Block, struct: str, field: str, count: int) -> N
     """One field of an array of structs.
 
     Raises:
-        Damage: the block is shorter than `count` structs, or the file knows no such struct.
+        Damage: the block is shorter than `count` structs, or the file does not describe the struct.
     """
     index = mesh.file.dna.index(struct)
     if index is None:

@@ -21,17 +21,17 @@ _MAX_SLOTS = 32_767
 
 
 class Materials:
-    """Reads each material once, however many meshes use it."""
+    """Reads each material once, for all meshes that use it."""
 
     def __init__(self, file: BlendFile, images: Images) -> None:
         self._file = file
         self._images = images
         self._read: dict[int, Material | None] = {}
-        #: materials that show the images that polygons have of their own (until 2.79)
+        #: materials for images that are assigned to polygons (until 2.79)
         self.face_textured: set[Material] = set()
 
     def slots(self, holder: Record, field: str, count: int) -> list[Material | None]:
-        """The materials that an array of pointers means, e.g. the slots of a mesh."""
+        """Return the materials of an array of pointers, e.g. the slots of a mesh."""
         return [self.at(address, holder) for address in holder.addresses(field, min(count, _MAX_SLOTS))]
 
     def image_at(self, address: int, holder: Record) -> Image | None:

@@ -71,7 +71,7 @@ def _old_faces(mesh: Record, arrays: _Arrays) -> Polygons | None:
         arrays.vertices(),
         indices.ravel(),
         np.arange(count) * 4,
-        # a triangle has no fourth vertex, and no quad ends with vertex 0
+        # the fourth vertex is 0 for triangles; a quad never ends with vertex 0
         np.where(indices[:, 3] == 0, 3, 4),
         materials=column(mesh, faces, "MFace", "mat_nr", count).astype(np.int64),
         smooth=(column(mesh, faces, "MFace", "flag", count).astype(np.int64) & _SMOOTH).astype(np.bool_),
@@ -81,7 +81,7 @@ def _old_faces(mesh: Record, arrays: _Arrays) -> Polygons | None:
 
 
 class _Arrays:
-    """Finds each array where the version of the file keeps it."""
+    """Finds the arrays, whose location depends on the version of the file."""
 
     def __init__(self, mesh: Record) -> None:
         self.mesh = mesh
@@ -144,7 +144,7 @@ class _Arrays:
         return self._structs("mpoly", self.polygon_layers, kinds.MPOLY)
 
     def _polygon_field(self, *names: str) -> Ints | None:
-        """A field of the polygons, while these are structs and have it."""
+        """Return a field of the polygons, for versions in which they are structs with that field."""
         block, index = self._polygon_structs, self.mesh.file.dna.index("MPoly")
         if block is None or index is None:
             return None
@@ -176,7 +176,7 @@ class _Arrays:
             return np.logical_not(values(self.mesh, layer, self.polygon_count).astype(np.bool_))
         flags = self._polygon_field("flag", "flag_legacy")
         if flags is None:
-            # nothing is sharp that no attribute calls so
+            # without an attribute, nothing is sharp
             return np.ones(self.polygon_count, np.bool_)
         return (flags & _SMOOTH).astype(np.bool_)
 

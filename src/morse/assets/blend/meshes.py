@@ -25,7 +25,7 @@ _MAX_SLOTS = 32_767
 
 
 class Meshes:
-    """Reads each mesh once, however many objects show it."""
+    """Reads each mesh once, for all objects that use it."""
 
     def __init__(self, materials: Materials) -> None:
         self._materials = materials
@@ -36,7 +36,7 @@ class Meshes:
 
         Args:
             record: the mesh.
-            crease: angle (rad) above which an edge is sharp, where a modifier of the object says so.
+            crease: angle above which an edge is sharp, rad, if a modifier of the object sets it.
         """
         key = (record.offset, crease)
         if key not in self._read:
@@ -51,7 +51,7 @@ class Meshes:
         polygons = read_polygons(record)
         if polygons is None or not len(polygons.sizes):
             return None
-        # many meshes can mean the same arrays
+        # several meshes may refer to the same arrays
         record.file.spend(len(polygons.corners) // 20)
         slots = self._materials.slots(record, "mat", record.integer("totcol", 0))
         if polygons.pictures is not None:
@@ -59,14 +59,14 @@ class Meshes:
         if crease is None and record.file.version >= 401:
             crease = pi
         elif crease is None and record.integer("flag", 0) & _AUTO_SMOOTH:
-            # so long, sharp edges mattered only where the mesh or a modifier asked for them
+            # in these versions, sharp edges were used only if the mesh or a modifier enabled them
             crease = _threshold(record)
         return build(datablock_name(record), polygons, corner_normals(polygons, crease), tuple(slots))
 
     def _picture_slots(self, record: Record, polygons: Polygons, slots: list[Material | None]) -> list[Material | None]:
-        """Give polygons with an image of their own a material that shows it.
+        """Assign materials to polygons with their own image.
 
-        The game engine did so where a polygon had no material, or one that asked for the images of its polygons.
+        The game engine did so for polygons without a material, or with a material that uses the images of its polygons.
         """
         assert polygons.pictures is not None
         last = max(len(slots) - 1, 0)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 _MUTED = 1 << 9
 _OUTPUT = 1 << 6
-#: reroutes and muted nodes passed on the way to the node that feeds a socket
+#: maximum number of reroutes and muted nodes between a socket and the node that feeds it
 _DEPTH = 32
 
 
@@ -48,7 +48,7 @@ class Node:
         return None if socket is None else self.tree.source(socket)
 
     def value(self, *names: str, default: float) -> float:
-        """The number set at an input that nothing feeds; the default otherwise."""
+        """Return the value of an unconnected input; the default otherwise."""
         socket = self.socket(*names)
         if socket is None or self.tree.source(socket) is not None:
             return default
@@ -56,7 +56,7 @@ class Node:
         return default if holder is None else holder.real("value", default)
 
     def color(self, *names: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
-        """The colour at an input: as set there, or of the RGB node that feeds it; the default otherwise."""
+        """Return the colour of an input or of the RGB node that feeds it; the default otherwise."""
         socket = self.socket(*names)
         if socket is None:
             return default
@@ -72,7 +72,7 @@ class Node:
         return red, green, blue
 
     def image(self, *names: str) -> Record | None:
-        """The image that reaches an input, also through nodes that change its colours."""
+        """Return the image that feeds an input, directly or through nodes that change its colours."""
         source = self.source(*names)
         waiting, seen = [source] if source else [], set[Node]()
         while waiting:

@@ -17,8 +17,8 @@ def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | 
 
     Args:
         polygons: the mesh.
-        crease: sharp edges part the polygons around a vertex: those that are marked, those of flat polygons, and
-            those that bend by more than this angle (rad). None: no edge is sharp.
+        crease: angle above which an edge is sharp, rad. Marked edges and edges of flat polygons are also sharp. Sharp
+            edges separate the polygons around a vertex. None: no edge is sharp.
     """
     if not polygons.smooth.any():
         return None
@@ -43,10 +43,10 @@ def _angles(polygons: Polygons) -> Floats:
 
 
 def _fans(polygons: Polygons, crease: float) -> Ints:
-    """(C,) a label that corners share if smooth edges connect them around their vertex."""
+    """Return (C,) labels; corners have the same label if smooth edges connect them around their vertex."""
     first, second = _smooth_edges(polygons, crease)
     after_first, after_second = polygons.following[first], polygons.following[second]
-    # neighbours run along their common edge in opposite directions, unless one is inside out
+    # neighbours traverse their common edge in opposite directions, unless one is flipped
     opposite = polygons.corners[first] != polygons.corners[second]
     one = np.concatenate([first, after_first])
     other = np.concatenate([np.where(opposite, after_second, second), np.where(opposite, second, after_second)])

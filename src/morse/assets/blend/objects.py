@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 MESH, LIGHT, CAMERA, ARMATURE = 1, 10, 11, 25
 _KINDS = {MESH: NodeKind.MESH, LIGHT: NodeKind.LIGHT, CAMERA: NodeKind.CAMERA, ARMATURE: NodeKind.ARMATURE}
 _HIDDEN = 1 << 2
-#: parents of parents of parents: a chain longer than that is a mistake
+#: maximum length of a chain of parents
 _MAX_DEPTH = 256
-#: metres, or times
+#: maximum coordinate, m, or scale
 _FAR = 1e9
 
 
 class Objects:
-    """Makes the node of each object.
+    """Creates the node of each object.
 
     Attributes:
         records: the objects by address, in the order of the file.
@@ -96,7 +96,7 @@ class Objects:
             node.bones = bones(record)
 
     def slots(self, record: Record) -> list[Material | None]:
-        """The materials that an object shows: its own where a slot belongs to it, else those of its mesh."""
+        """Return the materials of an object: its own for slots of the object, else those of its mesh."""
         data = record.follow("data") if record.integer("data", 0) else None
         shared: list[Material | None] = []
         if data is not None and data.has("mat"):
@@ -126,7 +126,7 @@ class Objects:
                 self._check_poses(node)
 
     def _check_poses(self, root: Node) -> None:
-        """Bring back what large scales of parents, multiplied, throw out of the world."""
+        """Correct poses that become too large by the product of the scales of parents."""
         waiting = [(root, Matrix())]
         while waiting:
             node, above = waiting.pop()
@@ -139,7 +139,7 @@ class Objects:
             waiting.extend((child, world) for child in node.children)
 
     def _parents(self) -> dict[int, int]:
-        """Object to parent, without circles and endless chains."""
+        """Return object to parent, without cycles and overlong chains."""
         parents = {address: self.records[address].integer("parent", 0) for address in self.nodes}
         parents = {address: above for address, above in parents.items() if above in self.nodes}
         depths: dict[int, int] = {}
@@ -149,7 +149,7 @@ class Objects:
             while current is not None and current not in depths and current not in path:
                 path[current] = None
                 current = parents.get(current)
-            # what closes a circle is cut off as if it had no parent
+            # an object that closes a cycle becomes a root
             depth = -1 if current is None or current in path else depths[current]
             for address in reversed(path):
                 depth += 1

@@ -1,4 +1,4 @@
-"""The frames that children hang on: an object, one of its vertices, or one of its bones."""
+"""The frames of parents: an object, one of its vertices, or one of its bones."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _MAX_BONES = 100_000
 
 
 def parent_kind(record: Record) -> int:
-    """What the parent of an object is: `VERTEX`, `TRIANGLE`, `BONE`, or another number for the object as such."""
+    """Return the kind of parent: `VERTEX`, `TRIANGLE`, `BONE`, or another number for the object itself."""
     return record.integer("partype", 0) & _KIND
 
 
 def parent_frame(record: Record, parent: Record) -> Matrix | None:
-    """4x4 of the part that an object hangs on, in the frame of its parent; None for the parent itself."""
+    """Return the 4x4 pose of the part to which an object is parented, in the frame of the parent object, or None."""
     kind = parent_kind(record)
     if kind == BONE:
         return _bone_frame(parent, record.text("parsubstr"))

@@ -1,4 +1,4 @@
-"""The faces of a mesh, the same for all generations of the file format."""
+"""The faces of a mesh, independent of the version of the file format."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Bools = NDArray[np.bool_]
 
 @dataclass(eq=False)
 class Polygons:
-    """Polygons whose corners follow each other in one array; each has three corners or more.
+    """Polygons with at least three corners, whose corners are concatenated in one array.
 
     Attributes:
         vertices: (V, 3) metres.
@@ -26,7 +26,7 @@ class Polygons:
         materials: (P,) material slot.
         smooth: (P,) shaded smoothly.
         uvs: (C, 2), or None.
-        sharp: (E, 2) vertices of the edges that shading does not cross.
+        sharp: (E, 2) vertices of the sharp edges.
         pictures: (P,) address of the image that each polygon shows (until 2.79), 0 for none; or None.
     """
 
@@ -61,7 +61,7 @@ class Polygons:
         """(P, 3) unit normals by Newell's method; zero for polygons without area."""
         if not len(self.sizes):
             return np.zeros((0, 3))
-        # relative to the first corner, as the products of large coordinates would eat the digits
+        # relative to the first corner, because products of large coordinates lose precision
         points = self.vertices[self.corners] - self.vertices[self.corners[self.starts]][self.polygon]
         return unit(np.add.reduceat(np.cross(points, points[self.following]), self.starts))
 
@@ -78,9 +78,9 @@ def gather(
     sharp: Ints | None = None,
     pictures: NDArray[np.uint64] | None = None,
 ) -> Polygons:
-    """Check the arrays of a file and lay the corners of all polygons side by side.
+    """Validate the arrays of a file and concatenate the corners of all polygons.
 
-    Polygons of fewer than three corners, or with a vertex that is nowhere, are left out.
+    Polygons with fewer than three corners, or with a vertex that is not finite, are left out.
 
     Raises:
         Damage: an index points outside of its array, or polygons overlap.
@@ -127,7 +127,7 @@ def _without(polygons: Polygons, lost: Bools) -> Polygons:
 
 
 def unit(vectors: Floats) -> Floats:
-    """(N, 3) vectors at length 1; those without a direction become zero."""
+    """Normalise vectors (N, 3); vectors of length 0 stay 0."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     result: Floats = np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 1e-20)
     return result

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from morse.assets.blend.record import Record
     from morse.scene import Node
 
-#: kinds of datablocks that are missed if they are in another file
+#: kinds of datablocks for which a warning is given if they are in another file
 _LINKED = ("OB", "ME", "GR", "MA", "IM")
 
 
@@ -31,9 +31,9 @@ def read_blend(path: str | Path, *, blender: str | None = None, size_limit: int 
 
     Args:
         path: the file; plain, gzip or zstd compressed.
-        blender: the program that evaluates modifiers and curves, where the file has such; by default the
-            one that MORSE_BLENDER names, or `blender` on the PATH.
-        size_limit: bytes that the file may have after decompression.
+        blender: the Blender program that evaluates modifiers and curves; by default the program in MORSE_BLENDER, or
+            `blender` on the PATH.
+        size_limit: maximum size of the file after decompression, bytes.
 
     Raises:
         BlendError: the file is broken, cut off, too large, or not a .blend file.

@@ -1,4 +1,4 @@
-"""Structs in a file, which know their fields and follow their pointers."""
+"""Structs in a file, with access to fields and pointers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MAX_TEXT = 1 << 20
 class Record:
     """A struct in the file.
 
-    Numbers that are not finite are replaced by the default: a file can hold them, a simulation cannot.
+    Numbers that are not finite are replaced by the default, because a simulation cannot use them.
     """
 
     __slots__ = ("block", "file", "offset", "struct")
@@ -35,7 +35,7 @@ class Record:
         self.block = block
 
     def has(self, name: str) -> bool:
-        """True if this version of the struct has the field."""
+        """Whether this version of the struct has the field."""
         return name in self.struct.fields
 
     def either(self, *names: str) -> str:
@@ -65,7 +65,7 @@ class Record:
         return self.reals(name, (default,))[0]
 
     def reals(self, name: str, default: Sequence[float]) -> tuple[float, ...]:
-        """As many numbers as the default has, which stands in if the field does not exist or is not finite."""
+        """Return as many numbers as the default has; the default if the field does not exist or is not finite."""
         if name not in self.struct.fields:
             return tuple(default)
         values = self._values(name)[: len(default)]
@@ -89,7 +89,7 @@ class Record:
         return self.file.data[start : start + field.size]
 
     def text(self, name: str, default: str = "") -> str:
-        """Characters up to the first NUL: what follows it is rubbish."""
+        """Return the text up to the first NUL; the bytes after it are undefined."""
         if name not in self.struct.fields:
             return default
         return self.raw(name).split(b"\0", 1)[0].decode("utf-8", "replace")
@@ -106,11 +106,11 @@ class Record:
         return Record(self.file, layout, self.offset + field.offset, self.block)
 
     def target(self, name: str) -> Block | None:
-        """The block that a pointer means."""
+        """Return the block to which a pointer refers."""
         return self.file.block(self.integer(name, 0), self.block.owner)
 
     def follow(self, name: str, struct: str | None = None) -> Record | None:
-        """The struct that a pointer means, or None.
+        """Return the struct to which a pointer refers, or None.
 
         Args:
             name: of the field.
@@ -120,7 +120,7 @@ class Record:
         return None if block is None else self.file.record(block, self.file.dna.index(struct) if struct else None)
 
     def content(self, name: str, limit: int) -> bytes:
-        """Up to `limit` bytes of the block that a pointer means; none if there is no block."""
+        """Return up to `limit` bytes of the block to which a pointer refers; empty if there is no block."""
         block = self.target(name)
         if block is None:
             return b""
@@ -129,13 +129,13 @@ class Record:
         return self.file.data[block.offset : block.offset + size]
 
     def string(self, name: str) -> str:
-        """The text that a pointer means, up to the first NUL; empty if there is none."""
+        """Return the text to which a pointer refers, up to the first NUL; empty if there is none."""
         if not self.has(name):
             return ""
         return self.content(name, _MAX_TEXT).split(b"\0", 1)[0].decode("utf-8", "replace")
 
     def addresses(self, name: str, count: int) -> list[int]:
-        """Up to `count` addresses of the array that a pointer means."""
+        """Return up to `count` addresses of the array to which a pointer refers."""
         block = self.target(name)
         if block is None:
             return []
@@ -146,7 +146,7 @@ class Record:
         return found
 
     def items(self, name: str, struct: str, count: int) -> Iterator[Record]:
-        """Up to `count` structs of the array that a pointer means."""
+        """Iterate over up to `count` structs of the array to which a pointer refers."""
         block, index = self.target(name), self.file.dna.index(struct)
         if block is None or index is None:
             return
@@ -164,7 +164,7 @@ class Record:
         seen: set[int] = set()
         while (block := holder.target(field)) is not None:
             if block.offset in seen:
-                self.file.warn(f"a list of {struct} in the file bites its own tail; it may be damaged")
+                self.file.warn(f"a list of {struct} in the file is circular; the file may be damaged")
                 return
             seen.add(block.offset)
             self.file.spend()
@@ -181,5 +181,5 @@ def _usable(value: float) -> bool:
 
 
 def datablock_name(record: Record) -> str:
-    """The name of a datablock, without the two letters that say its kind."""
+    """Return the name of a datablock, without the two letters of its kind."""
     return record.part("id").text("name")[2:]

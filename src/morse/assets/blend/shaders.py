@@ -88,7 +88,7 @@ def _principled(name: str, shader: Node, images: Images) -> Material:
 
 
 def _mixed(name: str, shader: Node, images: Images, depth: int) -> Material | None:
-    """The weightier of two shaders; mixing with a transparent one makes the other translucent."""
+    """Return the shader with the larger weight; mixing with a transparent shader makes the other translucent."""
     factor = _share(shader.value("Fac", "Factor", default=0.5)) if shader.kind == "ShaderNodeMixShader" else 0.5
     sockets = [socket for socket in shader.inputs if socket.text("name") == "Shader"][:2]
     sources = [shader.tree.source(socket) for socket in sockets]

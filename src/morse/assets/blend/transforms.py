@@ -48,7 +48,7 @@ def _rotation(record: Record) -> list[float]:
         order = _ORDERS.get(mode, "XYZ")
         angles, turned = record.reals("rot", _ZERO), record.reals("drot", _ZERO)
         if order == "XYZ" and not any(turned):
-            # kept as they are, so that scripts see the numbers of the file
+            # not normalised, so that scripts see the numbers of the file
             return list(angles)
         delta, own = Euler(turned, order).to_matrix(), Euler(angles, order).to_matrix()
     return list((delta @ own).to_euler())
@@ -72,5 +72,5 @@ def matrix(record: Record, name: str) -> Matrix:
 
 
 def is_identity(value: Matrix) -> bool:
-    """True if a 4x4 matrix changes nothing."""
+    """Whether a 4x4 matrix is the identity."""
     return all(abs(value[i][j] - (i == j)) < 1e-7 for i in range(4) for j in range(4))

@@ -1,4 +1,4 @@
-"""Polygons to triangles, concave ones too."""
+"""Triangulation of convex and concave polygons."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from morse.assets.blend.polygons import Floats, Ints, Polygons
 
-#: clipping the ears of a polygon takes up to 10 ns times the square of its corners; a mesh gets 5 s
+#: limit of the time for ear clipping: 10 ns times the square of the number of corners, 5 s for a mesh
 _CLIP_BUDGET = 500_000_000
 
 
@@ -27,7 +27,7 @@ def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
         simple = np.ones(len(chosen), np.bool_)
         for number, dent in _dents(polygons, chosen, corners):
             if size == 4:
-                # a fan from the dent stays inside
+                # a fan from the concave corner stays inside
                 fans[number] = corners[number][(fan + dent) % 4]
             elif size * size <= budget:
                 budget -= size * size
@@ -44,7 +44,7 @@ def triangulate(polygons: Polygons) -> tuple[Ints, Ints]:
 
 
 def _dents(polygons: Polygons, chosen: Ints, corners: Ints) -> list[tuple[int, int]]:
-    """Which of N polygons of equal size are concave, and at which corner most so.
+    """Return which of N polygons of equal size are concave, and the most concave corner of each.
 
     Args:
         polygons: the mesh.
@@ -56,13 +56,13 @@ def _dents(polygons: Polygons, chosen: Ints, corners: Ints) -> list[tuple[int, i
     points = polygons.vertices[polygons.corners[corners]]
     ahead = np.roll(points, -1, axis=1) - points
     turns = np.einsum("nkj,nj->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), polygons.normals[chosen])
-    # a little slack: rounding bends the straight sides of flat polygons both ways
+    # a small tolerance, because rounding bends straight sides in both directions
     concave = np.flatnonzero((turns < -1e-6 * np.abs(turns).max(axis=1, keepdims=True)).any(axis=1))
     return list(zip(concave.tolist(), turns[concave].argmin(axis=1).tolist(), strict=True))
 
 
 def _clip(points: Floats, normal: Floats) -> Ints | None:
-    """(T, 3) indices of the triangles of one polygon, wound as it is; None if they do not cover it (it crosses itself).
+    """Return triangles (T, 3) of one polygon with its winding; None if it crosses itself.
 
     Corners on straight sides may be left out.
     """

@@ -1,4 +1,4 @@
-"""What of an object only Blender itself can work out: modifiers, curves, constraints, shape keys."""
+"""Determines what only Blender itself can evaluate: modifiers, curves, constraints, shape keys."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 MESH, CURVE, SURFACE, FONT, METABALL = 1, 2, 3, 4, 5
 _SHOWN = 1
-#: modifiers that move no vertex: they bend normals, mark vertices, or simulate
+#: modifiers that do not move vertices: they change normals, mark vertices, or simulate
 _HARMLESS = frozenset(
     f"{name}ModifierData"
     for name in (
@@ -25,20 +25,20 @@ _HARMLESS = frozenset(
 )  # fmt: skip
 _SMOOTH_BY_ANGLE = "Smooth by Angle"
 _FROM_ANGLE = 1 << 1
-#: switched off, or without a target
+#: flags of constraints that are disabled or have no target
 _MUTED_CONSTRAINT = 1 << 9 | 1 << 2
 _MUTED_KEY = 1 << 0
 
 
 class Needs(NamedTuple):
-    """What Blender has to work out for an object."""
+    """What Blender has to evaluate for an object."""
 
     mesh: bool
     pose: bool
 
 
 def needs(record: Record) -> Needs:
-    """What Blender has to work out for an object."""
+    """What Blender has to evaluate for an object."""
     kind = record.integer("type")
     shaped = kind in (SURFACE, FONT, METABALL) or (kind == CURVE and _has_surface(record))
     if kind == MESH:
@@ -51,13 +51,13 @@ def needs(record: Record) -> Needs:
 
 
 def crease_angle(record: Record) -> float | None:
-    """The angle above which edges are sharp, if a modifier says one: rad."""
+    """Return the angle above which edges are sharp, rad, if a modifier sets it."""
     for modifier in _modifiers(record):
         if modifier.struct.name == "EdgeSplitModifierData":
             if not modifier.integer("flags", 0) & _FROM_ANGLE:
                 return pi
             angle = modifier.real("split_angle", pi)
-            # degrees until 2.6x: no edge bends by more than pi
+            # the angle was stored in degrees until 2.6x; values in radians are at most pi
             return radians(angle) if angle > pi + 1e-3 else angle
         if _is_smooth_by_angle(modifier):
             settings = modifier.part("settings").follow("properties", "IDProperty")
@@ -67,7 +67,7 @@ def crease_angle(record: Record) -> float | None:
 
 
 def _modifiers(record: Record) -> Iterator[Record]:
-    """The modifiers that are switched on, each read as what it is."""
+    """Iterate over the enabled modifiers, each read as its struct type."""
     for modifier in record.chain("modifiers", "ModifierData"):
         if modifier.integer("mode", _SHOWN) & _SHOWN:
             yield record.file.record(modifier.block)
@@ -95,7 +95,7 @@ def _is_keyed(record: Record) -> bool:
 
 
 def _has_surface(record: Record) -> bool:
-    """False for curves that are mere paths."""
+    """Whether an object has a surface; false for curves that are only paths."""
     curve = record.follow("data", "Curve")
     if curve is None:
         return False

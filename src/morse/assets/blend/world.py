@@ -1,4 +1,4 @@
-"""What a file says of its whole world: gravity, horizon, mist."""
+"""World settings of a file: gravity, horizon, mist."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Collision shapes found in triangle meshes.
+"""Collision shapes from triangle meshes.
 
-The physics knows boxes, spheres, cylinders, capsules and convex hulls. A mesh that is one of them is given as
-such; any other is cut into parts that are, so that rooms, doorways and shelves stay hollow.
+The physics supports boxes, spheres, cylinders, capsules and convex hulls. A mesh that is one of these is represented by
+it. Any other mesh is divided into such parts, so that rooms, doorways and shelves stay hollow.
 """
 
 from morse.assets.shapes.convexity import thickened

@@ -1,4 +1,4 @@
-"""Surfaces made coarser."""
+"""Simplification of surfaces."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def coarsened(surface: Surface, cell: float) -> Surface:
-    """The surface with one vertex in each cell of a grid: the one where the surface bends most.
+    """Simplify a surface to one vertex per grid cell, the vertex where the surface bends most.
 
     J. Rossignac and P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes" (1993).
     No vertex moves farther than the diagonal of a cell.
@@ -48,7 +48,7 @@ def _sharpness(surface: Surface) -> NDArray[np.float64]:
     along /= np.maximum(np.linalg.norm(along, axis=1), 1e-300)[:, None]
     straight = np.linalg.norm(_sums(surface, starts, along) + _sums(surface, ends, along), axis=1) / 2.0
     sharpness[starts] = 3.0 - straight[starts]
-    # rounded, so that which vertex stays does not hang on the last bit
+    # rounded, so that the choice of a vertex does not depend on the last bit
     bent: NDArray[np.float64] = np.round(sharpness, 9)
     return bent
 

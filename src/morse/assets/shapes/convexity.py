@@ -25,7 +25,7 @@ _THINNEST = 0.001  # metres; hulls that are flatter are made this thick
 
 
 def is_convex(surface: Surface) -> bool:
-    """True if one piece of a surface is closed, seen from outside, and no vertex lies in front of a face."""
+    """Whether one piece of a surface is closed, oriented outward, and no vertex lies in front of a face."""
     if surface.signed_volume <= 0.0 or not surface.is_closed:
         return False
     tolerance = _BULGE * surface.diagonal
@@ -60,9 +60,9 @@ def hull_part(points: Floats) -> ConvexPart:
 
 
 def thickened(points: Floats, least: float) -> Floats:
-    """Points (P, 3) whose hull is at least so thick, in metres, along each of its principal axes.
+    """Return points (P, 3) whose hull has at least the thickness ``least``, m, along each principal axis.
 
-    Points that lie too close to a plane, a line or a point are doubled: one copy is moved to each side.
+    Points that lie too close to a plane, a line or a point are duplicated, and one copy is moved to each side.
     """
     centre = points.mean(axis=0)
     _, axes = np.linalg.eigh((points - centre).T @ (points - centre))

@@ -1,4 +1,4 @@
-"""Meshes taken apart into convex parts."""
+"""Decomposition of meshes into convex parts."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ _COARSEST = 1.0 / 3.0  # of the diagonal
 def convex_parts(
     vertices: ArrayLike, triangles: ArrayLike, *, limit: int = DEFAULT_LIMIT, warnings: list[str] | None = None
 ) -> list[Part]:
-    """Take a mesh apart into primitives and convex parts, in the frame of the mesh.
+    """Decompose a mesh into primitives and convex parts, in the frame of the mesh.
 
-    Each piece that hangs together becomes one part if it is a primitive or convex. Any other becomes plates behind
-    its flat patches, so that the visible surface is exact and what is hollow stays so. A piece that needs too many is
-    made coarser until the limit holds; if nothing helps it becomes its convex hull.
+    Each connected piece becomes one part if it is a primitive or convex. Any other piece becomes plates behind its flat
+    patches, so that the visible surface is exact and hollows are kept. A piece that needs too many plates is simplified
+    until the limit is met, or else replaced by its convex hull.
 
     Args:
         vertices: (V, 3) metres.
         triangles: (T, 3) indices, counter-clockwise seen from outside.
-        limit: most parts to be made, at least 1.
-        warnings: gets a sentence for all that is less exact than the mesh.
+        limit: maximum number of parts, at least 1.
+        warnings: list to which a sentence about lost accuracy is appended.
 
     Returns:
-        The parts; none for a mesh without area.
+        The parts; empty for a mesh without area.
 
     Raises:
         ValueError: the limit is less than 1 or the arrays have other shapes.
@@ -106,7 +106,7 @@ def _plates_of(piece: Surface, flatness: Flatness, budget: int) -> list[Part] | 
 
 
 def _hollow(pieces: list[Surface]) -> list[bool]:
-    """Whether each piece is a cavity or contains one; such a piece is not a solid."""
+    """Return whether each piece is a cavity or contains one; such a piece is not a solid."""
     lows = np.array([piece.vertices.min(axis=0) for piece in pieces])
     highs = np.array([piece.vertices.max(axis=0) for piece in pieces])
     hollow = np.zeros(len(pieces), dtype=bool)

@@ -1,4 +1,4 @@
-"""Meshes that are boxes, spheres or cylinders."""
+"""Detects meshes that are boxes, spheres or cylinders."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _PARALLEL = 1e-3  # radians
 
 
 def detect_primitive(vertices: ArrayLike, triangles: ArrayLike) -> Primitive | None:
-    """The box, sphere or cylinder that a mesh is, in the frame of the mesh; None if it is none of them.
+    """Return the box, sphere or cylinder that a mesh represents, in the frame of the mesh, or None.
 
-    A mesh seen from inside (a room) or of several pieces is none.
+    For a mesh that is oriented inward (a room) or has several pieces, None is returned.
 
     Args:
         vertices: (V, 3) metres.
@@ -52,7 +52,7 @@ def primitive_of(surface: Surface) -> Primitive | None:
     sphere = _as_sphere(surface.vertices, volume)
     if sphere is not None:
         return sphere
-    # Near axes pass too: the one that fits best is the true one.
+    # Similar axes also pass the test; the best fit is used.
     fits = [_as_cylinder(surface.vertices, volume, axis) for axis in _cylinder_axes(surface)]
     best = min((fit for fit in fits if fit is not None), key=lambda fit: fit[1], default=None)
     return None if best is None else best[0]
@@ -130,9 +130,9 @@ def _as_sphere(points: Floats, volume: float) -> Primitive | None:
 
 def _cylinder_axes(surface: Surface) -> Iterator[Floats]:
     yield from np.eye(3)
-    # The caps of a short one have most of the area in one direction …
+    # The caps of a short cylinder have most of the area in one direction …
     yield _main_normal(surface.normals, surface.areas)
-    # … and the mantle of a long one has its normals at right angles to the axis.
+    # … and the side of a long cylinder has normals at right angles to the axis.
     spread = (surface.normals * surface.areas[:, None]).T @ surface.normals
     yield from np.linalg.eigh(spread)[1].T
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 SMALLEST_HALF = 1e-3
-"""Metres: the physics takes no flat solids, so that a solid gets at least this half size."""
+"""Minimum half size of a solid, m, because the physics does not accept flat solids."""
 
 
 def fit_bounds(vertices: ArrayLike, bounds: Bounds) -> Primitive:

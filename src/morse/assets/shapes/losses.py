@@ -1,4 +1,4 @@
-"""What is said of meshes that collide less exactly than they look."""
+"""Warnings about meshes whose collision shapes are less exact than the mesh."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class Losses:
-    """What became less exact than the mesh.
+    """The record of lost accuracy.
 
     Attributes:
-        coarse: error and size of each piece that was made coarser, metres.
-        hulls: size of each piece that became its convex hull.
-        grouped: size of each piece that shares a hull with others, the largest first.
+        coarse: error and size of each piece that was simplified, m.
+        hulls: size of each piece that was replaced by its convex hull, m.
+        grouped: size of each piece that shares a hull with others, m, the largest first.
     """
 
     coarse: list[tuple[float, float]] = field(default_factory=list)
@@ -20,7 +20,7 @@ class Losses:
     grouped: list[float] = field(default_factory=list)
 
     def told(self, limit: int) -> list[str]:
-        """A sentence for the user, if anything was lost to the limit of parts."""
+        """Return a sentence for the user if accuracy was lost by the limit of parts."""
         said = []
         if self.coarse:
             error, size = max(self.coarse)

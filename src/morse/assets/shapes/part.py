@@ -1,4 +1,4 @@
-"""What a mesh is taken apart into."""
+"""The parts into which a mesh is decomposed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Primitive:
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
 
     def to_shape(self) -> CollisionShape:
-        """The same for the physics."""
+        """Return the shape for the physics."""
         if self.kind == "cone":
             return ConvexPart(self._cone_points()).to_shape()
         x, y, z = self.position.tolist()
@@ -60,7 +60,7 @@ class ConvexPart:
     points: NDArray[np.float64]
 
     def to_shape(self) -> CollisionShape:
-        """The same for the physics."""
+        """Return the shape for the physics."""
         return CollisionShape(ShapeKind.CONVEX, (), vertices=self.points)
 
 

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Flatness:
-    """How flat a patch has to be.
+    """The tolerances of a flat patch.
 
     Attributes:
-        angle: radians that a triangle may lean.
-        distance: metres that a corner may lie off the plane.
+        angle: largest angle between a triangle and the plane, rad.
+        distance: largest distance of a corner from the plane, m.
     """
 
     angle: float
@@ -40,7 +40,7 @@ class Patch:
         triangles: (N,) their indices.
         normal: (3,) of the plane.
         offset: metres from the origin to the plane along the normal.
-        acute: (K, 4) planes (normal, offset) of patches that meet this one at less than a right angle of solid.
+        acute: (K, 4) planes (normal, offset) of patches that meet this one at an acute interior angle.
     """
 
     triangles: Ints
@@ -50,9 +50,9 @@ class Patch:
 
 
 def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch] | None:
-    """The surface as flat patches, grown from its largest triangles; None if there are more than `limit`.
+    """Divide a surface into flat patches, grown from its largest triangles; None if there are more than `limit`.
 
-    A patch is measured against its first triangle, so that a curved surface does not become one patch step by step.
+    Triangles are compared with the first triangle of a patch, so that a curved surface does not become one patch.
     """
     across = edge_neighbours(surface)
     label = np.where(surface.areas > 0.0, -1, -2)
@@ -90,7 +90,7 @@ def flat_patches(surface: Surface, flatness: Flatness, limit: int) -> list[Patch
 
 
 def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, offsets: Floats) -> list[Floats]:
-    """Of each patch, the planes of those neighbours that the solid behind it narrows toward."""
+    """Return for each patch the planes of its neighbours at an acute interior angle."""
     one, other = np.repeat(np.arange(len(across)), 3), across.ravel()
     met = other >= 0
     one, other = one[met], other[met]

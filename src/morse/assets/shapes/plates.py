@@ -1,4 +1,4 @@
-"""Flat patches given thickness: solid plates whose outer face is the visible surface."""
+"""Converts flat patches into solid plates whose outer face is the visible surface."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SQUARE = 1e-3  # sine by which the corners of a rectangle may be off
 
 
 def plates(surface: Surface, patches: list[Patch], limit: int) -> list[Part] | None:
-    """Convex plates behind patches of a surface, never thicker than what lies behind; None if more than `limit`."""
+    """Return convex plates behind patches, not thicker than the solid behind them; None if more than `limit`."""
     made: list[Part] = []
     thickness = _thicknesses(surface, patches)
     for patch, thick in zip(patches, thickness, strict=True):
@@ -63,7 +63,7 @@ def _fill_the_same(boxes: list[Floats], patch: Patch, surface: Surface) -> bool:
 
 
 def _thicknesses(surface: Surface, patches: list[Patch]) -> list[float]:
-    """Metres of each plate: by its size, and not through the opposite face of a thin wall."""
+    """Return the thickness of each plate, m, from its size, limited by the opposite face of a thin wall."""
     if not patches:
         return []
     normals = np.array([patch.normal for patch in patches])

@@ -1,4 +1,4 @@
-"""Plane polygons cut into convex ones."""
+"""Divides plane polygons into convex polygons."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _SAME_AREA = 1e-3
 
 
 def convex_polygons(points: Floats, loops: Sequence[Polygon], triangles: Sequence[Polygon]) -> list[Polygon]:
-    """Convex polygons, counter-clockwise, that fill an area together.
+    """Divide an area into convex polygons, counter-clockwise.
 
     Args:
         points: (P, 2) metres.
         loops: indices of points around the area: one outer loop counter-clockwise, holes clockwise.
-        triangles: the same area in triangles, used where the loops cross or touch themselves.
+        triangles: the same area in triangles, used if the loops cross or touch themselves.
     """
     where: list[Point2] = [(x, y) for x, y in points.tolist()]
     simple = [loop for loop in (_without_straight(where, loop) for loop in loops) if len(loop) >= 3]
@@ -90,7 +90,7 @@ def _ears(points: Floats, loops: list[Polygon]) -> list[Polygon]:
 
 
 def _merged(where: Sequence[Point2], pieces: list[Polygon]) -> list[Polygon]:
-    """Convex polygons joined over common edges, the longest first, while they stay convex.
+    """Merge convex polygons over common edges, the longest first, as long as the result is convex.
 
     S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons" (1983): at most four times as many as needed.
     """

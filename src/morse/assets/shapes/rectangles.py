@@ -1,4 +1,4 @@
-"""Plane areas with right angles only, such as walls with doors, cut into rectangles."""
+"""Divides plane areas with only right angles, such as walls with doors, into rectangles."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _CELLS = 40_000
 
 
 def rectangles(points: Floats, loops: Sequence[Sequence[int]]) -> list[Floats] | None:
-    """The rectangles (4, 2), counter-clockwise, of an area whose edges have two directions at right angles.
+    """Return rectangles (4, 2), counter-clockwise, of an area whose edges have two perpendicular directions.
 
     Args:
         points: (P, 2) metres.
         loops: indices of points around the area, which lies to their left.
 
     Returns:
-        None if the edges have other directions, or are very many.
+        None if the edges have other directions, or there are too many edges.
     """
     starts = np.concatenate([points[loop] for loop in loops])
     ends = np.concatenate([np.roll(points[loop], -1, axis=0) for loop in loops])

@@ -1,4 +1,4 @@
-"""Triangle surfaces made fit for geometry: finite, welded, with their normals and neighbours."""
+"""Cleaned triangle surfaces: finite, welded, with normals and neighbours."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NO_AREA = 1e-14  # of the squared diagonal
 
 @dataclass(eq=False, slots=True)
 class Surface:
-    """Triangles whose common corners have common indices.
+    """Triangles with shared vertices.
 
     Attributes:
         vertices: (V, 3) metres; each belongs to a triangle.
@@ -54,7 +54,7 @@ class Surface:
 
     @property
     def is_closed(self) -> bool:
-        """True if every edge is run through as often in the one direction as in the other."""
+        """Whether every edge is traversed equally often in both directions."""
         starts, ends = half_edges(self.triangles)
         count = len(self.vertices)
         forward = np.sort(starts * count + ends)
@@ -73,7 +73,7 @@ def half_edges(triangles: Ints) -> tuple[Ints, Ints]:
 
 
 def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
-    """First and last vertex of the directed edges that no triangle runs through in the other direction.
+    """Return the first and last vertices of the directed edges that no triangle traverses in the other direction.
 
     Args:
         triangles: (T, 3) indices.
@@ -85,10 +85,10 @@ def open_edges(triangles: Ints, count: int) -> tuple[Ints, Ints]:
 
 
 def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
-    """A surface of what is usable of a mesh.
+    """Create a surface from the valid triangles of a mesh.
 
-    Triangles with missing, infinite or equal corners are left out. Corners at one place are welded where the
-    mesh has open edges: two closed solids that touch stay two.
+    Triangles with missing, infinite or equal corners are left out. Coincident corners are welded only at open edges, so
+    that two closed solids that touch stay separate.
 
     Args:
         vertices: (V, 3) metres.
@@ -158,7 +158,7 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
     low = points[border].min(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     cell = max(size * _WELD, float(np.abs(points).max()) * _SINGLE_PRECISION, 1e-12)
-    # Two places that are one can lie in neighbouring cells: a second grid, half a cell off, joins most of those.
+    # Coincident points can lie in neighbouring cells; a second grid with an offset of half a cell joins most of them.
     for shift in (0.0, 0.5):
         x, y, z = np.floor((points[border] - low) / cell + shift).astype(np.int64).T
         _, first, group = np.unique((x << 42) + (y << 21) + z, return_index=True, return_inverse=True)
@@ -190,7 +190,7 @@ def edge_neighbours(surface: Surface) -> Ints:
 
 
 def components(surface: Surface) -> list[Ints]:
-    """Indices of the triangles of each piece that hangs together by edges, the largest bounding box first."""
+    """Return the indices of the triangles of each connected piece, the largest bounding box first."""
     across = edge_neighbours(surface)
     count = len(across)
     label = np.arange(count)
