@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
+from morse.middleware.mavlink import mapping as mavlink
 from morse.middleware.mqtt import mapping as mqtt
 from morse.middleware.ros2.backends.choice import available
 from morse.middleware.ros2.mapping import INSTALL
@@ -65,6 +66,7 @@ def findings() -> Iterator[Finding]:
     yield _kernel()
     yield _ros2()
     yield _mqtt()
+    yield _mavlink()
     yield _browser()
     yield _blender()
 
@@ -109,8 +111,11 @@ def _ros2() -> Finding:
 
 
 def _mqtt() -> Finding:
-    install = mqtt.INSTALL
-    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", install)
+    return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", mqtt.INSTALL)
+
+
+def _mavlink() -> Finding:
+    return _module("pymavlink", "pymavlink", "vehicles of MAVLink", mavlink.INSTALL)
 
 
 def _data() -> Finding:

@@ -37,8 +37,16 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option
 
-#: middlewares that scripts may name although this installation does not have them
-_OTHER_NAMES = ("ros", "yarp", "yarp_json", "pocolibs", "moos", "hla", "mavlink", "pprzlink")
+#: middlewares that scripts may name although this installation does not have them, and what to take instead
+_OTHER_NAMES = {
+    "ros": "rosbridge or ros2",
+    "yarp": "rosbridge or mqtt",
+    "yarp_json": "rosbridge or mqtt",
+    "pocolibs": "ros2",
+    "moos": "mqtt",
+    "hla": "socket",
+    "pprzlink": "mavlink",
+}
 _GROUP = "morse.middlewares"
 _KIND_STREAM = "morse.core.kind_stream.KindStream"
 
@@ -137,7 +145,10 @@ def middleware(name: str) -> Middleware:
         return found[name]
     names = ", ".join(sorted(found)) or "none"
     if name in _OTHER_NAMES:
-        raise MorseMiddlewareError(f"the middleware '{name}' is not part of this installation (installed: {names})")
+        raise MorseMiddlewareError(
+            f"the middleware '{name}' is not part of this installation; {_OTHER_NAMES[name]} may do instead "
+            f"(installed: {names})"
+        )
     near = closest(name, [*found, *_OTHER_NAMES])
     hint = f"; did you mean '{near}'?" if near else ""
     raise MorseMiddlewareError(f"there is no middleware '{name}'{hint} (installed: {names})")

@@ -1,0 +1,1 @@
+"""Autopilots and ground stations: MAVLink 2."""

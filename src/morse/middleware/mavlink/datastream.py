@@ -1,0 +1,178 @@
+"""Carries data streams as messages of MAVLink."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.datastream import DatastreamManager
+from morse.core.exceptions import MorseMiddlewareError
+from morse.helpers.geodesy import angle_against_north
+from morse.middleware.mavlink.axes import Axes
+from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
+from morse.middleware.mavlink.framing import Framer
+from morse.middleware.mavlink.links import open_link
+from morse.middleware.mavlink.mapping import INSTALL, MANAGER_OPTIONS
+from morse.middleware.mavlink.telemetry import Telemetry
+from morse.middleware.mavlink.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.core.object import Object
+    from morse.middleware.mavlink.links import Link
+    from morse.middleware.mavlink.stream import MavlinkStream
+    from morse.scene import StreamDeclaration
+
+#: angle of the X axis of the world from east, counter-clockwise, rad
+_X_AXIS = {"enu": 0.0, "nwu": math.pi / 2.0}
+_UNSUPPORTED = 3
+_EVERYBODY = 0
+#: other sides of a link that send the beginning of a message
+_MOST_FRAMERS = 16
+
+
+class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
+    """Each robot is a system of its own, with a heartbeat in every tick.
+
+    Options of ``env.configure_stream_manager('mavlink', ...)`` are in `morse.middleware.mavlink.mapping`.
+
+    Attributes:
+        axes: how frames are turned: ``world``, ``nwu``, ``enu`` and ``ned``.
+    """
+
+    classpath = "morse.middleware.mavlink_datastream.MavlinkDatastreamManager"
+    manager_options = MANAGER_OPTIONS
+
+    def __init__(self, options: dict[str, Any], context: Context) -> None:
+        super().__init__(options, context)
+        try:
+            from pymavlink.dialects.v20 import common
+        except ImportError:
+            raise MorseMiddlewareError(f"mavlink: pymavlink is not installed; to install it: {INSTALL}") from None
+        self._dialect = common
+        self.axes = {name: Axes(name) for name in ("nwu", "enu", "ned")}
+        self.axes["world"] = self.axes[self.options["world"]]
+        self._wanted = {getattr(common, f"MAVLINK_MSG_ID_{name}") for name in (*COMMANDS, "COMMAND_LONG")}
+        self._links: dict[str, Link] = {}
+        self._framers: dict[str, dict[object, Framer]] = {}
+        self._vehicles: dict[tuple[str, str], Vehicle] = {}
+        self._parser = common.MAVLink(None)
+
+    # -- streams -----------------------------------------------------------------------------
+
+    def make_stream(self, component: Object, declaration: StreamDeclaration) -> Any:
+        """See `DatastreamManager.make_stream`."""
+        stream = super().make_stream(component, declaration)
+        robot = component.robot_parent or component
+        device = stream.kwargs["device"] or self.options["device"]
+        stream.vehicle = self._vehicle(robot.name(), device, stream.kwargs["system_id"])
+        return stream
+
+    def _vehicle(self, robot: str, device: str, wanted: int | None) -> Vehicle:
+        known = self._vehicles.get((robot, device))
+        if known is not None:
+            if wanted not in (None, known.system):
+                raise MorseMiddlewareError(f"mavlink: {robot} has the system_id {known.system} already, not {wanted}")
+            return known
+        if device not in self._links:
+            self._links[device] = open_link(device)
+            self._framers[device] = {}
+        taken = {one.system: name for (name, at), one in self._vehicles.items() if at == device}
+        of_robot = next((one.system for (name, _), one in self._vehicles.items() if name == robot), None)
+        system = wanted or of_robot or next(number for number in range(1, 257) if number not in taken)
+        if system > 255 or system in taken:
+            raise MorseMiddlewareError(
+                f"mavlink: the system_id {system} of {robot} is that of {taken.get(system, 'nobody')}; "
+                "a device has room for 255 robots with different ones"
+            )
+        options = self.options
+        made = Vehicle(self._dialect, system, self._links[device], options["vehicle"], options["hil"])
+        self._vehicles[robot, device] = made
+        return made
+
+    def opened(self, stream: MavlinkStream) -> None:
+        """Give an actuator what arrives for its robot."""
+        if stream.direction == "IN":
+            stream.vehicle.streams.append(stream)
+
+    def closed(self, stream: MavlinkStream) -> None:
+        """Give it nothing more."""
+        if stream in stream.vehicle.streams:
+            stream.vehicle.streams.remove(stream)
+        used = {id(one.vehicle) for streams in self.streams.values() for one in streams}
+        self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in used}
+
+    def check_north(self, stream: MavlinkStream) -> None:
+        """Refuse a component that knows where north is, if the link has it elsewhere.
+
+        Raises:
+            MorseMiddlewareError: saying what to write.
+        """
+        angle = angle_against_north(self.context.scene.properties)
+        world = self.options["world"]
+        if abs(math.remainder(angle - _X_AXIS[world], math.tau)) < 1e-6:
+            return
+        other = next((name for name, x in _X_AXIS.items() if abs(math.remainder(angle - x, math.tau)) < 1e-6), None)
+        mend = (
+            f"say env.configure_stream_manager('mavlink', world='{other}')"
+            if other is not None
+            else f"say env.properties(angle_against_north={_X_AXIS[world]:.6g})"
+        )
+        raise MorseMiddlewareError(
+            f"mavlink: {stream.component_name} finds north at another place than the link with world='{world}'; {mend}"
+        )
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def action(self) -> None:
+        """A tick begins: take what has arrived."""
+        for device, link in self._links.items():
+            framers = self._framers[device]
+            for sender, data in link.receive():
+                if sender not in framers and len(framers) >= _MOST_FRAMERS:
+                    framers.clear()
+                framer = framers.setdefault(sender, Framer(self._wanted))
+                for frame in framer.feed(data):
+                    self._arrived(device, frame.data)
+
+    def drain(self) -> None:
+        """See `DatastreamManager.drain`."""
+        self.action()
+
+    def _arrived(self, device: str, data: bytes) -> None:
+        try:
+            message = self._parser.decode(bytearray(data))
+        except Exception:  # pymavlink has several errors for a message that is none; it is just noise on the line
+            return
+        target = getattr(message, "target_system", _EVERYBODY)
+        for (_, at), vehicle in self._vehicles.items():
+            if at == device and target in (_EVERYBODY, vehicle.system):
+                if message.get_type() == "COMMAND_LONG":
+                    self._refuse(vehicle, message)
+                for stream in vehicle.streams:
+                    self._give(stream, message)
+
+    @staticmethod
+    def _give(stream: MavlinkStream, message: Any) -> None:
+        try:
+            stream.arrived(message)
+        except (ValueError, TypeError, OverflowError) as error:
+            stream.complain(message.get_type(), f"{message.get_type()} is refused: {error}")
+
+    @staticmethod
+    def _refuse(vehicle: Vehicle, message: Any) -> None:
+        """Other sides wait for an answer to a command."""
+        vehicle.send("command_ack", message.command, _UNSUPPORTED, 0, 0, message.get_srcSystem(), 0)
+
+    def flush(self) -> None:
+        """A tick ends: the sensors of each robot together, and a heartbeat."""
+        stamp = self.context.clock.stamp()
+        for vehicle in self._vehicles.values():
+            vehicle.tick(stamp)
+
+    def finalize(self) -> None:
+        """Close the links."""
+        super().finalize()
+        for link in self._links.values():
+            link.close()
+        self._links.clear()

@@ -1,0 +1,230 @@
+"""The sockets of MAVLink; nothing here waits."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import logging
+import socket
+import time
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.core.quoting import shown
+from morse.middleware.mavlink.framing import V1, V2
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    _Address = tuple[str, int]
+
+logger = logging.getLogger(__name__)
+
+#: in one tick: packets, and bytes of a connection, that are taken
+_MOST_PACKETS, _MOST_BYTES = 64, 1 << 16
+_MOST_PEERS = 16
+#: bytes that wait for a slow reader
+_MOST_UNSENT = 1 << 20
+#: wall-clock seconds between two attempts to connect
+_PAUSE = 1.0
+_UNDER_WAY = (errno.EINPROGRESS, errno.EWOULDBLOCK, errno.EAGAIN)
+
+
+class Link(ABC):
+    """A way to one or several other sides.
+
+    Attributes:
+        device: as the script has said it.
+    """
+
+    def __init__(self, device: str) -> None:
+        self.device = device
+
+    @abstractmethod
+    def send(self, data: bytes) -> None:
+        """Send to all that are there; what cannot be sent at once is lost or waits."""
+
+    @abstractmethod
+    def receive(self) -> Iterator[tuple[object, bytes]]:
+        """What has arrived: who has sent it, and bytes."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Release the sockets."""
+
+
+class UdpLink(Link):
+    """Packets to a fixed address (``udpout``), or to all that have sent some (``udpin``)."""
+
+    def __init__(self, device: str, address: _Address, family: int, *, listens: bool) -> None:
+        super().__init__(device)
+        self._listens = listens
+        self._peers: dict[_Address, None] = {}
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            (self._socket.bind if listens else self._socket.connect)(address)
+        except OSError as error:
+            self._socket.close()
+            raise _refused(device, error) from None
+
+    def send(self, data: bytes) -> None:
+        """See `Link.send`."""
+        for peer in self._peers if self._listens else (None,):
+            with contextlib.suppress(OSError):  # nobody is there, or the system has no room: a packet may be lost
+                self._socket.send(data) if peer is None else self._socket.sendto(data, peer)
+
+    def receive(self) -> Iterator[tuple[object, bytes]]:
+        """See `Link.receive`."""
+        for _ in range(_MOST_PACKETS):
+            try:
+                data, address = self._socket.recvfrom(_MOST_BYTES)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:  # the other side has no such port any more
+                continue
+            if self._listens and address not in self._peers:
+                if len(self._peers) >= _MOST_PEERS:
+                    del self._peers[next(iter(self._peers))]
+                self._peers[address] = None
+            yield address, data
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        self._socket.close()
+
+
+class _Connection:
+    """A TCP connection.
+
+    Attributes:
+        over: it has ended.
+    """
+
+    def __init__(self, sock: socket.socket) -> None:
+        self._socket = sock
+        self._rest = bytearray()
+        self._is_greeted = self.over = False
+        sock.setblocking(False)
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def send(self, data: bytes) -> None:
+        if len(self._rest) + len(data) <= _MOST_UNSENT:
+            self._rest += data
+        try:
+            del self._rest[: self._socket.send(self._rest)]
+        except OSError as error:
+            self._end_unless_busy(error)
+
+    def receive(self) -> bytes:
+        try:
+            data = self._socket.recv(_MOST_BYTES)
+        except OSError as error:
+            self._end_unless_busy(error)
+            return b""
+        # a web page could have a browser send anything, but not as the first byte
+        if not data or not (self._is_greeted or data[0] in (V1, V2)):
+            self.end()
+            return b""
+        self._is_greeted = True
+        return data
+
+    def _end_unless_busy(self, error: OSError) -> None:
+        if error.errno not in (*_UNDER_WAY, errno.ENOTCONN, errno.EINTR):
+            self.end()
+
+    def end(self) -> None:
+        self.over = True
+        self._socket.close()
+
+
+class TcpLink(Link):
+    """Connects to an address (``tcp``), again and again; or lets others connect (``tcpin``)."""
+
+    def __init__(self, device: str, address: _Address, family: int, *, listens: bool) -> None:
+        super().__init__(device)
+        self._address, self._family = address, family
+        self._connections: list[_Connection] = []
+        self._next_attempt = 0.0
+        self._listener: socket.socket | None = None
+        if listens:
+            self._listener = socket.socket(family, socket.SOCK_STREAM)
+            self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self._listener.setblocking(False)
+            try:
+                self._listener.bind(address)
+                self._listener.listen(_MOST_PEERS)
+            except OSError as error:
+                self._listener.close()
+                raise _refused(device, error) from None
+
+    def _look_for_others(self) -> None:
+        self._connections = [one for one in self._connections if not one.over]
+        if self._listener is not None:
+            while len(self._connections) < _MOST_PEERS:
+                try:
+                    self._connections.append(_Connection(self._listener.accept()[0]))
+                except OSError:
+                    return
+        elif not self._connections and time.monotonic() >= self._next_attempt:
+            self._next_attempt = time.monotonic() + _PAUSE
+            sock = socket.socket(self._family, socket.SOCK_STREAM)
+            sock.setblocking(False)
+            if sock.connect_ex(self._address) in (0, *_UNDER_WAY):
+                self._connections.append(_Connection(sock))
+            else:
+                sock.close()
+
+    def send(self, data: bytes) -> None:
+        """See `Link.send`."""
+        for one in self._connections:
+            if not one.over:
+                one.send(data)
+
+    def receive(self) -> Iterator[tuple[object, bytes]]:
+        """See `Link.receive`."""
+        self._look_for_others()
+        for one in self._connections:
+            data = one.receive()
+            if data:
+                yield one, data
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        for one in self._connections:
+            one.end()
+        if self._listener is not None:
+            self._listener.close()
+
+
+_WAYS = {"udpout": (UdpLink, False), "udpin": (UdpLink, True), "udp": (UdpLink, True), "tcp": (TcpLink, False),
+         "tcpin": (TcpLink, True)}  # fmt: skip
+
+
+def _refused(device: str, error: OSError) -> MorseMiddlewareError:
+    return MorseMiddlewareError(f"mavlink: the device {shown(device)} cannot be had: {error.strerror}")
+
+
+def open_link(device: str) -> Link:
+    """The link of a device such as ``udpout:127.0.0.1:14550``.
+
+    Raises:
+        MorseMiddlewareError: it is no such device, or it cannot be had.
+    """
+    way, _, rest = device.partition(":")
+    host, _, port = rest.rpartition(":")
+    if way not in _WAYS or not host or not port.isdecimal() or not 0 < int(port) < 1 << 16:
+        raise MorseMiddlewareError(
+            f"mavlink: the device is {shown(device)}, expected {', '.join(_WAYS)} with an address and a port, such as "
+            "'udpout:127.0.0.1:14550'"
+        )
+    try:
+        family, *_, address = socket.getaddrinfo(host.strip("[]"), int(port))[0]
+    except OSError as error:
+        raise _refused(device, error) from None
+    cls, listens = _WAYS[way]
+    link: Link = cls(device, address, family, listens=listens)  # type: ignore[arg-type]
+    logger.info("mavlink: %s %s", "listens to" if listens else "sends to", device.partition(":")[2])
+    return link
