@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 # tests/middleware runs those that need another side
-ELSEWHERE = {DOCS / f"{name}.md" for name in ("ros2", "text-files", "rosbridge", "foxglove", "mqtt", "mavlink")}
+ELSEWHERE = {DOCS / f"{name}.md" for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "mavlink")}
 SCENES = [
     block
     for block in blocks("python")

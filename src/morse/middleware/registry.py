@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
 #: middlewares that scripts may name although this installation does not have them, and what to take instead
 _OTHER_NAMES = {
-    "ros": "rosbridge or ros2",
     "yarp": "rosbridge or mqtt",
     "yarp_json": "rosbridge or mqtt",
     "pocolibs": "ros2",

@@ -1,0 +1,1 @@
+"""ROS 1: topics, services and actions by rospy."""

@@ -1,0 +1,140 @@
+"""The server of an action: goals, cancellation, status, feedback and result as actionlib has them on its topics.
+
+Source: wiki.ros.org/actionlib/DetailedDescription. A new goal takes the place of the one that goes on.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.status import PREEMPTED, SUCCESS
+from morse.middleware.ros.messages import message, message_class
+from morse.middleware.ros2.parts import time
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.clock import Clock
+
+#: of actionlib_msgs/GoalStatus
+_ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
+#: simulated seconds between two messages of status, and for which the status of a goal that has ended is told
+_STATUS_PERIOD, _KEPT = 0.2, 5.0
+_WAITING = 64
+
+
+class _Goal:
+    def __init__(self, goal_id: Any) -> None:
+        self.id, self.status, self.text = goal_id, _ACTIVE, ""
+        self.call: Any = None
+        self.ended_at = float("inf")
+
+
+class ActionServer:
+    """Serves one action.
+
+    Args:
+        rospy: the module.
+        path: name of the action.
+        kind: class of the action.
+        begin: begins the service with arguments and what is given the outcome; returns the call if it goes on.
+        manager: aborts calls.
+    """
+
+    def __init__(self, rospy: Any, path: str, kind: Any, begin: Callable[..., Any], manager: Any) -> None:
+        self._kind, self._begin, self._manager = kind, begin, manager
+        action = kind()
+        self._result_class = type(action.action_result)
+        self._arrived: deque[tuple[str, Any]] = deque(maxlen=_WAITING)
+        self._goals: list[_Goal] = []
+        self._next = 0.0
+        self._now = 0.0
+        statuses = message_class("actionlib_msgs/GoalStatusArray")
+        goal_id = message_class("actionlib_msgs/GoalID")
+        self._status = rospy.Publisher(f"{path}/status", statuses, queue_size=10, latch=True)
+        self._feedback = rospy.Publisher(f"{path}/feedback", type(action.action_feedback), queue_size=10)
+        self._result = rospy.Publisher(f"{path}/result", self._result_class, queue_size=10)
+        self._topics = [
+            self._status,
+            self._feedback,
+            self._result,
+            rospy.Subscriber(f"{path}/goal", type(action.action_goal), lambda m: self._arrived.append(("goal", m))),
+            rospy.Subscriber(f"{path}/cancel", goal_id, lambda m: self._arrived.append(("cancel", m))),
+        ]
+
+    def close(self) -> None:
+        """End the topics."""
+        for topic in self._topics:
+            topic.unregister()
+
+    def act(self, clock: Clock) -> None:
+        """Begin and cancel what was asked for, and tell the status."""
+        self._now = clock.time
+        self._stamp = clock.stamp()
+        for _ in range(len(self._arrived)):
+            what, given = self._arrived.popleft()
+            if what == "goal":
+                self._take(given)
+            else:
+                self._cancel(given)
+        if not self._next - 2.0 * _STATUS_PERIOD <= self._now < self._next:
+            self._tell()
+
+    def _take(self, given: Any) -> None:
+        known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
+        if known is not None:
+            return  # it was sent twice, or was cancelled before it came
+        for running in [goal for goal in self._goals if goal.status == _ACTIVE and goal.call is not None]:
+            self._manager.abort_request(running.call)
+        self._manager.answer()
+        goal = _Goal(given.goal_id)
+        self._goals.append(goal)
+        self._tell()
+        goal.call = self._begin([given.goal], lambda outcome: self._ended(goal, outcome))
+
+    def _cancel(self, given: Any) -> None:
+        everything = not given.id and not given.stamp.to_sec()
+        before = given.stamp.to_sec()
+        for goal in list(self._goals):
+            if goal.status != _ACTIVE or goal.call is None:
+                continue
+            if everything or goal.id.id == given.id or (before and goal.id.stamp.to_sec() <= before):
+                self._manager.abort_request(goal.call)
+
+    def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
+        state, value = outcome
+        goal.status = _SUCCEEDED if state == SUCCESS else _PREEMPTED if state == PREEMPTED else _ABORTED
+        made = self._result_class()
+        if isinstance(value, type(made.result)):
+            made.result = value
+        elif value is not None:
+            goal.text = str(value)
+        made.header = message("std_msgs/Header", {"stamp": time(self._stamp)})
+        made.status.goal_id, made.status.status, made.status.text = goal.id, goal.status, goal.text
+        goal.ended_at = self._now
+        self._result.publish(made)
+        self._tell()
+
+    def feedback(self, value: Any) -> None:
+        """Tell how far the goal that goes on is.
+
+        Args:
+            value: the feedback message of the action.
+        """
+        for goal in self._goals:
+            if goal.status == _ACTIVE:
+                made = type(self._kind().action_feedback)()
+                made.header = message("std_msgs/Header", {"stamp": time(self._stamp)})
+                made.status.goal_id, made.status.status, made.feedback = goal.id, goal.status, value
+                self._feedback.publish(made)
+
+    def _tell(self) -> None:
+        self._next = self._now + _STATUS_PERIOD
+        self._goals = [goal for goal in self._goals if self._now - goal.ended_at < _KEPT or goal.status == _ACTIVE]
+        made = message("actionlib_msgs/GoalStatusArray", {"header": {"stamp": time(self._stamp)}})
+        for goal in self._goals:
+            one = message("actionlib_msgs/GoalStatus", {})
+            one.goal_id, one.status, one.text = goal.id, goal.status, goal.text
+            made.status_list.append(one)
+        self._status.publish(made)

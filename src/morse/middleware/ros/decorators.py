@@ -1,0 +1,53 @@
+"""Declares methods of components and overlays as services and actions of ROS 1, as MORSE 1.4 did."""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, Any
+
+from morse.core.services import service
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def ros_service(
+    fn: Callable[..., Any] | None = None,
+    type: Any = None,
+    component: str | None = None,
+    name: str | None = None,
+    asynchronous: bool = False,
+) -> Any:
+    """Declare a method as a ROS service.
+
+    The method takes the fields of the request as its arguments, in their order, and returns the response, or what the
+    response is made of.
+
+    Args:
+        type: class of the service, such as ``std_srvs.srv.SetBool``.
+        component: see `morse.core.services.service`.
+        name: see `morse.core.services.service`.
+        asynchronous: the service ends by ``self.completed(status, result)``.
+    """
+    if fn is None:
+        return functools.partial(ros_service, type=type, component=component, name=name, asynchronous=asynchronous)
+    made: Any = service(component=component, name=name, asynchronous=asynchronous)(fn)
+    made._ros_service_type = type
+    return made
+
+
+def ros_action(
+    fn: Callable[..., Any] | None = None, type: Any = None, component: str | None = None, name: str | None = None
+) -> Any:
+    """Declare a method as a ROS action; it takes the goal, and ends by ``self.completed(status, result)``.
+
+    Args:
+        type: class of the action, such as ``move_base_msgs.msg.MoveBaseAction``.
+        component: see `morse.core.services.service`.
+        name: see `morse.core.services.service`.
+    """
+    if fn is None:
+        return functools.partial(ros_action, type=type, component=component, name=name)
+    made: Any = service(component=component, name=name, asynchronous=True)(fn)
+    made._ros_action_type = type
+    return made

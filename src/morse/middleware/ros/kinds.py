@@ -1,0 +1,139 @@
+"""Messages in which ROS 1 differs from ROS 2: those of MORSE 1.4."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any
+
+from morse.core.mapping import maps
+from morse.middleware.ros2.json_text import as_json
+from morse.middleware.ros2.kinds.sensing import SensingKinds
+from morse.middleware.ros2.kinds.spatial import SpatialKinds
+from morse.middleware.ros2.kinds.states import StateKinds, clock
+from morse.middleware.ros2.kinds.vision import VisionKinds
+from morse.middleware.ros2.outlets import Inlet, Outlet
+from morse.middleware.ros2.parts import from_quaternion, from_xyz, header
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from morse.core.kinds import BoundKind, Message
+
+logger = logging.getLogger(__name__)
+
+_STRING = "std_msgs/msg/String"
+#: components whose data 1.4 sent as the text of a Python dictionary
+_AS_REPR = ("Proximity", "Gyroscope")
+#: the nearest distance of every scan of 1.4, m
+_NEAREST = 0.3
+
+
+def _is_a(component: Any, *names: str) -> bool:
+    return any(cls.__name__ in names for cls in type(component).__mro__)
+
+
+def _text_of(component: Any) -> Outlet:
+    return Outlet(_STRING, lambda m, f: {"data": repr(dict(component.local_data))})
+
+
+class Ros1Kinds:
+    """What goes out and comes in otherwise than in ROS 2."""
+
+    # -- sensors -----------------------------------------------------------------------------
+
+    @maps("pose")
+    def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """A GPS without orientation is a ``NavSatFix`` of metres, as in 1.4."""
+        if not _is_a(bound.component, "GPS"):
+            return SpatialKinds.pose(self, stream, bound)  # type: ignore[arg-type]
+        logger.warning(
+            "ros: %s sends metres as latitude (x), longitude (y) and altitude (z), as MORSE 1.4 did; "
+            "level('raw') sends degrees",
+            stream.component_name,
+        )
+        return [Outlet("sensor_msgs/msg/NavSatFix", _metres)]
+
+    @maps("imu")
+    def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """On the topic of the component itself."""
+        return [outlet._replace(topic="") for outlet in SensingKinds.imu(self, stream, bound)]  # type: ignore[arg-type]
+
+    @maps("attitude")
+    def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """A gyroscope sent its angles as text."""
+        if _is_a(bound.component, *_AS_REPR):
+            return [_text_of(bound.component)]
+        return SpatialKinds.attitude(self, stream, bound)  # type: ignore[arg-type]
+
+    @maps("battery")
+    def battery(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """Per cent."""
+        return [Outlet("std_msgs/msg/Float32", lambda m, f: {"data": 100.0 * m.charge})]
+
+    @maps("scan")
+    def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """As in 1.4, with 0.3 m as the nearest distance."""
+
+        def nearest(make: Callable[..., Any]) -> Callable[[Message, str], dict[str, Any]]:
+            return lambda m, f: {**make(m, f), "range_min": _NEAREST}
+
+        outlets = VisionKinds.scan(self, stream, bound)  # type: ignore[arg-type]
+        return [outlet._replace(make=nearest(outlet.make)) for outlet in outlets]
+
+    @maps("detections")
+    def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """As JSON."""
+        return [Outlet(_STRING, lambda m, f: {"data": as_json(bound.component.local_data["visible_objects"])})]
+
+    @maps("clock")
+    def clock_sensor(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """The time of the simulation, on the topic of the component."""
+        return [Outlet("rosgraph_msgs/msg/Clock", lambda m, f: clock(m.stamp))]
+
+    @maps("general")
+    def general(self, stream: Any, bound: BoundKind) -> list[Outlet]:
+        """All fields as JSON; as 1.4 sent it where it did."""
+        if _is_a(bound.component, *_AS_REPR):
+            return [_text_of(bound.component)]
+        return StateKinds.general(self, stream, bound)  # type: ignore[arg-type]
+
+    # -- actuators ---------------------------------------------------------------------------
+
+    @maps("pose", direction="IN")
+    def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A ``Pose``, or a ``Point`` for what takes no orientation."""
+        if not bound.has("orientation"):
+            return [Inlet("geometry_msgs/msg/Point", lambda m: {"position": from_xyz(m)})]
+        return [Inlet("geometry_msgs/msg/Pose", _from_pose)]
+
+    @maps("attitude", direction="IN")
+    def take_attitude(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A ``Quaternion``; with thrust four numbers, as in ROS 2."""
+        if bound.has("thrust"):
+            return SpatialKinds.take_attitude(self, stream, bound)  # type: ignore[arg-type]
+        return [Inlet("geometry_msgs/msg/Quaternion", lambda m: {"orientation": from_quaternion(m)})]
+
+    @maps("wrench", direction="IN")
+    def take_wrench(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A ``Wrench``."""
+        return [Inlet("geometry_msgs/msg/Wrench", _from_wrench)]
+
+    @maps("joints", direction="IN")
+    def take_joints(self, stream: Any, bound: BoundKind) -> list[Inlet]:
+        """A pan-tilt unit takes a ``Vector3``: y is pan, z is tilt."""
+        if _is_a(bound.component, "PTU"):
+            return [Inlet("geometry_msgs/msg/Vector3", lambda m: {"position": [m["y"], m["z"]]})]
+        return StateKinds.take_joints(self, stream, bound)  # type: ignore[arg-type]
+
+
+def _metres(message: Message, frame: str) -> dict[str, Any]:
+    x, y, z = message.position
+    return {"header": header(message, frame), "latitude": float(x), "longitude": float(y), "altitude": float(z)}
+
+
+def _from_pose(message: Mapping[str, Any]) -> dict[str, Any]:
+    return {"position": from_xyz(message["position"]), "orientation": from_quaternion(message["orientation"])}
+
+
+def _from_wrench(message: Mapping[str, Any]) -> dict[str, Any]:
+    return {"force": from_xyz(message["force"]), "torque": from_xyz(message["torque"])}

@@ -1,0 +1,34 @@
+"""What ROS 1 carries, and its options."""
+
+from __future__ import annotations
+
+from morse.core.declarations import Option
+from morse.middleware.registry import Middleware
+from morse.middleware.ros2.mapping import STREAM_OPTIONS as ROS2_OPTIONS
+
+INSTALL = "sudo apt install python3-rospy python3-rosmaster python3-sensor-msgs python3-nav-msgs python3-tf2-msgs"
+
+MANAGER_OPTIONS = {
+    "frames": Option(str, "1.4", "names of frames: those of MORSE 1.4, or by REP 105", choices=("1.4", "rep105")),
+    "clock": Option(bool, True, "publish simulated time as /clock"),
+    "tf": Option(bool, True, "publish /tf and /tf_static"),
+    "localization": Option(bool, False, "by REP 105: another node publishes the transform from map to odom"),
+    "namespace": Option(str, None, "namespace of all topics instead of the name of the robot; empty for none"),
+    "frame_prefix": Option(str, None, "by REP 105: begin of the names of frames instead of that of the robot"),
+}
+STREAM_OPTIONS = {
+    **{name: option for name, option in ROS2_OPTIONS.items() if name != "qos"},
+    "parent_frame_id": Option(str, "/base_link", "frame that carries a camera, as 1.4 named it"),
+    "pub_tf": Option(bool, True, "publish where a camera is"),
+}
+
+MIDDLEWARE = Middleware(
+    name="ros",
+    stream_manager="morse.middleware.ros_datastream.ROSDatastreamManager",
+    request_manager="morse.middleware.ros_request_manager.RosRequestManager",
+    manager_options=MANAGER_OPTIONS,
+    stream_options=STREAM_OPTIONS,
+    default_publisher="morse.middleware.ros.stream.RosStream",
+    default_reader="morse.middleware.ros.stream.RosStream",
+    not_carried=("StereoUnit", "MocapControl"),
+)

@@ -1,0 +1,70 @@
+"""Messages of rospy from dictionaries in the form of ROS 2, and back."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+#: fields that ROS 2 has renamed, by package and message
+_RENAMED = {"sensor_msgs/CameraInfo": {"d": "D", "k": "K", "r": "R", "p": "P"}}
+_TIMES = ("time", "duration")
+
+
+@cache
+def message_class(type_name: str) -> Any:
+    """The class of a type such as ``sensor_msgs/msg/Image``; None if its package is not installed."""
+    package, _, name = type_name.replace("/msg/", "/").replace("/srv/", "/").partition("/")
+    folder = "srv" if "/srv/" in type_name else "msg"
+    try:
+        return getattr(import_module(f"{package}.{folder}"), name, None)
+    except ImportError:
+        return None
+
+
+def message(type_name: str, fields: Any) -> Any:
+    """A message with some fields; those that ROS 1 does not know are left out.
+
+    Raises:
+        ValueError, TypeError: a value does not fit its field.
+    """
+    made = message_class(type_name)()
+    renamed = _RENAMED.get(made._type, {})
+    kinds = dict(zip(made.__slots__, made._slot_types, strict=True))
+    if made._type == "geometry_msgs/Quaternion":
+        made.w = 1.0  # ROS 1 begins with zeros, which are no rotation
+    for given, value in fields.items():
+        name = renamed.get(given, given)
+        if name in kinds and value is not None:
+            setattr(made, name, _value(kinds[name], value))
+    return made
+
+
+def _value(kind: str, value: Any) -> Any:
+    base, bracket, _ = kind.partition("[")
+    if base in _TIMES:
+        import genpy
+
+        made = genpy.Time if base == "time" else genpy.Duration
+        return made(value.get("sec", 0), value.get("nanosec", 0))
+    if bracket:
+        if "/" in base:
+            return [message(base, one) for one in value]
+        return bytes(value) if base in ("uint8", "char") else value
+    return message("std_msgs/Header" if base == "Header" else base, value) if "/" in base or base == "Header" else value
+
+
+def plain(value: Any) -> Any:
+    """A message as a dictionary, under the names of ROS 2."""
+    if hasattr(value, "secs"):
+        return {"sec": value.secs, "nanosec": value.nsecs}
+    if hasattr(value, "_slot_types"):
+        back = {new: old for old, new in _RENAMED.get(value._type, {}).items()}
+        return {back.get(name, name): plain(getattr(value, name)) for name in value.__slots__}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, bytes):
+        import numpy as np
+
+        return np.frombuffer(value, dtype=np.uint8)
+    return value

@@ -1,0 +1,128 @@
+"""The node of rospy that this process is."""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros.mapping import INSTALL
+from morse.middleware.ros.messages import message, message_class, plain
+from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+logger = logging.getLogger(__name__)
+
+#: messages of a topic that wait for the next tick
+_WAITING = 64
+_joining = threading.Lock()
+
+
+def join(name: str | None = None) -> Any:
+    """The module rospy, after this process has become a node.
+
+    Args:
+        name: of this simulation node.
+
+    Raises:
+        MorseMiddlewareError: rospy cannot be imported, or there is no master.
+    """
+    try:
+        import rosgraph
+        import rospy
+    except ImportError as error:
+        raise MorseMiddlewareError(
+            f"ros: rospy cannot be imported ({error}). Install ROS 1: {INSTALL}; in a virtual environment, make that "
+            "by python3 -m venv --system-site-packages"
+        ) from None
+    with _joining:
+        if rospy.core.is_initialized():
+            return rospy
+        if not rosgraph.is_master_online():
+            uri = os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
+            raise MorseMiddlewareError(f"ros: there is no master at {uri} (ROS_MASTER_URI): start it with 'roscore'")
+        before = logging.root.level, list(logging.root.handlers)
+        suffix = f"_{re.sub(r'[^A-Za-z0-9_]', '_', name)}" if name else ""
+        rospy.init_node(f"morse{suffix}", disable_signals=True)
+        # rospy sets up the logging of the whole process for itself
+        logging.root.level, logging.root.handlers[:] = before[0], before[1]
+    return rospy
+
+
+class _Publisher(Publisher):
+    def __init__(self, publisher: Any) -> None:
+        self._publisher = publisher
+
+    def publish(self, data: Any) -> bool:
+        self._publisher.publish(data)
+        return True
+
+    def wanted(self) -> bool:
+        return bool(self._publisher.get_num_connections())
+
+    def close(self) -> None:
+        self._publisher.unregister()
+
+
+class _Latched(_Publisher):
+    """Who comes later gets the last message: it is always wanted."""
+
+    def wanted(self) -> bool:
+        return True
+
+
+class _Subscription(Subscription):
+    def __init__(self, rospy: Any, topic: str, kind: Any) -> None:
+        self._arrived: deque[Any] = deque(maxlen=_WAITING)
+        self._subscriber = rospy.Subscriber(topic, kind, self._arrived.append, queue_size=_WAITING)
+
+    def take(self) -> list[Any]:
+        return [self._arrived.popleft() for _ in range(len(self._arrived))]
+
+    def close(self) -> None:
+        self._subscriber.unregister()
+
+
+class RospyBackend(Backend):
+    """Topics of rospy. Messages are objects of rospy instead of bytes.
+
+    Args:
+        name: of this simulation node.
+    """
+
+    name = "rospy"
+
+    def __init__(self, name: str | None = None) -> None:
+        self._rospy = join(name)
+        self.opens = f"node {self._rospy.get_name()}, master {os.environ.get('ROS_MASTER_URI')}"
+
+    def encode(self, type_name: str, fields: Mapping[str, Any]) -> Any:
+        """See `Backend.encode`."""
+        return message(type_name, fields)
+
+    def decode(self, type_name: str, data: Any) -> dict[str, Any]:
+        """See `Backend.decode`."""
+        made: dict[str, Any] = plain(data)
+        return made
+
+    def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
+        """See `Backend.publisher`."""
+        kind = message_class(type_name)
+        if kind is None:
+            return None
+        made = self._rospy.Publisher(topic, kind, queue_size=qos.depth, latch=qos.latched)
+        return _Latched(made) if qos.latched else _Publisher(made)
+
+    def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
+        """See `Backend.subscription`."""
+        kind = message_class(type_name)
+        return None if kind is None else _Subscription(self._rospy, topic, kind)
+
+    def close(self) -> None:
+        """See `Backend.close`; a process of rospy stays a node to its end."""

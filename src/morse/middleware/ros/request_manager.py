@@ -1,0 +1,194 @@
+"""Offers services and actions by rospy."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import traceback
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseError
+from morse.core.request_manager import Outcome, RequestManager
+from morse.core.status import FAILED, SUCCESS
+from morse.middleware.ros.actions import ActionServer
+from morse.middleware.ros.messages import message_class
+from morse.middleware.ros.node import join
+from morse.middleware.ros2.calls import SET_BOOL, TRIGGER, Call
+from morse.middleware.ros2.names import cleaned
+
+if TYPE_CHECKING:
+    import uuid
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+
+logger = logging.getLogger(__name__)
+
+#: calls that are begun in one tick, and calls that go on
+_EACH_TICK, _MOST_RUNNING = 64, 1024
+#: how often a thread that waits for an answer looks whether the simulation has ended, s
+_LOOK = 0.5
+
+
+class _Waiting:
+    """A call that a thread of rospy waits for."""
+
+    def __init__(self, begin: Callable[[Callable[[Outcome], object]], object]) -> None:
+        self.begin = begin
+        self.done = threading.Event()
+        self.outcome: Outcome = (FAILED, "the simulation has ended")
+
+    def end(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+        self.done.set()
+
+
+class RosRequestManager(RequestManager):
+    """Services and actions of ROS 1.
+
+    Methods with `ros_service` and `ros_action` have the types that they declare. Of all others those without arguments
+    are ``std_srvs/Trigger``, those that take one boolean ``std_srvs/SetBool``.
+    """
+
+    classpath = "morse.middleware.ros_request_manager.RosRequestManager"
+    title = "ROS service manager"
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._context = context
+        self._rospy: Any = None
+        self._servers: dict[tuple[str, str], Any] = {}
+        self._actions: dict[tuple[str, str], ActionServer] = {}
+        self._queue: deque[_Waiting] = deque()
+        self._ends: dict[uuid.UUID, Callable[[Outcome], object]] = {}
+        self._complaints = Complaints(logger)
+        self._closed = False
+
+    def initialization(self) -> bool:
+        """Become a node.
+
+        Raises:
+            MorseMiddlewareError: rospy cannot be imported, or there is no master.
+        """
+        self._rospy = join(self._context.scene.settings.node_name)
+        return True
+
+    def finalization(self) -> bool:
+        """Offer nothing more."""
+        self._closed = True
+        for server in self._servers.values():
+            server.shutdown("the simulation has ended")
+        for action in self._actions.values():
+            action.close()
+        self._servers.clear()
+        self._actions.clear()
+        return True
+
+    # -- services ----------------------------------------------------------------------------
+
+    def _register(self, component: str, callback: Callable[..., Any], name: str, *, is_async: bool) -> None:
+        super()._register(component, callback, name, is_async=is_async)
+        key, path = (component, name), f"/{cleaned(component)}/{cleaned(name)}"
+        self._withdraw(key)
+        action = getattr(callback, "_ros_action_type", None)
+        if action is not None:
+            self._actions[key] = ActionServer(self._rospy, path, action, self._begin(component, name), self)
+            return
+        declared = getattr(callback, "_ros_service_type", None)
+        call = Call(callback)
+        kind = declared or (message_class(call.type) if call.type in (TRIGGER, SET_BOOL) else None)
+        if kind is None:
+            return
+        answer = _declared(kind) if declared is not None else _standard(kind, call)
+        arguments = _fields if declared is not None else lambda request: [request.data] if call.type == SET_BOOL else []
+
+        def serve(request: Any) -> Any:
+            begin = self._begin(component, name)
+            waiting = _Waiting(lambda ended: begin(arguments(request), ended))
+            self._queue.append(waiting)
+            self._context.wake()
+            while not waiting.done.wait(_LOOK) and not self._closed:
+                pass
+            return answer(*waiting.outcome)
+
+        self._servers[key] = self._rospy.Service(path, kind, serve)
+
+    def _withdraw(self, key: tuple[str, str]) -> None:
+        if key in self._servers:
+            self._servers.pop(key).shutdown("replaced")
+        if key in self._actions:
+            self._actions.pop(key).close()
+
+    def unregister(self, component_name: str) -> None:
+        """See `RequestManager.unregister`."""
+        super().unregister(component_name)
+        for key in [key for key in [*self._servers, *self._actions] if key[0] == component_name]:
+            self._withdraw(key)
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def main(self) -> None:
+        """See `RequestManager.main`."""
+        for _ in range(min(len(self._queue), _EACH_TICK)):
+            waiting = self._queue.popleft()
+            waiting.begin(waiting.end)
+        for action in list(self._actions.values()):
+            action.act(self._context.clock)
+
+    def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
+        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
+            if len(self._ends) >= _MOST_RUNNING:
+                ended((FAILED, f"{_MOST_RUNNING} calls go on: wait for their end"))
+                return None
+            try:
+                done, outcome = self.on_incoming_request(component, service, arguments)
+            except MorseError as error:
+                ended((FAILED, str(error)))
+            except Exception as error:
+                ended((FAILED, self._report(component, service, error)))
+            else:
+                if not done:
+                    self._ends[outcome] = ended
+                    return outcome  # type: ignore[no-any-return]
+                ended(outcome)
+            return None
+
+        return begin
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """See `RequestManager.on_service_completion`."""
+        ended = self._ends.pop(request_id, None)
+        if ended is not None:
+            ended(result)
+
+    def _report(self, component: str, service: str, error: Exception) -> str:
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        name = f"the service {service} of {component}"
+        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self._complaints.log(logging.ERROR, name, text)
+        return what
+
+
+def _fields(request: Any) -> list[Any]:
+    return [getattr(request, name) for name in request.__slots__]
+
+
+def _declared(kind: Any) -> Callable[[str, Any], Any]:
+    """What a service with a declared type answers; rospy tells the caller of an exception that it failed."""
+    response = kind._response_class
+
+    def answer(state: str, result: Any) -> Any:
+        if state != SUCCESS:
+            raise RuntimeError(f"{state}: {result}" if result else state)
+        if result is None:
+            return response()
+        return result if isinstance(result, (response, tuple, list, dict)) else [result]
+
+    return answer
+
+
+def _standard(kind: Any, call: Call) -> Callable[[str, Any], Any]:
+    return lambda state, result: kind._response_class(**call.answer(state, result))

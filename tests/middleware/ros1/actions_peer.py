@@ -1,0 +1,62 @@
+"""A node that calls services and actions of an overlay, with the clients of rospy and actionlib."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import actionlib
+import rospy
+from actionlib.msg import TestAction, TestGoal
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from std_srvs.srv import SetBool, Trigger
+
+_LIMIT = 60.0
+
+
+def main() -> None:
+    rospy.init_node("peer", disable_signals=True)
+    statuses: list[GoalStatusArray] = []
+    rospy.Subscriber("/driver/go/status", GoalStatusArray, statuses.append)
+    client = actionlib.SimpleActionClient("/driver/go", TestAction)
+    # rospy measures time-outs by /clock, which may go faster than the wall clock
+    while not client.wait_for_server(rospy.Duration(1.0)):
+        pass
+
+    def until(states: tuple[int, ...]) -> int:
+        end = time.monotonic() + _LIMIT
+        while time.monotonic() < end and client.get_state() not in states:
+            time.sleep(0.01)
+        return int(client.get_state())
+
+    ended = (GoalStatus.SUCCEEDED, GoalStatus.PREEMPTED, GoalStatus.ABORTED, GoalStatus.REJECTED)
+    client.send_goal(TestGoal(goal=2))
+    reached = until(ended)
+    result = client.get_result().result
+    client.send_goal(TestGoal(goal=100))
+    until((GoalStatus.ACTIVE,))
+    client.cancel_goal()
+    cancelled = until(ended)
+    client.send_goal(TestGoal(goal=-1))
+    refused, text = until(ended), client.get_goal_status_text()
+    halt = rospy.ServiceProxy("/driver/halt", SetBool)(True)
+    try:
+        rospy.ServiceProxy("/driver/fail", Trigger)()
+        failure = ""
+    except rospy.ServiceException as error:
+        failure = str(error)
+    print(
+        json.dumps(
+            {
+                "reached": [reached, result],
+                "cancelled": cancelled,
+                "refused": [refused, text],
+                "halt": [halt.success, halt.message],
+                "failure": failure,
+                "statuses": len(statuses),
+            }
+        )
+    )
+
+
+main()

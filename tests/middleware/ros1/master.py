@@ -1,0 +1,116 @@
+"""A master of ROS 1, and processes beside it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+import urllib.request
+import xmlrpc.client
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: where Debian has rospy
+DEBIAN = "/usr/lib/python3/dist-packages"
+_LIMIT = 60.0
+
+
+def need_ros() -> None:
+    """Skip the test where ROS 1 is not installed; in CI the test has failed."""
+    if shutil.which("rosmaster") is None or not Path(DEBIAN, "rospy").is_dir():
+        reason = "ROS 1 is not installed: apt install python3-rospy python3-rosmaster"
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
+
+
+def environment(uri: str) -> dict[str, str]:
+    """Variables with which this Python has the packages of Debian behind its own."""
+    import morse
+
+    paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), DEBIAN]
+    return {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(paths),
+        "ROS_MASTER_URI": uri,
+        "ROS_IP": "127.0.0.1",
+        "ROS_HOSTNAME": "127.0.0.1",
+        "MORSE_SOCKET_PORT": "0",
+    }
+
+
+def free_port() -> int:
+    """A port that nobody has at the moment."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+def _answers(uri: str) -> bool:
+    call = xmlrpc.client.dumps(("test",), "getPid").encode()
+    try:
+        with urllib.request.urlopen(urllib.request.Request(uri, call), timeout=2.0) as reply:
+            return reply.status == 200  # type: ignore[no-any-return]
+    except OSError:
+        return False
+
+
+@contextmanager
+def master() -> Iterator[str]:
+    """Its address."""
+    uri = f"http://127.0.0.1:{(port := free_port())}/"
+    with tempfile.TemporaryDirectory() as home:
+        variables = {**os.environ, "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": home}
+        variables.pop("PYTHONPATH", None)
+        command = ["rosmaster", "--core", "-p", str(port)]
+        quiet: Any = subprocess.DEVNULL
+        with subprocess.Popen(command, env=variables, stdout=quiet, stderr=quiet) as process:
+            try:
+                end = time.monotonic() + _LIMIT
+                while not _answers(uri):
+                    assert process.poll() is None, "rosmaster has ended"
+                    assert time.monotonic() < end, "rosmaster does not answer"
+                    time.sleep(0.05)
+                yield uri
+            finally:
+                process.terminate()
+
+
+def run(script: Path, uri: str, *arguments: str, limit: float = 100.0) -> str:
+    """What a script says in its last line."""
+    done = subprocess.run(
+        [sys.executable, str(script), *arguments],
+        env=environment(uri), capture_output=True, text=True, timeout=limit, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    return done.stdout.splitlines()[-1]
+
+
+@contextmanager
+def simulation(scene: Path, uri: str, *options: str) -> Iterator[Path]:
+    """``morse run`` in a process of its own; the file that it logs to."""
+    log = scene.with_suffix(".log")
+    with log.open("w") as file:
+        command = [sys.executable, "-m", "morse", "run", "--headless", *options, str(scene)]
+        with subprocess.Popen(
+            command, env=environment(uri), stdout=file, stderr=subprocess.STDOUT, cwd=scene.parent
+        ) as process:
+            try:
+                end = time.monotonic() + _LIMIT
+                while "SCENE INITIALIZED" not in log.read_text():
+                    assert process.poll() is None, log.read_text()
+                    assert time.monotonic() < end, log.read_text()
+                    time.sleep(0.05)
+                yield log
+                assert process.poll() is None, log.read_text()
+            finally:
+                process.terminate()

@@ -1,0 +1,81 @@
+"""The other side: a node of rospy. It drives, listens and calls, and prints what it has got as JSON."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Pose, PoseStamped, Twist, Vector3
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+_LIMIT = 60.0
+
+
+def main() -> None:
+    rospy.init_node("peer", disable_signals=True)
+    got: dict[str, list[Any]] = {}
+
+    def listen(topic: str, kind: Any) -> None:
+        messages = got.setdefault(topic, [])
+        rospy.Subscriber(topic, kind, messages.append)
+
+    for topic, kind in (
+        ("/robot/pose", PoseStamped), ("/robot/odometry", Odometry), ("/robot/scan", LaserScan), ("/clock", Clock),
+        ("/robot/imu", Imu), ("/robot/near", String), ("/robot/eye/image", Image),
+        ("/robot/eye/camera_info", CameraInfo), ("/robot/ptu/posture", JointState), ("/tf", TFMessage),
+    ):  # fmt: skip
+        listen(topic, kind)
+    drive = rospy.Publisher("/robot/motion", Twist, queue_size=1)
+    jump = rospy.Publisher("/other/jump", Pose, queue_size=1)
+    head = rospy.Publisher("/robot/ptu", Vector3, queue_size=1)
+    forward, place = Twist(), Pose()
+    forward.linear.x = 0.5
+    place.position.x, place.position.y, place.position.z, place.orientation.w = 7.0, 8.0, 1.0, 1.0
+    end = time.monotonic() + _LIMIT
+
+    def moved() -> bool:
+        seen = got["/robot/odometry"]
+        turned = got["/robot/ptu/posture"]
+        return bool(seen) and seen[-1].pose.pose.position.x > 0.3 and turned[-1].position[0] > 0.35
+
+    while time.monotonic() < end and not (all(len(m) > 3 for m in got.values()) and moved()):
+        drive.publish(forward)
+        jump.publish(place)
+        head.publish(Vector3(0.0, 0.4, -0.2))
+        time.sleep(0.02)
+    rospy.wait_for_service("/simulation/list_robots", 20.0)
+    robots = rospy.ServiceProxy("/simulation/list_robots", Trigger)()
+    last = {topic: messages[-1] for topic, messages in got.items() if messages}
+    scan, image, info = last["/robot/scan"], last["/robot/eye/image"], last["/robot/eye/camera_info"]
+    odometry = last["/robot/odometry"]
+    transforms = [t for m in got["/tf"] for t in m.transforms]
+    print(
+        json.dumps(
+            {
+                "missing": [topic for topic, messages in got.items() if not messages],
+                "frames": {topic: m.header.frame_id for topic, m in last.items() if hasattr(m, "header")},
+                "child": odometry.child_frame_id,
+                "x": odometry.pose.pose.position.x,
+                "speed": odometry.twist.twist.linear.x,
+                "stamps": [m.header.stamp.to_nsec() for m in got["/robot/pose"]],
+                "scan": [len(scan.ranges), scan.angle_min, scan.angle_max, scan.angle_increment, scan.range_min],
+                "image": [image.encoding, image.width, image.height, image.step, len(image.data)],
+                "info": [info.K[0], info.width, list(info.D), info.distortion_model],
+                "near": last["/robot/near"].data,
+                "gravity": last["/robot/imu"].linear_acceleration.z,
+                "joints": [list(last["/robot/ptu/posture"].name), list(last["/robot/ptu/posture"].position)],
+                "tf": sorted({(t.header.frame_id, t.child_frame_id) for t in transforms}),
+                "robots": [robots.success, robots.message],
+            }
+        )
+    )
+
+
+main()
