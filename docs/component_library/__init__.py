@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from component_library import (
     component_pages,
+    coverage_page,
     index_page,
     kind_page,
     middleware_page,
@@ -31,7 +32,7 @@ def page_names() -> list[str]:
     names = [f"robots/{name.lower()}" for name in robot_pages.robot_classes()]
     for kind in ("sensors", "actuators"):
         names += [f"{kind}/{name.lower()}" for name in component_pages.builder_classes(kind)]
-    others = ["modifiers", "models", "message-kinds", "middlewares", "services"]
+    others = ["modifiers", "models", "message-kinds", "middlewares", "services", "coverage"]
     return ["index", *(f"{kind}/index" for kind in index_page.KINDS), *names, *others]
 
 
@@ -48,6 +49,7 @@ def write(folder: Path) -> list[Path]:
         **kind_page.pages(),
         **middleware_page.pages(),
         **service_pages.pages(),
+        **coverage_page.pages(),
     }
     for name, text in pages.items():
         path = folder / f"{name}.md"

@@ -9,6 +9,7 @@ from typing import Any
 from component_library import scenes
 from component_library.declared import data_table, kind_table, level_table, own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
+from component_library.references import SOURCES
 from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.names.classes import load_class
@@ -62,6 +63,8 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
     interfaces = _interfaces(cls, "OUT" if sensor else "IN") if fields else ""
     facts = [["in scene scripts", code(f"{name}{_signature(builder.__init__) if sample is None else '()'}")]]
     facts.append(["runs", code(builder._classpath)])
+    if name in SOURCES:
+        facts.append(["formula after", SOURCES[name]])
     use = []
     if sample is not None:
         facts.append(["rate", f"{sample._frequency:g} Hz"])
