@@ -19,6 +19,7 @@ _READERS = {
     ".obj": "morse.assets.meshfiles:read_meshes",
     ".ply": "morse.assets.meshfiles:read_meshes",
     ".stl": "morse.assets.meshfiles:read_meshes",
+    ".urdf": "morse.assets.urdf:read_urdf",
 }
 
 #: the suffixes, the preferred one first

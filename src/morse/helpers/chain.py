@@ -24,8 +24,8 @@ _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 class Chain:
     """The bones of an armature as a tree of joints.
 
-    A joint is a bone that can move. Values are those of all joints, in the order of `joints`: rad for revolute ones,
-    m for prismatic ones. Poses are in the frame of the armature.
+    A joint is a bone that can move by itself. Values are those of all joints, in the order of `joints`: rad for
+    revolute ones, m for prismatic ones. Poses are in the frame of the armature.
 
     Args:
         bones: each after the one that it hangs on.
@@ -42,10 +42,13 @@ class Chain:
 
     def __init__(self, bones: Sequence[Bone], scale: float = 1.0) -> None:
         self.bones = tuple(_scaled(bone, scale) for bone in bones)
-        self.joints = tuple(i for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED)
+        moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED]
+        self.joints = tuple(i for i, bone in moving if bone.leader < 0)
         self.names = tuple(self.bones[i].name for i in self.joints)
         self.start = [self.bones[i].value for i in self.joints]
         self._number = {bone: number for number, bone in enumerate(self.joints)}
+        #: of the joints that follow others: the number of the leader
+        self._led = {i: self._number[bone.leader] for i, bone in moving if bone.leader in self._number}
         self._index = {bone.name: i for i, bone in enumerate(self.bones)}
 
     def index(self, bone: str) -> int | None:
@@ -69,8 +72,8 @@ class Chain:
             x, y, z = turn(r, bone.position)
             position, rotation = (p[0] + x, p[1] + y, p[2] + z), product(r, bone.rotation)
             number = self._number.get(i)
-            if number is not None:
-                value = values[number]
+            if number is not None or i in self._led:
+                value = values[number] if number is not None else bone.factor * values[self._led[i]] + bone.offset
                 if bone.kind is JointKind.PRISMATIC:
                     a = bone.axis
                     position = (

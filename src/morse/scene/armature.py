@@ -37,6 +37,7 @@ class Bone:
         low: smallest value of the joint, rad or m.
         high: largest value.
         value: initial value.
+        leader: index of the bone whose joint this one follows, as ``factor * value + offset``; -1 for none.
     """
 
     name: str
@@ -50,3 +51,6 @@ class Bone:
     low: float = 0.0
     high: float = 0.0
     value: float = 0.0
+    leader: int = -1
+    factor: float = 1.0
+    offset: float = 0.0

@@ -10,6 +10,7 @@ from morse.core.hints import nearest
 from morse.core.quoting import shown
 from morse.core.sensor import Sensor
 from morse.core.services import service
+from morse.helpers.chain import Chain
 from morse.helpers.components import add_kind, each
 from morse.scene import JointKind
 
@@ -40,7 +41,8 @@ class ArmaturePose(Sensor):
         if holder is None:
             raise ValueError("it measures the joints of an armature: append it to one, as in 'arm.append(pose)'")
         self._armature: str = holder.name
-        self._bones = tuple(bone for bone in holder.node.bones if bone.kind is not JointKind.FIXED)
+        chain = Chain(holder.node.bones)
+        self._bones = tuple(chain.bones[index] for index in chain.joints)
         self.local_data.update((bone.name, bone.value) for bone in self._bones)
 
     @property

@@ -1,0 +1,263 @@
+"""A URDF file as data: links, joints, shapes. See http://wiki.ros.org/urdf/XML."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+from morse.assets.errors import AssetError
+from morse.mathutils import Euler, Matrix
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_MOST_BYTES = 64 << 20
+_FARTHEST = 1e6
+#: rad; URDF lets a continuous joint turn for ever
+_ENDLESS = 1e4
+_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+
+
+@dataclass(slots=True)
+class Shape:
+    """A shape of a link.
+
+    Attributes:
+        kind: ``box``, ``cylinder``, ``sphere`` or ``mesh``.
+        size: m: the three sides of a box, radius and length of a cylinder, the radius of a sphere, the scale of a mesh.
+        file: of a mesh.
+        origin: 4x4 in the frame of the link.
+        color: RGBA, or None.
+    """
+
+    kind: str
+    size: tuple[float, ...]
+    file: str
+    origin: Matrix
+    color: tuple[float, float, float, float] | None = None
+
+
+@dataclass(slots=True)
+class Link:
+    """A rigid body."""
+
+    name: str
+    mass: float = 0.0
+    visuals: list[Shape] = field(default_factory=list)
+    collisions: list[Shape] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Joint:
+    """A joint between two links.
+
+    Attributes:
+        origin: 4x4 of the child in the frame of the parent, at the value 0.
+        axis: unit vector in the frame of the child.
+        mimic: name of the joint that this one follows, factor and offset; or None.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    origin: Matrix
+    axis: tuple[float, float, float]
+    low: float
+    high: float
+    mimic: tuple[str, float, float] | None = None
+
+
+@dataclass(slots=True)
+class Document:
+    """What a file says.
+
+    Attributes:
+        joints: each after the one that moves its parent.
+        root: the link without a parent.
+        warnings: what is left out, one sentence each.
+    """
+
+    name: str
+    links: dict[str, Link]
+    joints: list[Joint]
+    root: str
+    warnings: list[str]
+
+
+class _Parser:
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.warnings: list[str] = []
+        self.colors: dict[str, tuple[float, float, float, float]] = {}
+
+    def fail(self, message: str) -> AssetError:
+        return AssetError(self.path, message)
+
+    def numbers(self, element: ElementTree.Element | None, name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+        text = None if element is None else element.get(name)
+        if text is None or element is None:
+            return default
+        try:
+            found = tuple(float(word) for word in text.split())
+        except ValueError:
+            found = ()
+        if len(found) != len(default) or not all(abs(value) <= _FARTHEST for value in found):
+            count = "a number" if len(default) == 1 else f"{len(default)} numbers"
+            raise self.fail(f"<{element.tag} {name}={text[:60]!r}>: expected {count}")
+        return found
+
+    def name(self, element: ElementTree.Element | None, what: str, attribute: str = "name") -> str:
+        found = None if element is None else element.get(attribute)
+        if not found:
+            raise self.fail(f"a <{what}> has no '{attribute}'")
+        return found
+
+    def origin(self, element: ElementTree.Element) -> Matrix:
+        origin = element.find("origin")
+        result = Euler(self.numbers(origin, "rpy", (0.0, 0.0, 0.0))).to_matrix().to_4x4()
+        result.translation = self.numbers(origin, "xyz", (0.0, 0.0, 0.0))
+        return result
+
+    def shapes(self, link: ElementTree.Element, tag: str) -> list[Shape]:
+        found = []
+        for element in link.findall(tag):
+            geometry = element.find("geometry")
+            kinds = [] if geometry is None else [child for child in geometry if isinstance(child.tag, str)]
+            shape = next((child for child in kinds if child.tag in ("box", "cylinder", "sphere", "mesh")), None)
+            if shape is None:
+                what = kinds[0].tag if kinds else "nothing"
+                self.warnings.append(f"a <{tag}> of the link '{link.get('name')}' is {what}; it is left out")
+                continue
+            origin, color = self.origin(element), self.color(element)
+            if shape.tag == "mesh":
+                scale = self.numbers(shape, "scale", (1.0, 1.0, 1.0))
+                found.append(Shape("mesh", scale, self.name(shape, "mesh", "filename"), origin, color))
+                continue
+            size = self.size(shape)
+            if min(size) <= 0.0:
+                raise self.fail(f"a <{shape.tag}> of the link '{link.get('name')}' has no size")
+            found.append(Shape(shape.tag, size, "", origin, color))
+        return found
+
+    def size(self, shape: ElementTree.Element) -> tuple[float, ...]:
+        if shape.tag == "box":
+            return self.numbers(shape, "size", (0.0, 0.0, 0.0))
+        radius = self.numbers(shape, "radius", (0.0,))
+        return radius if shape.tag == "sphere" else radius + self.numbers(shape, "length", (0.0,))
+
+    def color(self, element: ElementTree.Element) -> tuple[float, float, float, float] | None:
+        material = element.find("material")
+        if material is None:
+            return None
+        color = material.find("color")
+        if color is None:
+            return self.colors.get(material.get("name") or "")
+        r, g, b, a = self.numbers(color, "rgba", (0.8, 0.8, 0.8, 1.0))
+        found = (min(max(r, 0.0), 1.0), min(max(g, 0.0), 1.0), min(max(b, 0.0), 1.0), min(max(a, 0.0), 1.0))
+        if material.get("name"):
+            self.colors[str(material.get("name"))] = found
+        return found
+
+    def link(self, element: ElementTree.Element) -> Link:
+        name = self.name(element, "link")
+        inertial = element.find("inertial")
+        (mass,) = self.numbers(None if inertial is None else inertial.find("mass"), "value", (0.0,))
+        if mass < 0.0:
+            raise self.fail(f"the link '{name}' has the mass {mass:g} kg")
+        return Link(name, mass, self.shapes(element, "visual"), self.shapes(element, "collision"))
+
+    def joint(self, element: ElementTree.Element) -> Joint:
+        name, kind = self.name(element, "joint"), element.get("type") or ""
+        if kind not in _KINDS:
+            raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}")
+        if kind in ("floating", "planar"):
+            self.warnings.append(f"the joint '{name}' is {kind}; it is fixed here")
+            kind = "fixed"
+        x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+        length = math.sqrt(x * x + y * y + z * z)
+        if length < 1e-9 and kind != "fixed":
+            raise self.fail(f"the joint '{name}' has an axis of length 0")
+        limit = element.find("limit")
+        (low,), (high,) = self.numbers(limit, "lower", (0.0,)), self.numbers(limit, "upper", (0.0,))
+        if kind == "continuous":
+            low, high = -_ENDLESS, _ENDLESS
+        if low > high:
+            raise self.fail(f"the joint '{name}' goes from {low:g} to {high:g}")
+        axis = (x / length, y / length, z / length) if length >= 1e-9 else (1.0, 0.0, 0.0)
+        parent = self.name(element.find("parent"), "parent", "link")
+        child = self.name(element.find("child"), "child", "link")
+        return Joint(name, kind, parent, child, self.origin(element), axis, low, high, self.mimic(element))
+
+    def mimic(self, element: ElementTree.Element) -> tuple[str, float, float] | None:
+        mimic = element.find("mimic")
+        if mimic is None:
+            return None
+        (factor,), (offset,) = self.numbers(mimic, "multiplier", (1.0,)), self.numbers(mimic, "offset", (0.0,))
+        return self.name(mimic, "mimic", "joint"), factor, offset
+
+
+def parse(path: Path) -> Document:
+    """Read a file.
+
+    Raises:
+        AssetError: it is not XML, not URDF, or contradicts itself.
+        OSError: it cannot be opened.
+    """
+    if path.stat().st_size > _MOST_BYTES:
+        raise AssetError(path, f"it is larger than {_MOST_BYTES >> 20} MB")
+    parser = _Parser(path)
+    try:
+        robot = ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise parser.fail(f"it is not XML: {error}") from None
+    if robot.tag != "robot":
+        hint = "; run it through xacro first" if path.suffix == ".xacro" else ""
+        raise parser.fail(f"it is not URDF: it begins with <{str(robot.tag)[:60]}>, expected <robot>{hint}")
+    for material in robot.findall("material"):
+        holder = ElementTree.Element("visual")
+        holder.append(material)
+        parser.color(holder)
+    links = {link.name: link for link in map(parser.link, robot.findall("link"))}
+    joints = [parser.joint(element) for element in robot.findall("joint")]
+    root, ordered = _tree(parser, links, joints)
+    return Document(robot.get("name") or path.stem, links, ordered, root, parser.warnings)
+
+
+def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:
+    """The root, and the joints in an order in which the parent of each is known."""
+    if not links:
+        raise parser.fail("it has no links")
+    names: set[str] = set()
+    above: dict[str, Joint] = {}
+    below: dict[str, list[Joint]] = {}
+    for joint in joints:
+        for link in (joint.parent, joint.child):
+            if link not in links:
+                raise parser.fail(f"the joint '{joint.name}' joins the link '{link}', which there is not")
+        if joint.name in names:
+            raise parser.fail(f"two joints have the name '{joint.name}'")
+        if joint.child in above:
+            raise parser.fail(f"the link '{joint.child}' is the child of two joints")
+        names.add(joint.name)
+        above[joint.child] = joint
+        below.setdefault(joint.parent, []).append(joint)
+    roots = [name for name in links if name not in above]
+    if len(roots) != 1:
+        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "joints in a circle"
+        raise parser.fail(f"it has {what}")
+    ordered, waiting = [], [roots[0]]
+    while waiting:
+        for joint in below.get(waiting.pop(0), ()):
+            ordered.append(joint)
+            waiting.append(joint.child)
+    if len(ordered) != len(joints):
+        raise parser.fail("it has joints in a circle")
+    for joint in ordered:
+        leader = next((one for one in ordered if joint.mimic and one.name == joint.mimic[0]), None)
+        if joint.mimic and (leader is None or leader.mimic or leader.kind == "fixed" or joint.kind == "fixed"):
+            parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
+            joint.mimic = None
+    return roots[0], ordered

@@ -1,0 +1,177 @@
+"""URDF files as libraries of nodes: a body, and below it an armature that moves the links."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.assets import solids
+from morse.assets.urdf.document import Joint, Link, Shape, parse
+from morse.assets.urdf.meshes import MeshError, find_mesh, painted, read_mesh
+from morse.mathutils import Matrix, Vector
+from morse.mathutils.rotations import nine
+from morse.scene import BodySettings, Bone, Bounds, JointKind, Library, Material, Node, NodeKind, PhysicsType
+
+if TYPE_CHECKING:
+    from morse.assets.urdf.document import Document
+    from morse.scene import Mesh
+
+_KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
+_BOUNDS = {
+    "box": Bounds.BOX,
+    "sphere": Bounds.SPHERE,
+    "cylinder": Bounds.CYLINDER,
+    "mesh": Bounds.CONVEX_HULL,
+}
+_GREY = (0.7, 0.7, 0.7, 1.0)
+#: a link of that name stands for the world: what hangs on it is fixed
+_WORLD = "world"
+_LIGHTEST = 1e-3
+
+
+def read_urdf(path: str | Path) -> Library:
+    """Read a robot.
+
+    Its links become nodes of their names below the armature ``<robot>_joints``, whose bones are the joints.
+
+    Raises:
+        AssetError: the file is broken or contradicts itself.
+        OSError: it cannot be opened.
+    """
+    return _Reader(Path(path)).library()
+
+
+class _Reader:
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.document: Document = parse(path)
+        self.warnings = list(self.document.warnings)
+        self._meshes: dict[Path, Mesh] = {}
+        self._told: set[str] = set()
+
+    def library(self) -> Library:
+        document = self.document
+        mass = sum(link.mass for link in document.links.values())
+        is_fixed = document.root == _WORLD
+        body = BodySettings(
+            type=PhysicsType.STATIC if is_fixed else PhysicsType.RIGID_BODY,
+            compound=True,
+            mass=max(mass, _LIGHTEST) if mass else 1.0,
+        )
+        root = Node(document.name, body=body, source_name=document.name)
+        armature = Node(f"{document.name}_joints", NodeKind.ARMATURE, source_name=f"{document.name}_joints")
+        armature.bones = tuple(self._bones())
+        root.attach(armature)
+        frames, turned = self._start(armature.bones), {joint.child: _turn(joint) for joint in document.joints}
+        moved = {joint.child: joint.name for joint in document.joints}
+        for link in document.links.values():
+            node = self._link(link)
+            if link.name in moved:
+                node.bone = moved[link.name]
+                frame = frames[node.bone] @ turned[link.name].inverted()
+                node.location, node.rotation_euler = list(frame.translation), list(frame.to_euler())
+            armature.attach(node)
+        return Library(str(self.path), roots=[root], warnings=self.warnings)
+
+    # -- joints ----------------------------------------------------------------------------
+
+    def _bones(self) -> list[Bone]:
+        joints = self.document.joints
+        index = {joint.name: i for i, joint in enumerate(joints)}
+        above = {joint.child: i for i, joint in enumerate(joints)}
+        found = []
+        for joint in joints:
+            parent = above.get(joint.parent, -1)
+            local = joint.origin @ _turn(joint)
+            if parent >= 0:
+                # from the frame of the link above to that of its bone
+                local = _turn(joints[parent]).inverted() @ local
+            kind = _KINDS.get(joint.kind, JointKind.FIXED)
+            leader, factor, offset = joint.mimic or ("", 1.0, 0.0)
+            x, y, z = local.translation
+            turns = kind is JointKind.REVOLUTE
+            found.append(
+                Bone(
+                    joint.name,
+                    parent,
+                    (x, y, z),
+                    nine(list(local.to_3x3())),
+                    0.0,
+                    kind,
+                    axis=2,
+                    free=(False, False, turns),
+                    low=joint.low,
+                    high=joint.high,
+                    value=min(max(0.0, joint.low), joint.high),
+                    leader=index[leader] if leader else -1,
+                    factor=factor,
+                    offset=offset,
+                )
+            )
+        return found
+
+    def _start(self, bones: tuple[Bone, ...]) -> dict[str, Matrix]:
+        """The frame of each bone at the start, in that of the armature."""
+        frames: list[Matrix] = []
+        for bone in bones:
+            frame = Matrix((bone.rotation[:3], bone.rotation[3:6], bone.rotation[6:])).to_4x4()
+            frame.translation = bone.position
+            value = bone.value if bone.leader < 0 else bone.factor * bones[bone.leader].value + bone.offset
+            if bone.kind is JointKind.REVOLUTE:
+                frame = frame @ Matrix.Rotation(value, 4, "Z")
+            elif bone.kind is JointKind.PRISMATIC:
+                frame = frame @ Matrix.Translation((0.0, 0.0, value))
+            frames.append(frame if bone.parent < 0 else frames[bone.parent] @ frame)
+        return {bone.name: frame for bone, frame in zip(bones, frames, strict=True)}
+
+    # -- links -----------------------------------------------------------------------------
+
+    def _link(self, link: Link) -> Node:
+        node = Node(link.name, source_name=link.name)
+        for number, shape in enumerate(link.visuals, 1):
+            self._add(node, f"{link.name}_visual{number}", shape, is_solid=False)
+        for number, shape in enumerate(link.collisions, 1):
+            self._add(node, f"{link.name}_collision{number}", shape, is_solid=True)
+        return node
+
+    def _add(self, link: Node, name: str, shape: Shape, *, is_solid: bool) -> None:
+        mesh, scale = self._mesh(shape)
+        if mesh is None:
+            return
+        node = Node(name, NodeKind.MESH, source_name=name, visible=not is_solid)
+        node.mesh = painted(mesh, Material(name, shape.color or _GREY))
+        node.location = list(shape.origin.translation)
+        node.rotation_euler = list(shape.origin.to_euler())
+        node.scale = list(scale)
+        if is_solid:
+            node.body = BodySettings(type=PhysicsType.STATIC, bounds=_BOUNDS[shape.kind])
+        link.attach(node)
+
+    def _mesh(self, shape: Shape) -> tuple[Mesh | None, tuple[float, ...]]:
+        """A mesh, and its scale."""
+        if shape.kind == "box":
+            x, y, z = shape.size
+            return solids.cube(), (0.5 * x, 0.5 * y, 0.5 * z)
+        if shape.kind == "cylinder":
+            radius, length = shape.size
+            return solids.cylinder(), (radius, radius, 0.5 * length)
+        if shape.kind == "sphere":
+            return solids.sphere(), (shape.size[0],) * 3
+        try:
+            path = find_mesh(shape.file, self.path)
+            if path not in self._meshes:
+                self._meshes[path] = read_mesh(path)
+            return self._meshes[path], shape.size
+        except (MeshError, OSError) as error:
+            if shape.file not in self._told:
+                self._told.add(shape.file)
+                self.warnings.append(f"the mesh '{shape.file}' is left out: {error}")
+            return None, ()
+
+
+def _turn(joint: Joint) -> Matrix:
+    """4x4 that turns the Z axis, about which bones turn here, to the axis of a joint."""
+    if joint.kind not in _KINDS:
+        return Matrix.Identity(4)
+    turned: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
+    return turned
