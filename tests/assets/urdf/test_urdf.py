@@ -106,7 +106,7 @@ def test_links_and_joints(arm: Path) -> None:
         "base": "", "upper": "shoulder", "fore": "elbow", "slider": "reach", "tool": "mount", "finger": "grip",
     }  # fmt: skip
     shapes = {node.name: node for node in root.walk() if node.mesh is not None}
-    assert shapes["base_visual1"].mesh.materials[0].color == (0.0, 0.0, 1.0, 1.0)
+    assert shapes["base_visual1"].materials[0].color == (0.0, 0.0, 1.0, 1.0)
     assert not shapes["base_collision1"].visible
     assert shapes["upper_collision1"].body.bounds is Bounds.CYLINDER
     assert shapes["upper_collision1"].scale == [0.03, 0.03, 0.25]
@@ -167,9 +167,11 @@ def test_meshes_are_found_and_scaled(tmp_path: Path, suffix: str) -> None:
     library = read_urdf(file)
     assert library.warnings == []
     nodes = {node.name: node for node in library.nodes()}
-    vertices = nodes["base_visual1"].mesh.vertices * nodes["base_visual1"].scale
-    assert np.ptp(vertices, axis=0) == pytest.approx([0.2, 0.4, 0.6])
-    assert nodes["base_collision1"].body.bounds is Bounds.CONVEX_HULL
+    (seen,), (solid,) = nodes["base_visual1"].children, nodes["base_collision1"].children
+    assert np.ptp(seen.mesh.vertices * nodes["base_visual1"].scale, axis=0) == pytest.approx([0.2, 0.4, 0.6])
+    assert seen.body.type is PhysicsType.NO_COLLISION
+    assert solid.body.bounds is Bounds.CONVEX_HULL
+    assert not solid.visible
 
 
 def test_what_hangs_on_the_world_is_fixed(tmp_path: Path) -> None:
@@ -188,7 +190,7 @@ def test_it_is_found_by_its_name(arm: Path) -> None:
 
 def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
     (tmp_path / "bad.stl").write_bytes(b"solid nonsense" * 3)
-    (tmp_path / "huge.obj").write_text("v 1e300 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n")
+    (tmp_path / "huge.obj").write_text("v 1e30 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n")
     file = tmp_path / "odd.urdf"
     visuals = "".join(
         f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from morse.scene import Mesh
+from morse.assets.formats import SUFFIXES, reader_of
+from morse.assets.loader import instantiate
 
 if TYPE_CHECKING:
-    from morse.scene import Material
+    from morse.scene import Library, Node
 
-_MOST_BYTES = 256 << 20
-_MOST_TRIANGLES = 2_000_000
-_SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf", ".dae", ".3mf")
+
+#: metres
+_FARTHEST = 1e6
 
 
 class MeshError(ValueError):
@@ -55,39 +54,24 @@ def _candidates(name: str, urdf: Path) -> list[Path]:
     return found
 
 
-def read_mesh(path: Path) -> Mesh:
-    """Read STL, OBJ, PLY, OFF, glTF or 3MF, and COLLADA where pycollada is installed, by trimesh.
+def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
+    """Copies of the nodes of a mesh file.
+
+    Args:
+        known: the files that have been read already; others are added.
 
     Raises:
-        MeshError: it cannot be read.
+        AssetError: the file is damaged.
+        MeshError: files of that type cannot be read, or it is too large.
     """
-    if path.suffix.lower() not in _SUFFIXES:
-        raise MeshError(f"files of the type '{path.suffix}' are not read; those of {', '.join(_SUFFIXES)} are")
-    try:
-        import trimesh
-    except ImportError:
-        raise MeshError("meshes are read by trimesh: pip install 'morse-simulator[urdf]'") from None
-    if path.stat().st_size > _MOST_BYTES:
-        raise MeshError(f"it is larger than {_MOST_BYTES >> 20} MB")
-    try:
-        read: Any = trimesh.load(path, force="mesh", process=False)
-        vertices, triangles = np.asarray(read.vertices), np.asarray(read.faces)
-    except Exception as error:  # a third-party reader on a file of anybody
-        raise MeshError(f"trimesh cannot read it: {type(error).__name__}: {error}") from None
-    if triangles.ndim != 2 or not 0 < len(triangles) <= _MOST_TRIANGLES:
-        raise MeshError(f"it has {len(triangles)} triangles, expected 1 to {_MOST_TRIANGLES}")
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > 1e6:
-        raise MeshError("it has vertices that are not finite or too far away")
-    if triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise MeshError("it has triangles without vertices")
-    return Mesh(
-        path.stem,
-        np.ascontiguousarray(vertices, dtype=np.float32),
-        np.ascontiguousarray(triangles, dtype=np.int32),
-        np.zeros(len(triangles), dtype=np.int32),
-    )
-
-
-def painted(mesh: Mesh, material: Material) -> Mesh:
-    """The same mesh with a material."""
-    return Mesh(mesh.name, mesh.vertices, mesh.triangles, mesh.material_index, mesh.uvs, mesh.normals, (material,))
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES or suffix in (".blend", ".urdf"):
+        kinds = ", ".join(sorted(set(SUFFIXES) - {".blend", ".urdf"}))
+        raise MeshError(f"files of type '{path.suffix}' cannot be read; supported: {kinds}")
+    if path not in known:
+        library = reader_of(path)(path)
+        for mesh in (node.mesh for node in library.nodes() if node.mesh is not None):
+            if mesh.vertices.size and not abs(mesh.vertices).max() < _FARTHEST:
+                raise MeshError(f"vertices of '{mesh.name}' are farther away than {_FARTHEST:g} m")
+        known[path] = library
+    return [instantiate(root) for root in known[path].roots]

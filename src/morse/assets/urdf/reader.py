@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets import solids
+from morse.assets.errors import AssetError
 from morse.assets.urdf.document import Joint, Link, Shape, parse
-from morse.assets.urdf.meshes import MeshError, find_mesh, painted, read_mesh
+from morse.assets.urdf.meshes import MeshError, find_mesh, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
 from morse.scene import BodySettings, Bone, Bounds, JointKind, Library, Material, Node, NodeKind, PhysicsType
@@ -46,7 +47,7 @@ class _Reader:
         self.path = path
         self.document: Document = parse(path)
         self.warnings = list(self.document.warnings)
-        self._meshes: dict[Path, Mesh] = {}
+        self._libraries: dict[Path, Library] = {}
         self._told: set[str] = set()
 
     def library(self) -> Library:
@@ -135,38 +136,47 @@ class _Reader:
         return node
 
     def _add(self, link: Node, name: str, shape: Shape, *, is_solid: bool) -> None:
-        mesh, scale = self._mesh(shape)
-        if mesh is None:
-            return
-        node = Node(name, NodeKind.MESH, source_name=name, visible=not is_solid)
-        node.mesh = painted(mesh, Material(name, shape.color or _GREY))
-        node.location = list(shape.origin.translation)
+        node = Node(name, source_name=name, location=list(shape.origin.translation))
         node.rotation_euler = list(shape.origin.to_euler())
-        node.scale = list(scale)
-        if is_solid:
-            node.body = BodySettings(type=PhysicsType.STATIC, bounds=_BOUNDS[shape.kind])
+        if shape.kind == "mesh":
+            for part in self._mesh(shape):
+                node.attach(part)
+            node.scale = list(shape.size)
+        else:
+            node.kind = NodeKind.MESH
+            node.mesh, scale = _primitive(shape)
+            node.scale = list(scale)
+            node.materials = [Material(name, shape.color or _GREY)]
+        for part in node.walk():
+            part.visible = not is_solid
+            part.body = BodySettings()
+            if is_solid and part.mesh is not None:
+                part.body = BodySettings(type=PhysicsType.STATIC, bounds=_BOUNDS[shape.kind])
+            if shape.color is not None and part.mesh is not None:
+                part.color = shape.color
         link.attach(node)
 
-    def _mesh(self, shape: Shape) -> tuple[Mesh | None, tuple[float, ...]]:
-        """A mesh, and its scale."""
-        if shape.kind == "box":
-            x, y, z = shape.size
-            return solids.cube(), (0.5 * x, 0.5 * y, 0.5 * z)
-        if shape.kind == "cylinder":
-            radius, length = shape.size
-            return solids.cylinder(), (radius, radius, 0.5 * length)
-        if shape.kind == "sphere":
-            return solids.sphere(), (shape.size[0],) * 3
+    def _mesh(self, shape: Shape) -> list[Node]:
+        """The nodes of a mesh file; none, and a warning, if it cannot be read."""
         try:
-            path = find_mesh(shape.file, self.path)
-            if path not in self._meshes:
-                self._meshes[path] = read_mesh(path)
-            return self._meshes[path], shape.size
-        except (MeshError, OSError) as error:
+            return mesh_nodes(find_mesh(shape.file, self.path), known=self._libraries)
+        except (AssetError, MeshError, OSError) as error:
             if shape.file not in self._told:
                 self._told.add(shape.file)
-                self.warnings.append(f"the mesh '{shape.file}' is left out: {error}")
-            return None, ()
+                reason = error.message if isinstance(error, AssetError) else str(error)
+                self.warnings.append(f"the mesh '{shape.file:.200}' is left out: {reason}")
+            return []
+
+
+def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
+    """A mesh, and its scale."""
+    if shape.kind == "box":
+        x, y, z = shape.size
+        return solids.cube(), (0.5 * x, 0.5 * y, 0.5 * z)
+    if shape.kind == "cylinder":
+        radius, length = shape.size
+        return solids.cylinder(), (radius, radius, 0.5 * length)
+    return solids.sphere(), (shape.size[0],) * 3
 
 
 def _turn(joint: Joint) -> Matrix:
