@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from array import array
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -59,6 +60,8 @@ class Group:
         self.memory: dict[str, Any] = {}
         self.stamp = 0
         self.is_changed = False
+        self._plain: dict[str, bool] = {}
+        self._driven: tuple[Any, ...] = ()
         self._rows = {id(member): row for row, member in enumerate(members)}
         self._attributes = [vars(member) for member in members]
         self._datas: list[dict[str, Any]] = [member.local_data for member in members]
@@ -101,6 +104,14 @@ class Group:
 
     def attributes(self, name: str) -> list[Any]:
         """Return an attribute of all members."""
+        if name not in self._plain:
+            # what a class computes comes before what its instances hold
+            self._plain[name] = not hasattr(getattr(type(self.members[0]), name, None), "__set__")
+        if self._plain[name]:
+            try:
+                return [attributes[name] for attributes in self._attributes]
+            except KeyError:
+                pass
         return list(map(attrgetter(name), self.members))
 
     # -- for act_together: writing ---------------------------------------------------------
@@ -140,19 +151,24 @@ class Group:
         Raises:
             ValueError: a speed is too large.
         """
-        for speeds in (forward, aside, rate):
-            # comparisons with NaN are false
-            if speeds is not None and not (min(speeds) >= -_FASTEST and max(speeds) <= _FASTEST):
-                raise ValueError(f"a speed is a number from {-_FASTEST:g} to {_FASTEST:g}")
+        command = (tuple(kinds), _bytes(forward), _bytes(aside), _bytes(rate))
         if self._fleet is None:
             self._fleet = self.context.world.fleet([member.robot_parent.bge_object for member in self.members])
-        self._fleet.command(
-            forward,
-            0.0 if aside is None else aside,
-            rate,
-            [kind == "Position" for kind in kinds] if "Position" in kinds else False,
-            self._is_ground_robot,
-        )
+        self._fleet.renew()
+        # most commands stay the same for many ticks
+        if command != self._driven:
+            for speeds in (forward, aside, rate):
+                # comparisons with NaN are false
+                if speeds is not None and not (min(speeds) >= -_FASTEST and max(speeds) <= _FASTEST):
+                    raise ValueError(f"a speed is a number from {-_FASTEST:g} to {_FASTEST:g}")
+            self._fleet.command(
+                forward,
+                0.0 if aside is None else aside,
+                rate,
+                [kind == "Position" for kind in kinds] if "Position" in kinds else False,
+                self._is_ground_robot,
+            )
+            self._driven = command
         self.context.world.drive_fleet(self._fleet)
 
     def _is_ground_robot(self, row: int) -> bool:
@@ -232,6 +248,13 @@ class Group:
     def data_of(self, member: Member) -> dict[str, Any]:
         """Return the data of a member, filled in on demand."""
         return self.fill(self._rows[id(member)])
+
+
+def _bytes(speeds: Sequence[float] | NDArray[Any] | None) -> bytes:
+    """Numbers that can be compared to the bit."""
+    if speeds is None:
+        return b""
+    return (array("d", speeds) if isinstance(speeds, list) else np.asarray(speeds, dtype=np.float64)).tobytes()
 
 
 class OnDemand:

@@ -63,6 +63,9 @@ class Fleet:
             target[:] = array("d", values) if isinstance(values, list) else values
         self._shifts[:] = shifts
         self._is_ground = is_ground
+
+    def renew(self) -> None:
+        """All of them get their commands again."""
         self._withdrawn.clear()
 
     def withdraw(self, slot: int) -> None:

@@ -4,6 +4,7 @@ If no other body is awake, there are no contacts to solve. One step as long as t
 several short steps, provided that no other body is within reach of a robot during the tick. If also no other body was
 changed by an explicit call, the robots *drift*: the step consists of a check for contacts and the integration of
 positions. Where there is room around all of them, one look for contacts serves for several ticks.
+If everything sleeps, no step is needed either.
 
 If a robot is touched, lifted, tilted or pushed down within a tick, the tick is undone and repeated with its feet on the
 floor.
@@ -48,6 +49,7 @@ class GlideSteps:
         """No long step, and no look far ahead, has failed yet."""
         self._stride_at, self._stride_wait = 0, FIRST_WAIT
         self._far_at, self._far_wait = 0, FIRST_WAIT
+        self._slept = False
 
     def get_state(self) -> dict[str, int]:
         """See `morse.physics.saved.SavedGliding`."""
@@ -62,6 +64,7 @@ class GlideSteps:
         """Restore a validated state."""
         self._stride_at, self._stride_wait = state.stride_at, state.stride_wait
         self._far_at, self._far_wait = state.far_at, state.far_wait
+        self._slept = False
         if state.tick < state.clear_until:
             # what the engine has found just now is far away
             self._state.data.ncon = 0
@@ -77,11 +80,28 @@ class GlideSteps:
                 return
             # what the other steps are to notice is what is near within this tick
             self._gliding.look_ahead(1)
+        if self._all_sleep():
+            return
         mujoco.mj_getState(self._state.model, self._state.data, self._saved, _STATE)
         np.copyto(self._asleep, self._tree_asleep)
         self._run()
         if not self._rescue.all_is_well():
             self._rescue.repeat(self._saved, self._asleep, self._run)
+
+    def _all_sleep(self) -> bool:
+        """Let time pass without a step, if everything sleeps and nothing was done to it.
+
+        The first tick of that kind is left to the engine, which forgets the contacts of what sleeps.
+        """
+        state = self._state
+        data = state.data
+        sleep = not (data.nv_awake or state.is_stirred or state.has_forces) and self._rescue.all_is_well()
+        slept, self._slept = self._slept, sleep
+        if not (slept and sleep):
+            return False
+        for _ in range(state.steps):  # the sum has the bits of the sum that the engine makes
+            data.time += self._step
+        return True
 
     def _run(self) -> None:
         state = self._state
