@@ -1,1 +1,1 @@
-"""Actuators: one class a file."""
+"""Actuators, one class per file."""

@@ -23,14 +23,14 @@ _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
 
 class Armature(JointServices):
-    """Moves the joints of an armature: revolute ones turn, prismatic ones slide.
+    """Moves the revolute and prismatic joints of an armature.
 
-    The joints are the bones of the armature that have an unlocked axis (Bone > Inverse Kinematics in Blender), or, for
-    prismatic ones, a stretch. ``local_data`` has a field for each: the joint moves there at ``RotationSpeed`` or
-    ``LinearSpeed``. Every value is clamped to the limits of its joint.
+    The joints are the bones of the armature with an unlocked axis (Bone > Inverse Kinematics in Blender) or, for
+    prismatic joints, a stretch. ``local_data`` has a field with the setpoint of each joint. The joint moves to it at
+    ``RotationSpeed`` or ``LinearSpeed``. Every setpoint is clamped to the limits of its joint.
 
-    Bones with a target follow it as soon as the target is moved, until joints are told where to be. A target stands
-    for the tip of its bone, with its Y axis along the bone.
+    Bones with a target follow it as soon as the target is moved, until a joint gets a setpoint. A target is the wanted
+    pose of the tip of its bone, with the Y axis along the bone.
     """
 
     _name = "Armature Actuator"
@@ -40,10 +40,17 @@ class Armature(JointServices):
 
     add_kind("joints", names=each("joints"), position=each("joints"))
     add_property(
-        "_ik_rotation_speed", 0.5, "IKRotationSpeed", "float", "Of targets that turn", unit="rad/s", low=0.0, high=1e4
+        "_ik_rotation_speed",
+        0.5,
+        "IKRotationSpeed",
+        "float",
+        "Rotation speed of targets",
+        unit="rad/s",
+        low=0.0,
+        high=1e4,
     )
     add_property(
-        "_ik_linear_speed", 0.5, "IKLinearSpeed", "float", "Of targets that move", unit="m/s", low=0.0, high=1e4
+        "_ik_linear_speed", 0.5, "IKLinearSpeed", "float", "Linear speed of targets", unit="m/s", low=0.0, high=1e4
     )
 
     _ik_rotation_speed: float
@@ -56,14 +63,14 @@ class Armature(JointServices):
         self._targets = targets_of(obj)
         self._follower = Follower()
         self._target_poses = self._poses()
-        #: what following the targets has put into ``local_data``; None while the joints are told where to be
+        #: setpoints that result from the targets; None while the joints have setpoints of their own
         self._led: list[float] | None = None
         self._trajectory: Trajectory | None = None
-        #: the way of a target: its name, position and rotation in the world, m/s, rad/s
+        #: motion of a target: its name, goal position and rotation in the world, speed in m/s and rad/s
         self._move: tuple[str, tuple[float, ...], tuple[float, ...], float, float] | None = None
 
     def default_action(self) -> None:
-        """Move on."""
+        """Move the joints by one tick."""
         if self._trajectory is not None:
             self._go_along(self._trajectory)
             return
@@ -96,16 +103,16 @@ class Armature(JointServices):
     @interruptible
     @async_service
     def trajectory(self, trajectory: dict[str, Any]) -> None:
-        """Move the joints through points in time; ends at the time of the last one.
+        """Move the joints along a trajectory; the service ends at the time of the last point.
 
-        Between two points that say velocities the way is a polynomial of degree 3, with accelerations as well one of
-        degree 5, otherwise a straight line. It begins where the joints are, at rest. Points that are past already are
-        left out.
+        Between two points with velocities the trajectory is a polynomial of degree 3; with accelerations as well, of
+        degree 5; otherwise a straight line. It starts at the present joint values, at rest. Points in the past are left
+        out.
 
         Args:
             trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...],
                 "accelerations": [...], "time_from_start": s}, ...]}``, the numbers in the order of ``get_joints``.
-                Start time (simulated time; now if there is none), velocities and accelerations may be left out.
+                Start time (simulated time; default: now), velocities and accelerations are optional.
         """
         try:
             given, points = points_of(trajectory, self.joints)
@@ -122,7 +129,7 @@ class Armature(JointServices):
         now = self.clock.time
         if now < trajectory.start:
             return
-        # the time of a tick is a sum of fractions
+        # tolerance, because the time of a tick is a sum of fractions
         is_over = now >= trajectory.end - 1e-9
         self.local_data.update(
             zip(self.joints, trajectory.points[-1].positions if is_over else trajectory.positions(now), strict=True)
@@ -137,14 +144,14 @@ class Armature(JointServices):
 
     @service(changes=False)
     def list_IK_targets(self) -> list[str]:  # noqa: N802 (its name in MORSE 1.4)
-        """The names of the targets, which ``create_ik_targets`` in the scene script has made."""
+        """Return the names of the targets that ``create_ik_targets`` in the scene script has created."""
         return list(self._targets)
 
     @service
     def place_IK_target(  # noqa: N802 (its name in MORSE 1.4)
         self, name: str, translation: Point, euler: EulerAngles | None = None, relative: bool = True
     ) -> None:
-        """Put a target somewhere at once; the bone follows.
+        """Set the pose of a target immediately; the bone follows.
 
         Args:
             name: of the target.
@@ -168,7 +175,7 @@ class Armature(JointServices):
         linear_speed: AbsoluteSpeed | None = None,
         radial_speed: _TurnRate | None = None,
     ) -> None:
-        """Move a target at a speed; the bone follows. It ends when the target is there.
+        """Move a target at limited speed; the bone follows. The service ends when the target has arrived.
 
         Args:
             name: of the target.
@@ -187,7 +194,7 @@ class Armature(JointServices):
     def _goal(
         self, name: str, translation: list[float], euler: list[float] | None, relative: bool
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The pose in the world that a service asks for."""
+        """Return the goal pose in the world for the arguments of a service."""
         target = self._targets.get(name)
         if target is None:
             known = nearest(name, self._targets) or ": the scene script makes them, create_ik_targets(['bone'])"
@@ -203,7 +210,7 @@ class Armature(JointServices):
     def _move_target(
         self, name: str, position: tuple[float, ...], rotation: tuple[float, ...], linear: float, radial: float
     ) -> bool:
-        """Bring a target nearer to where it is to go; True if it is there."""
+        """Move a target towards its goal by one tick; return True if it has arrived."""
         target = self._targets[name]
         pose, is_there = nearer(
             target.world_pose(), (position, rotation), linear / self.frequency, radial / self.frequency
@@ -212,14 +219,14 @@ class Armature(JointServices):
         return is_there
 
     def _poses(self) -> list[Any]:
-        """Where the targets are, in the frame of the armature."""
+        """Return the poses of the targets in the frame of the armature."""
         return [target.local_pose() for target in self._targets.values()]
 
     def _seen(self) -> list[Any]:
         return seen_from(self.chain, self._targets.values())
 
     def _are_led(self) -> bool:
-        """Whether the bones follow their targets: these are moved, and no joint is told where to be since then."""
+        """Whether the bones follow their targets: a target was moved, and no joint has got a setpoint since then."""
         poses = self._poses()
         if poses != self._target_poses:
             self._target_poses = poses

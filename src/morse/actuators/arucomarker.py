@@ -1,4 +1,4 @@
-"""A marker for cameras that can be put somewhere."""
+"""A marker for cameras with a controllable pose."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _ALIKE = 1e-9
 
 
 class Arucomarker(Actuator):
-    """A marker that is put where a camera is said to have seen it: X right, Y down, Z forward, as cameras see.
+    """A marker that is placed at a pose given in camera axes: X right, Y down, Z forward.
 
-    Along the axes of the world, its place is that of the robot plus (z + xoffset, x + yoffset, -y + zoffset). The
-    angles roll, pitch and yaw turn about X, Y and Z, in the order Y, Z, X.
+    In world axes, its position is the position of the robot plus (z + xoffset, x + yoffset, -y + zoffset). The angles
+    roll, pitch and yaw are rotations about X, Y and Z, in the order Y, Z, X.
     """
 
     _name = "ARUCO Marker"
@@ -46,7 +46,7 @@ class Arucomarker(Actuator):
         self._turned: tuple[float, float, float] | None = None
 
     def default_action(self) -> None:
-        """Put the marker to its place."""
+        """Set the pose of the marker."""
         data = self.local_data
         x, y, z = self.robot_parent.bge_object.world_pose()[0]
         place = (x + data["z"] + self._x_offset, y + data["x"] + self._y_offset, z - data["y"] + self._z_offset)
@@ -61,17 +61,17 @@ class Arucomarker(Actuator):
 
     @service(changes=False)
     def get_local_position(self) -> list[float]:
-        """Its place in the frame of what carries it, m."""
+        """Return the position in the frame of its parent, m."""
         return list(map(float, self.bge_object.localPosition))
 
     @service(changes=False)
     def get_world_position(self) -> list[float]:
-        """Its place in the world, m."""
+        """Return the position in the world, m."""
         return list(map(float, self.bge_object.worldPosition))
 
     @service(changes=False)
     def get_local_orientation(self) -> list[float]:
-        """Roll, pitch and yaw in the frame of what carries it, rad."""
+        """Return roll, pitch and yaw in the frame of its parent, rad."""
         return list(map(float, self.bge_object.localOrientation.to_euler()))
 
     @service(changes=False)

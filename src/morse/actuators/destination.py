@@ -1,4 +1,4 @@
-"""Moves a robot to a place on a straight line."""
+"""Moves a robot to a position on a straight line."""
 
 import math
 
@@ -8,23 +8,23 @@ from morse.helpers.components import add_kind, add_property
 
 
 class Destination(Going):
-    """Moves the robot straight towards a place, in all directions and without turning it.
+    """Moves the robot in a straight line to a position, in three dimensions and without rotation.
 
-    It stops as soon as the distance, measured in three dimensions, is at most the tolerance.
+    The robot stops as soon as the three-dimensional distance is at most the tolerance.
     """
 
     _name = "Destination"
     _short_desc = "Motion controller which moves the robot on a straight line to a place"
 
-    add_property("_tolerance", 0.5, "Tolerance", "float", "How near is near enough", **LENGTH)
-    add_property("_speed", 5.0, "Speed", "float", "How fast it goes", unit="m/s", low=0.0, high=1e4)
+    add_property("_tolerance", 0.5, "Tolerance", "float", "Distance at which the robot has arrived", **LENGTH)
+    add_property("_speed", 5.0, "Speed", "float", "Speed of the robot", unit="m/s", low=0.0, high=1e4)
     add_kind("pose", position=("x", "y", "z"))
 
     _tolerance: float
     _speed: float
 
     def default_action(self) -> None:
-        """Go on."""
+        """Move by one tick."""
         data = self.local_data
         x, y, z = self.bge_object.world_pose()[0]
         dx, dy, dz = data["x"] - x, data["y"] - y, data["z"] - z

@@ -9,11 +9,11 @@ _COEFFICIENT: dict[str, Any] = {"unit": "kg/m", "low": 0.0}
 
 
 class Drag(Actuator):
-    """Slows the robot down by a force that grows with the square of its speed, along each of its axes by itself.
+    """Applies a drag force that is quadratic in the speed, separately along each axis of the robot.
 
     F = -sign(v) v^2 C, with the speed v along an axis of the robot and the coefficient C of that axis. C is half the
-    product of the density of the fluid, the drag coefficient and the cross-section. In one tick the force takes away
-    at most the whole speed.
+    product of the density of the fluid, the drag coefficient and the cross-section. In one tick the force reduces the
+    speed at most to 0.
     """
 
     _name = "Drag"
@@ -28,7 +28,7 @@ class Drag(Actuator):
     _drag_z: float
 
     def default_action(self) -> None:
-        """Resist."""
+        """Apply the force."""
         body = self.robot_parent.bge_object
         velocity = body.localLinearVelocity
         most = body.mass * self.frequency

@@ -1,4 +1,4 @@
-"""Pushes and twists a robot from outside, as wind does."""
+"""External forces on a robot, such as wind."""
 
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
@@ -16,7 +16,7 @@ class ExternalForce(Actuator):
     add_kind("wrench", force="force", torque="torque")
 
     def default_action(self) -> None:
-        """Push."""
+        """Apply the force and the torque."""
         force, torque = self.local_data["force"], self.local_data["torque"]
         if any(force) or any(torque):
             self.robot_parent.bge_object.wrench(force, torque, False)

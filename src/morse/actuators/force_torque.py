@@ -1,4 +1,4 @@
-"""Pushes and twists a robot at the place where the actuator sits."""
+"""Force and torque on a robot at the position of the actuator."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 class ForceTorque(Actuator):
     """Applies a force and a torque to the robot.
 
-    They are along the axes of the actuator, and a force that acts beside the origin of the robot turns it, too. With
-    ``RobotFrame`` they are along the axes of the robot, and act as they are. As in MORSE 1.4, what acts at the origin
-    of the robot acts at its centre of mass.
+    Force and torque are given along the axes of the actuator. The force acts at the position of the actuator, so that
+    it also causes a torque about the origin of the robot. With ``RobotFrame`` they are given along the axes of the
+    robot, and act at its origin. As in MORSE 1.4, a force at the origin of the robot is applied at its centre of mass.
     """
 
     _name = "Force/Torque Motion Controller"
@@ -25,18 +25,18 @@ class ForceTorque(Actuator):
 
     add_data("force", [0.0, 0.0, 0.0], "vec3<float>", "Along X, Y and Z", frame="own", shape=3, **FORCE)
     add_data("torque", [0.0, 0.0, 0.0], "vec3<float>", "About X, Y and Z", frame="own", shape=3, **TORQUE)
-    add_property("_robot_frame", False, "RobotFrame", "bool", "Along the axes of the robot, not of the actuator")
+    add_property("_robot_frame", False, "RobotFrame", "bool", "Use the axes of the robot, not of the actuator")
     add_kind("wrench", force="force", torque="torque")
 
     _robot_frame: bool
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """The frame is that which the property says."""
+        """Return the frame of the fields, which depends on the property."""
         return {"force": {"frame": "robot"}, "torque": {"frame": "robot"}} if self._robot_frame else {}
 
     def default_action(self) -> None:
-        """Push."""
+        """Apply the force and the torque."""
         force, torque = self.local_data["force"], self.local_data["torque"]
         if not any(force) and not any(torque):
             return

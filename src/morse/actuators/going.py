@@ -1,4 +1,4 @@
-"""What actuators that go to a place have in common."""
+"""The base class of actuators that drive to a goal position."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ ARRIVED, TRANSIT, STOP = "Arrived", "Transit", "Stop"
 
 
 def marker(component: Any, name: str) -> Any:
-    """The object of that name, which shows where a robot is going; None if there is none."""
+    """Return the object of that name, which marks the goal of a robot; None if there is none."""
     return component.context.world.objects_by_name.get(name) if name else None
 
 
 class Going(Actuator):
-    """Takes a place to go to, at first that where it is, and drives the robot there as its subclasses know."""
+    """Receives a goal position, initially the present position, to which its subclasses drive the robot."""
 
-    add_data("x", 0.0, "float", "X of the place to go to; at first that of the actuator", frame="world", **POSITION)
-    add_data("y", 0.0, "float", "Y of the place to go to; at first that of the actuator", frame="world", **POSITION)
-    add_data("z", 0.0, "float", "Z of the place to go to; at first that of the actuator", frame="world", **POSITION)
+    add_data("x", 0.0, "float", "X of the goal; initially the position of the actuator", frame="world", **POSITION)
+    add_data("y", 0.0, "float", "Y of the goal; initially the position of the actuator", frame="world", **POSITION)
+    add_data("z", 0.0, "float", "Z of the goal; initially the position of the actuator", frame="world", **POSITION)
     add_property(
         "_type",
         "Velocity",
@@ -36,7 +36,7 @@ class Going(Actuator):
         False,
         "RemainAtDestination",
         "bool",
-        "Stand still there, whatever pushes; otherwise the robot is left alone as long as it is near enough",
+        "Hold the goal position actively; otherwise the robot is not controlled within the tolerance",
     )
 
     _type: str
@@ -52,13 +52,13 @@ class Going(Actuator):
         self.robot_parent.apply_speed(self._type, linear, (0.0, 0.0, turn))
 
     def _halt(self, *, hold: bool = False) -> None:
-        """Stand still: one command to stop, or one every tick to ``hold`` the place."""
+        """Stop: send one command, or one command every tick to ``hold`` the position."""
         if self._moving or hold:
             self.robot_parent.apply_speed(self._type, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         self._moving = False
 
     def _arrive(self) -> None:
-        """It is near enough."""
+        """The robot has arrived."""
         self._halt(hold=self._remain_at_destination)
         self.robot_parent.move_status = ARRIVED
         if self.on_completion is not None:

@@ -1,4 +1,4 @@
-"""Takes things and lets them go."""
+"""Grasps and releases objects."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ _TAG = "Graspable"
 
 
 class Gripper(Actuator):
-    """Takes the nearest thing with the property ``Graspable`` in a cone before its fingers, and carries it along.
+    """Grasps the nearest object with the property ``Graspable`` in a cone in front of its fingers.
 
-    The cone opens along the Z axis of the gripper, in which its fingers point; things count by their origins.
+    The cone opens along the Z axis of the gripper, in the direction of the fingers. The origin of an object has to be
+    in the cone.
     """
 
     _name = "Gripper"
     _short_desc = "Takes things that can be grasped and lets them go"
     _builder = BuilderDefaults(model="gripper")
 
-    add_data("grab", False, "bool", "Hold the nearest thing; False lets it go")
+    add_data("grab", False, "bool", "Grasp the nearest object; False releases it")
     add_kind("switch", on="grab")
     add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
-    add_property("_distance", 0.5, "Distance", "float", "How far it reaches", unit="m", low=0.0)
+    add_property("_distance", 0.5, "Distance", "float", "Length of the cone", unit="m", low=0.0)
 
     _angle: float
     _distance: float
@@ -37,20 +38,20 @@ class Gripper(Actuator):
 
     @property
     def held(self) -> Any:
-        """The thing that it holds, or None."""
+        """The held object, or None."""
         thing = self.context.world.objects_by_name.get(self._held_name) if self._held_name else None
         if thing is None or thing.parent is not self.bge_object:
-            # it was deleted, or the world was put back to its start
+            # the object was deleted, or the world was reset
             self._held_name = ""
             return None
         return thing
 
     @service
     def grab(self) -> str | None:
-        """Take the nearest thing.
+        """Grasp the nearest object.
 
         Returns:
-            The name of the thing that it holds; None if there is none in reach.
+            The name of the held object; None if no object is in reach.
         """
         held = self.held or self._nearest()
         if held is not None and not self._held_name:
@@ -61,7 +62,7 @@ class Gripper(Actuator):
 
     @service
     def release(self) -> bool:
-        """Let go of what it holds; False if that is nothing."""
+        """Release the held object; return False if no object is held."""
         held, self._held_name = self.held, ""
         self.local_data["grab"] = False
         if held is None:
@@ -70,11 +71,11 @@ class Gripper(Actuator):
         return True
 
     def default_action(self) -> None:
-        """Hold or let go."""
+        """Grasp or release as commanded."""
         if self.local_data["grab"]:
             if self.held is None:
                 self.grab()
-                # it goes on trying
+                # retried in every tick
                 self.local_data["grab"] = True
         elif self._held_name:
             self.release()
@@ -93,5 +94,5 @@ class Gripper(Actuator):
         return found
 
     def _is_loose(self, thing: Any) -> bool:
-        """Whether nothing holds it; a part of something cannot be taken alone."""
+        """Whether an object can be grasped: it is not held, and is not a part of another object."""
         return thing.parent is None

@@ -1,10 +1,10 @@
-"""What actuators that put a robot somewhere every tick have in common."""
+"""The base class of actuators that set the pose of a robot every tick."""
 
 from morse.core.actuator import Actuator
 
 
 class Holding(Actuator):
-    """Keeps the robot where it puts it, whatever acts on it; switched off, it lets the robot go."""
+    """Holds the robot at a pose, independent of forces; the robot is released when the actuator is deactivated."""
 
     @property
     def active(self) -> bool:

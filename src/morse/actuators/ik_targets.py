@@ -1,4 +1,4 @@
-"""Targets that the tips of bones follow."""
+"""Inverse kinematics targets for the tips of bones."""
 
 from __future__ import annotations
 
@@ -13,40 +13,40 @@ if TYPE_CHECKING:
 
     from morse.helpers.chain import Chain
 
-#: of the name of a target; the name of the component and that of the bone follow
+#: prefix of the name of a target, followed by the names of the component and the bone
 PREFIX = "ik_target"
-#: property of a target: the bone that follows it
+#: property of a target with the name of its bone
 BONE = "IK_Bone"
-#: in each tick
+#: number of iterations per tick
 _ITERATIONS = 4
-#: beginnings elsewhere, and the ticks that each gets
+#: number of restarts from other joint values, and the ticks for each
 _ATTEMPTS, _PATIENCE = 12, 12
-#: square of an error in m^2 that is worth to begin elsewhere
+#: squared error above which the search is restarted, m^2
 _FAR = 1e-6
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 
 
 class Follower:
-    """Brings the tips of bones to their targets, a few iterations in each tick.
+    """Moves the tips of bones to their targets, with a few iterations in each tick.
 
-    Where the search is stuck, as that of a stretched arm which shall reach inward, it begins elsewhere; the joints go
-    on only to what is nearer to the targets.
+    If the search is stuck, for example at a stretched arm with a target closer to its base, it is restarted from other
+    joint values. The joints only move to solutions that are closer to the targets.
     """
 
     def __init__(self) -> None:
         self._goal: tuple[Any, ...] = ()
         self._trial: list[float] | None = None
         self._attempt = self._ticks = 0
-        #: the values at which nothing is left to improve
+        #: joint values that cannot be improved
         self._settled: list[float] | None = None
 
     def follow(self, chain: Chain, targets: Sequence[Target], values: Sequence[float]) -> list[float]:
-        """The values of the joints in this tick.
+        """Return the joint values for this tick.
 
         Args:
-            targets: in the frame of the armature.
-            values: of the joints now.
+            targets: poses of the targets in the frame of the armature.
+            values: present joint values.
         """
         goal = tuple(targets)
         if goal != self._goal:
@@ -78,7 +78,7 @@ def targets_of(obj: Any) -> dict[str, Any]:
 
 
 def seen_from(chain: Chain, targets: Iterable[Any]) -> list[Target]:
-    """Poses of targets in the frame of the armature, those of bones that it has."""
+    """Return the poses of the targets of existing bones, in the frame of the armature."""
     found = []
     for target in targets:
         index = chain.index(str(target.properties[BONE]))
@@ -89,11 +89,11 @@ def seen_from(chain: Chain, targets: Iterable[Any]) -> list[Target]:
 
 
 def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, bool]:
-    """The pose on the way to a goal, and whether it is the goal.
+    """Return the next pose on the way to a goal, and whether it is the goal.
 
     Args:
-        way: metres to go at most.
-        turned: radians to turn at most.
+        way: largest distance, m.
+        turned: largest rotation angle, rad.
     """
     missing = [b - a for a, b in zip(here[0], goal[0], strict=True)]
     distance = math.hypot(*missing)

@@ -1,4 +1,4 @@
-"""What moves the joints of an armature: step by step towards what is asked for."""
+"""The base class of actuators that move the joints of an armature towards setpoints."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 class JointMotion(Actuator):
-    """Moves the joints of the armature that is its object, and with them what hangs on the bones.
+    """Moves the joints of its armature, and the objects that are attached to the bones.
 
-    ``local_data`` holds a field for each joint: the position that it moves to. Joints obey their limits.
+    ``local_data`` contains the setpoint of each joint. Joints stay within their limits.
     """
 
     not_state: ClassVar[tuple[str, ...]] = ("chain", "_parts")
@@ -39,7 +39,7 @@ class JointMotion(Actuator):
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
-        """One for each joint."""
+        """Return one field for each joint."""
         found = {}
         for index in self.chain.joints:
             bone = self.chain.bones[index]
@@ -57,16 +57,16 @@ class JointMotion(Actuator):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The names of the joints, those nearer to the root first."""
+        """The names of the joints, from the root to the tips."""
         return self.chain.names
 
     @property
     def joint_values(self) -> tuple[float, ...]:
-        """Where the joints are: rad or m."""
+        """The present joint values, rad or m."""
         return tuple(self._values)
 
     def _hanging(self, obj: Any) -> Any:
-        """What hangs on bones: object, index of the bone, and its pose in the frame of that bone."""
+        """The objects attached to bones: object, index of the bone, and its pose in the frame of the bone."""
         frames = self.chain.frames(self.chain.start)
         for child in obj.children:
             index = self.chain.index(child.node.bone) if child.node.bone else None
@@ -77,12 +77,12 @@ class JointMotion(Actuator):
                 yield child, index, turn_back(r, (x - px, y - py, z - pz)), product(back, tuple(turned))
 
     def _wanted(self) -> list[float]:
-        """What is asked for, within the limits."""
+        """Return the setpoints, clamped to the limits."""
         chain, data = self.chain, self.local_data
         return [chain.clamped(number, float(data[name])) for number, name in enumerate(chain.names)]
 
     def _move_to(self, values: Sequence[float]) -> None:
-        """Bring the joints, and what hangs on them, to these values at once."""
+        """Set the joint values immediately, and move the attached objects."""
         if list(values) == self._values:
             return
         self._values = list(values)

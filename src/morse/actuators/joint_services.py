@@ -1,4 +1,4 @@
-"""Services that move joints by their names."""
+"""Services that move joints by name."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _CHECKS = {_REVOLUTE: check_of(Angle), _PRISMATIC: check_of(Position)}
 
 
 class JointServices(JointMotion):
-    """Joints that are told where to be one by one: at once, or at a speed."""
+    """Services that set single joints, immediately or at limited speed."""
 
     add_property(
         "_distance_tolerance",
         0.005,
         "DistanceTolerance",
         "float",
-        "A service is done when a prismatic joint is as near as that",
+        "A service ends when a prismatic joint is this close to its setpoint",
         unit="m",
         low=0.0,
     )
@@ -38,7 +38,7 @@ class JointServices(JointMotion):
         0.01,
         "AngleTolerance",
         "float",
-        "A service is done when a revolute joint is as near as that",
+        "A service ends when a revolute joint is this close to its setpoint",
         unit="rad",
         low=0.0,
     )
@@ -54,13 +54,13 @@ class JointServices(JointMotion):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        #: speeds that a service asked for
+        #: speeds from the arguments of services
         self._speeds: dict[str, float] = {}
         #: the joints that a service waits for; None while none does
         self._awaited: list[str] | None = None
 
     def default_action(self) -> None:
-        """Step towards what is asked for."""
+        """Move towards the setpoints."""
         wanted = self._wanted()
         if wanted != self._values:
             self._move_to([self._stepped(number, value) for number, value in enumerate(wanted)])
@@ -68,7 +68,7 @@ class JointServices(JointMotion):
             self._end_if_there(self._awaited, wanted)
 
     def _stepped(self, number: int, wanted: float) -> float:
-        """The value of a joint after this tick."""
+        """Return the value of a joint after this tick."""
         here = self._values[number]
         joint = self.chain.joint(number)
         usual = self._rotation_speed if joint.kind is _REVOLUTE else self._linear_speed
@@ -86,36 +86,36 @@ class JointServices(JointMotion):
             self.completed(status.SUCCESS)
 
     def interrupt(self) -> None:
-        """Stay as it is."""
+        """Stop at the present joint values."""
         self._stop()
         super().interrupt()
 
     def _stop(self) -> None:
-        """Call off what a service has begun."""
+        """Cancel the motion that a service has started."""
         for name in self._awaited or ():
             self.local_data[name] = self._values[self.joints.index(name)]
         self._awaited, self._speeds = None, {}
 
     def _take_over(self, names: list[str]) -> None:
-        """Some joints are told where to be: what moves them otherwise ends."""
+        """Called when joints get setpoints, which ends other motions."""
         if self.on_completion is not None and set(self._awaited or ()) & set(names):
             self.interrupt()
 
-    # -- what the joints are ---------------------------------------------------------------
+    # -- queries ---------------------------------------------------------------------------
 
     @service(changes=False)
     def get_joints(self) -> list[str]:
-        """The names of the joints, those nearer to the root first."""
+        """Return the names of the joints, from the root to the tips."""
         return list(self.joints)
 
     @service(changes=False)
     def get_dofs(self) -> dict[str, list[int]]:
-        """The axes of each bone about which its joint turns: joint to three numbers for X, Y and Z, 1 or 0."""
+        """Return the rotation axes of each joint: joint to three numbers for X, Y and Z of the bone, 1 or 0."""
         return {name: [int(free) for free in self._joint(name)[1].free] for name in self.joints}
 
     @service(changes=False)
     def get_IK_limits(self, joint: str) -> list[float]:  # noqa: N802 (its name in MORSE 1.4)
-        """The smallest and the largest value of a joint, rad or m."""
+        """Return the smallest and the largest value of a joint, rad or m."""
         bone = self._joint(joint)[1]
         return [bone.low, bone.high]
 
@@ -123,7 +123,7 @@ class JointServices(JointMotion):
 
     @service
     def set_rotation(self, joint: str, rotation: Angle) -> None:
-        """Turn a joint at once.
+        """Rotate a joint immediately.
 
         Args:
             joint: name of a revolute joint.
@@ -133,16 +133,16 @@ class JointServices(JointMotion):
 
     @service
     def set_rotations(self, rotations: list[float]) -> None:
-        """Turn the first joints at once; if one of them slides, none is moved.
+        """Rotate the first joints immediately; if one of them is prismatic, none is moved.
 
         Args:
-            rotations: radians, those of joints nearer to the root first; what is beyond the last joint is left out.
+            rotations: radians, from the root to the tips; surplus values are ignored.
         """
         self._put(self._first(rotations), _REVOLUTE)
 
     @service
     def set_translation(self, joint: str, translation: Position) -> None:
-        """Slide a joint at once.
+        """Translate a joint immediately.
 
         Args:
             joint: name of a prismatic joint.
@@ -152,17 +152,17 @@ class JointServices(JointMotion):
 
     @service
     def set_translations(self, translations: list[float]) -> None:
-        """Slide the first joints at once; if one of them turns, none is moved.
+        """Translate the first joints immediately; if one of them is revolute, none is moved.
 
         Args:
-            translations: metres, those of joints nearer to the root first; what is beyond the last joint is left out.
+            translations: metres, from the root to the tips; surplus values are ignored.
         """
         self._put(self._first(translations), _PRISMATIC)
 
     @interruptible
     @async_service
     def rotate(self, joint: str, rotation: Angle, speed: _Speed | None = None) -> None:
-        """Turn a joint; ends when it is there.
+        """Rotate a joint at limited speed; the service ends when the joint has arrived.
 
         Args:
             joint: name of a revolute joint.
@@ -174,18 +174,18 @@ class JointServices(JointMotion):
     @interruptible
     @async_service
     def rotate_joints(self, joint_rotations: dict[str, float], speed: _Speed | None = None) -> None:
-        """Turn several joints; ends when all are there.
+        """Rotate several joints at limited speed; the service ends when all have arrived.
 
         Args:
             joint_rotations: name to radians.
-            speed: rad/s of each; None for RotationSpeed.
+            speed: speed of each joint, rad/s; None for RotationSpeed.
         """
         self._go(joint_rotations, _REVOLUTE, speed)
 
     @interruptible
     @async_service
     def translate(self, joint: str, translation: Position, speed: _Speed | None = None) -> None:
-        """Slide a joint; ends when it is there.
+        """Translate a joint at limited speed; the service ends when the joint has arrived.
 
         Args:
             joint: name of a prismatic joint.
@@ -197,16 +197,16 @@ class JointServices(JointMotion):
     @interruptible
     @async_service
     def translate_joints(self, joint_translations: dict[str, float], speed: _Speed | None = None) -> None:
-        """Slide several joints; ends when all are there.
+        """Translate several joints at limited speed; the service ends when all have arrived.
 
         Args:
             joint_translations: name to metres.
-            speed: m/s of each; None for LinearSpeed.
+            speed: speed of each joint, m/s; None for LinearSpeed.
         """
         self._go(joint_translations, _PRISMATIC, speed)
 
     def _joint(self, name: str) -> tuple[int, Any]:
-        """Number and bone of a joint."""
+        """Return the index and the bone of a joint."""
         if name not in self.joints:
             raise MorseRPCInvokationError(f"{self.name()}: there is no joint {shown(name)}{nearest(name, self.joints)}")
         number = self.joints.index(name)
@@ -216,7 +216,7 @@ class JointServices(JointMotion):
         return dict(zip(self.joints, values, strict=False))
 
     def _checked(self, values: dict[str, float], kind: JointKind) -> dict[str, float]:
-        """Values of joints of one kind."""
+        """Validate values for joints of one kind."""
         found = {}
         for name, value in values.items():
             joint = self._joint(name)[1]

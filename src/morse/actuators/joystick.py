@@ -1,4 +1,4 @@
-"""Drives a robot by a gamepad at the live view."""
+"""Drives a robot with a gamepad at the live view."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_property
 
-#: a stick that is let go does not stand exactly in the middle
+#: dead zone, because a released stick is not exactly centred
 _DEAD_ZONE = 0.08
 
 
@@ -29,7 +29,7 @@ class Joystick(Actuator):
         choices=("Velocity", "Position"),
     )
     add_property("_speed", 1.0, "Speed", "float", "Speed at full deflection; turning rate in rad/s", **SPEED)
-    add_property("_index", 0, "Index", "int", "Which pair of axes: 0 for the first stick, 1 for the second", low=0)
+    add_property("_index", 0, "Index", "int", "Pair of axes: 0 for the first stick, 1 for the second", low=0)
 
     _type: str
     _speed: float
@@ -40,7 +40,7 @@ class Joystick(Actuator):
         self._moving = False
 
     def default_action(self) -> None:
-        """Drive as the stick says; the zero after it was let go is sent once only."""
+        """Drive as commanded by the stick; the zero after its release is sent only once."""
         controls = self.context.controls
         axes = controls.axes if controls.robot in (None, self.robot_parent.name()) else ()
         first = 2 * self._index
@@ -55,7 +55,7 @@ class Joystick(Actuator):
 
 
 def _beyond(axis: float) -> float:
-    """Deflection of an axis, -1 to 1, from the edge of the dead zone on."""
+    """Return the deflection of an axis, -1 to 1, measured from the edge of the dead zone."""
     size = abs(axis)
     if size <= _DEAD_ZONE:
         return 0.0

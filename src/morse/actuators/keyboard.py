@@ -1,4 +1,4 @@
-"""Drives a robot by the keys held in the live view."""
+"""Drives a robot with the keyboard of the live view."""
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
@@ -39,7 +39,9 @@ class Keyboard(Actuator):
         "Position shifts the robot, Velocity sets its speed, Differential turns its wheels",
         choices=("Position", "Velocity", "Differential"),
     )
-    add_property("_speed", 1.0, "Speed", "float", "Linear speed; half of it is the turning rate in rad/s", **SPEED)
+    add_property(
+        "_speed", 1.0, "Speed", "float", "Linear speed in m/s; the turning rate in rad/s is half of it", **SPEED
+    )
 
     _type: str
     _speed: float
@@ -50,17 +52,17 @@ class Keyboard(Actuator):
 
     @property
     def listening(self) -> bool:
-        """Whether keys reach this robot: those of the view's chosen robot, or all if there is one."""
+        """Whether the keys control this robot: it is the robot chosen in the view, or no robot is chosen."""
         return self.context.controls.robot in (None, self.robot_parent.name())
 
     @service(changes=False)
     def get_keys(self) -> dict[str, str]:
-        """The keys and what they do."""
+        """Return the keys and their functions."""
         names = ("forward", "left", "up", "roll", "pitch", "yaw")
         return {key: ("+" if sign > 0 else "-") + names[axis] for key, (axis, sign) in _KEYS.items()}
 
     def default_action(self) -> None:
-        """Drive as the keys say; the zero after the last release is sent once only."""
+        """Drive as commanded by the keys; the zero after the last release is sent only once."""
         held = self.context.controls.keys if self.listening else frozenset()
         motion = [0.0] * 6
         pressed = False

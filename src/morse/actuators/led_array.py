@@ -20,10 +20,10 @@ Picture = Annotated[list[float], Range(0.0, 1.0, shape=(None, None, 3))]
 
 
 class LedArray(Actuator):
-    """Shows a picture of rows of lights, steadily or blinking.
+    """Shows a pattern on rows of lights, steady or blinking.
 
-    The first row is at the top, the first light of a row at the left of who looks at the array from before. Blinking
-    lights are on for the first half of each period of simulated time.
+    The first row is at the top, and the first light of a row is at the left for a viewer in front of the array.
+    Blinking lights are on for the first half of each period of simulated time.
     """
 
     _name = "LED array"
@@ -40,7 +40,7 @@ class LedArray(Actuator):
         high=1.0,
     )
     add_kind("image", pixels=scaled("colours", 255.0), encoding="rgb8")
-    add_property("_blink_period", 0.0, "BlinkPeriod", "float", "How long on and off last; 0: steady", unit="s", low=0.0)
+    add_property("_blink_period", 0.0, "BlinkPeriod", "float", "Period of blinking; 0 for steady", unit="s", low=0.0)
 
     not_state = ("_lights", "_drawn")
 
@@ -53,18 +53,18 @@ class LedArray(Actuator):
         self.columns = max((column for _, column in lights), default=-1) + 1
         self._lights = lights
         self.local_data["colours"] = np.zeros((self.rows, self.columns, 3))
-        #: when the present blinking began, s
+        #: start time of the present blinking, s
         self._since = 0.0
         self._warned = False
         self._shown = self.local_data["colours"]
-        #: what the view was told last
+        #: the last pattern that was sent to the view
         self._drawn: Any = None
 
     # -- services --------------------------------------------------------------------------
 
     @service
     def set_all(self, red: Share, green: Share, blue: Share) -> None:
-        """Give all lights one colour.
+        """Set all lights to one colour.
 
         Args:
             red: 0 to 1.
@@ -75,7 +75,7 @@ class LedArray(Actuator):
 
     @service
     def set_led(self, row: int, column: int, red: Share, green: Share, blue: Share) -> None:
-        """Give one light a colour.
+        """Set the colour of one light.
 
         Args:
             row: from 0, at the top.
@@ -95,7 +95,7 @@ class LedArray(Actuator):
 
     @service
     def set_pattern(self, colours: Picture) -> None:
-        """Show a picture.
+        """Show a pattern.
 
         Args:
             colours: red, green and blue (0 to 1) of each light, row by row.
@@ -107,17 +107,17 @@ class LedArray(Actuator):
 
     @service
     def blink(self, period: Annotated[float, Range(0.0, 1e6, "s")]) -> None:
-        """Let the lights blink, from now on.
+        """Start blinking.
 
         Args:
-            period: seconds from one lighting up to the next; 0 to shine steadily.
+            period: period of blinking, s; 0 for steady lights.
         """
         self._blink_period = float(period)
         self._since = self.clock.time
 
     @service
     def off(self) -> None:
-        """Let no light shine."""
+        """Switch all lights off."""
         self.set_all(0.0, 0.0, 0.0)
 
     # -- showing ---------------------------------------------------------------------------
@@ -137,12 +137,12 @@ class LedArray(Actuator):
 
     @property
     def is_lit(self) -> bool:
-        """Whether the lights are on, as far as blinking goes."""
+        """Whether the lights are in the on phase of blinking."""
         period = self._blink_period
         return not period or (self.clock.time - self._since) % period < 0.5 * period
 
     def default_action(self) -> None:
-        """Show the picture."""
+        """Show the pattern."""
         picture = self._picture()
         if not self.is_lit:
             picture = np.zeros_like(picture)

@@ -1,4 +1,4 @@
-"""A lamp that shines forward."""
+"""A spot light."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
 
 class Light(Actuator):
-    """A spot light along the X axis that is switched on and off."""
+    """A spot light along the X axis that can be switched on and off."""
 
     _name = "Light"
     _short_desc = "A lamp on a robot that can be switched"
 
-    add_data("emit", True, "bool", "Whether it shines; at first the property emit")
+    add_data("emit", True, "bool", "Whether the light is on; initially the property emit")
     add_kind("switch", on="emit")
-    add_property("_emit", True, "emit", "bool", "Whether it shines at the start")
-    add_property("_distance", 10.0, "distance", "float", "Where it has faded to half", unit="m", low=0.0)
+    add_property("_emit", True, "emit", "bool", "Whether the light is on at the start")
+    add_property("_distance", 10.0, "distance", "float", "Distance at which the intensity is half", unit="m", low=0.0)
     add_property("_color", "(0,0,0)", "color", "string", "Red, green, blue, 0 to 1; (0,0,0) leaves it white")
     add_property("_size", math.pi / 2.0, "size", "float", "Angle of the cone", unit="rad", low=0.0, high=math.pi)
-    add_property("_energy", 1.0, "energy", "float", "Brightness; that of a normal lamp is 1", low=0.0)
+    add_property("_energy", 1.0, "energy", "float", "Brightness relative to a normal lamp", low=0.0)
 
     not_state = ("_lamp",)
 
@@ -55,24 +55,24 @@ class Light(Actuator):
 
     @service
     def toggle(self, emit: bool | None = None) -> None:
-        """Switch it.
+        """Switch the light.
 
         Args:
-            emit: on or off; None for the other way than now.
+            emit: on or off; None to toggle.
         """
         self.local_data["emit"] = not self.local_data["emit"] if emit is None else bool(emit)
 
     def default_action(self) -> None:
-        """Shine or not."""
+        """Apply the state of the light."""
         if self._lamp is not None and self._lamp.visible != self.local_data["emit"]:
             self._lamp.setVisible(self.local_data["emit"])
 
 
 def _color(text: str) -> tuple[float, float, float]:
-    """The colour that a property gives: three numbers from 0 to 1.
+    """Parse the colour in a property: three numbers from 0 to 1.
 
     Raises:
-        ValueError: it is something else.
+        ValueError: the text is not a colour.
     """
     try:
         r, g, b = (float(part) for part in str(text).strip().strip("()[]").split(","))

@@ -1,4 +1,4 @@
-"""Optional limits of the speeds that an actuator gives to a robot."""
+"""Optional limits of the speeds that an actuator applies to a robot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LimitedMotion(Actuator):
-    """Follows the commanded speeds within limits of speed, acceleration and jerk; a limit of 0 stands for none.
+    """Follows the commanded speeds within limits of speed, acceleration and jerk; 0 stands for no limit.
 
     Attributes:
         linear_axes: components of the linear speed.
@@ -22,9 +22,18 @@ class LimitedMotion(Actuator):
 
     add_property("_max_v", 0.0, "MaxSpeed", "float", "Largest linear speed; 0: no limit", unit="m/s", low=0.0, high=1e4)
     add_property(
-        "_max_a", 0.0, "MaxAcceleration", "float", "Of the linear speed; 0: no limit", unit="m/s²", low=0.0, high=1e6
+        "_max_a",
+        0.0,
+        "MaxAcceleration",
+        "float",
+        "Limit of the linear acceleration; 0: no limit",
+        unit="m/s²",
+        low=0.0,
+        high=1e6,
     )
-    add_property("_max_j", 0.0, "MaxJerk", "float", "Of the linear speed; 0: no limit", unit="m/s³", low=0.0, high=1e8)
+    add_property(
+        "_max_j", 0.0, "MaxJerk", "float", "Limit of the linear jerk; 0: no limit", unit="m/s³", low=0.0, high=1e8
+    )
     add_property(
         "_max_w", 0.0, "MaxAngularSpeed", "float", "Largest turning rate; 0: no limit", unit="rad/s", low=0.0, high=1e4
     )
@@ -33,13 +42,20 @@ class LimitedMotion(Actuator):
         0.0,
         "MaxAngularAcceleration",
         "float",
-        "Of the turning rate; 0: no limit",
+        "Limit of the angular acceleration; 0: no limit",
         unit="rad/s²",
         low=0.0,
         high=1e6,
     )
     add_property(
-        "_max_ddw", 0.0, "MaxAngularJerk", "float", "Of the turning rate; 0: no limit", unit="rad/s³", low=0.0, high=1e8
+        "_max_ddw",
+        0.0,
+        "MaxAngularJerk",
+        "float",
+        "Limit of the angular jerk; 0: no limit",
+        unit="rad/s³",
+        low=0.0,
+        high=1e8,
     )
 
     linear_axes = 1
@@ -58,7 +74,7 @@ class LimitedMotion(Actuator):
 
     @service
     def set_property(self, name: str, value: Any) -> None:
-        """Change a property while the simulation runs; speeds that were not limited before go on from the command."""
+        """Change a property while the simulation runs; speeds without a previous limit continue from the command."""
         were = self.is_limited()
         super().set_property(name, value)
         if self.is_limited() and not were:
@@ -70,11 +86,11 @@ class LimitedMotion(Actuator):
         return any((self._max_v, self._max_a, self._max_j, self._max_w, self._max_dw, self._max_ddw))
 
     def commanded(self) -> tuple[Sequence[float], float]:
-        """Linear speed, m/s, and turning rate, rad/s, of the last command. Override it."""
+        """Return the linear speed, m/s, and turning rate, rad/s, of the last command. Override it."""
         raise NotImplementedError
 
     def speeds(self) -> tuple[Sequence[float], float]:
-        """Linear speed, m/s, and turning rate, rad/s, of this tick."""
+        """Return the linear speed, m/s, and turning rate, rad/s, of this tick."""
         linear, angular = self.commanded()
         if not self.is_limited():
             return linear, angular

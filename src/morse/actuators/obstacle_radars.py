@@ -1,4 +1,4 @@
-"""The two radars by which a robot sees what stands in its way."""
+"""The two radars for obstacle avoidance."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ if TYPE_CHECKING:
 
 #: metres
 REACH = 3.0
-#: where they sit: ahead, to either side, and above the actuator, m
+#: positions of the radars: in front of, to either side of, and above the actuator, m
 _AHEAD, _ASIDE, _ABOVE = 0.7, 0.4, 0.8
-#: half the angle of their cones, rad
+#: half opening angle of the cones, rad
 _HALF_ANGLE = math.radians(5.0)
-#: rays in the surface of a cone, beside the one in its middle
+#: number of rays on the surface of a cone, in addition to the central ray
 _ROUND = 8
 
 
 class ObstacleRadars:
-    """Two cones of 5 degrees that look 3 m ahead, to the left and to the right of the middle of the robot.
+    """Two cones of 5 degrees with a range of 3 m, to the left and to the right of the centre of the robot.
 
-    A cone is looked through along its axis and along eight lines of its surface.
+    Rays are cast along the axis and along eight lines on the surface of each cone.
 
     Args:
-        world: what they look into.
-        obj: the actuator that carries them.
+        world: the world.
+        obj: the object of the actuator.
     """
 
     def __init__(self, world: Any, obj: Any) -> None:
@@ -37,10 +37,10 @@ class ObstacleRadars:
         self._each = len(cone)
 
     def look(self, ignored: Collection[str]) -> tuple[float, float]:
-        """Distance of the nearest thing to the left and to the right, m; infinite for none.
+        """Return the distances of the nearest obstacles to the left and to the right, m; infinite for none.
 
         Args:
-            ignored: things that have one of these properties are not seen.
+            ignored: objects with one of these properties are ignored.
         """
         rays = self._rays
         rays.refresh()

@@ -1,4 +1,4 @@
-"""Turns a robot the way it is told."""
+"""Controls the orientation of a robot."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ _ALIKE = 1e-9
 
 
 class Orientation(Actuator):
-    """Gives the robot an orientation, at once or at a limited speed, and leaves its place alone.
+    """Sets the orientation of the robot, immediately or at limited speed, without changing its position.
 
-    With a limited speed each of yaw, pitch and roll changes by at most that, the shorter way round, until it is right
-    within the tolerance. On a ground robot only the yaw can be turned like that.
+    With a limited speed, yaw, pitch and roll each change at most at that rate, in the shorter direction, until they are
+    within the tolerance. For a ground robot, only the yaw can be controlled at limited speed.
     """
 
     _name = "Orientation"
     _short_desc = "Motion controller which changes the orientation of the robot"
 
-    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", frame="world", **ANGLE)
-    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", frame="world", **ANGLE)
-    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", frame="world", **ANGLE)
+    add_data("yaw", 0.0, "float", "Rotation about Z; initially that of the robot", frame="world", **ANGLE)
+    add_data("pitch", 0.0, "float", "Rotation about Y; initially that of the robot", frame="world", **ANGLE)
+    add_data("roll", 0.0, "float", "Rotation about X; initially that of the robot", frame="world", **ANGLE)
     add_kind("attitude", orientation=euler("roll", "pitch", "yaw"))
     add_property(
         "_speed",
         math.inf,
         "speed",
         "float",
-        "Largest rate of each angle; infinite to turn at once",
+        "Largest rate of each angle; infinite for an immediate change",
         unit="rad/s",
         low=0.0,
         allow=("inf",),
     )
-    add_property("_tolerance", 0.02, "tolerance", "float", "What is right within that is left", unit="rad", low=0.0)
+    add_property("_tolerance", 0.02, "tolerance", "float", "Errors below it are not corrected", unit="rad", low=0.0)
     add_property(
         "_type",
         "Velocity",
@@ -58,7 +58,7 @@ class Orientation(Actuator):
             self.local_data[field] = float(getattr(pose, field))
 
     def default_action(self) -> None:
-        """Turn."""
+        """Rotate the robot by one tick."""
         data = self.local_data
         if self._speed == math.inf:
             self._force(data["roll"], data["pitch"], data["yaw"])
@@ -89,7 +89,7 @@ class Orientation(Actuator):
 
 
 def _body_rates(rates: list[float], roll: float, pitch: float) -> tuple[float, float, float]:
-    """Angular velocity in the axes of the body, rad/s, from the rates of roll, pitch and yaw."""
+    """Return the angular velocity in body axes, rad/s, from the rates of roll, pitch and yaw."""
     dr, dp, dy = rates
     sr, cr, sp, cp = math.sin(roll), math.cos(roll), math.sin(pitch), math.cos(pitch)
     return dr - sp * dy, cr * dp + sr * cp * dy, -sr * dp + cr * cp * dy

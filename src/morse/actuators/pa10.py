@@ -13,15 +13,15 @@ from morse.helpers.components import add_data, add_kind, add_property
 from morse.mathutils.rotations import product
 
 _SEGMENTS = ("seg0", "seg1", "seg2", "seg3", "seg4", "seg5")
-#: about which each segment turns
+#: rotation axis of each segment
 _AXES = "zyyzyz"
 
 
 class PA10(Actuator):
-    """Turns the six segments of the arm towards their angles, each at the same speed.
+    """Rotates the six segments of the arm to their setpoints, all at the same speed.
 
-    The first, the fourth and the sixth one turn about their Z axes, the others about their Y axes. What is appended to
-    the arm stays at its foot; ``arm.append(obj, 'PA10-6')`` puts it on the last segment.
+    The first, fourth and sixth segments rotate about their Z axes, the others about their Y axes. Objects that are
+    appended to the arm stay at its base; ``arm.append(obj, 'PA10-6')`` attaches an object to the last segment.
     """
 
     _name = "PA-10 Actuator"
@@ -35,13 +35,13 @@ class PA10(Actuator):
     add_data("seg4", 0.0, "float", "Fifth segment, about its Y axis", frame="joint", **ANGLE)
     add_data("seg5", 0.0, "float", "Sixth segment, about its Z axis", frame="joint", **ANGLE)
     add_kind("joints", names=_SEGMENTS, position=_SEGMENTS)
-    add_property("_speed", 1.0, "Speed", "float", "How fast each segment turns", unit="rad/s", low=0.0, high=1e4)
+    add_property("_speed", 1.0, "Speed", "float", "Angular speed of each segment", unit="rad/s", low=0.0, high=1e4)
     add_property(
         "_tolerance",
         math.radians(5.0),
         "Tolerance",
         "float",
-        "A segment begins to turn when its angle is off by more than that; it goes all the way then",
+        "A segment starts to move if its error is larger; it then moves until the error is 0",
         unit="rad",
         low=0.0,
     )
@@ -56,16 +56,16 @@ class PA10(Actuator):
         self._parts = [_part(obj, f"PA10-{i + 1}") for i in range(6)]
         self._rest = [part.local_pose() for part in self._parts]
         self._angles = [0.0] * 6
-        #: the segments that are on their way
+        #: the moving segments
         self._turning = [False] * 6
 
     @property
     def joint_values(self) -> tuple[float, ...]:
-        """Where the segments are: radians."""
+        """The present angles of the segments, rad."""
         return tuple(self._angles)
 
     def default_action(self) -> None:
-        """Turn on."""
+        """Rotate the segments by one tick."""
         step = self._speed / self.frequency
         for number, segment in enumerate(_SEGMENTS):
             angle = self._angles[number]
@@ -101,7 +101,7 @@ class PA10(Actuator):
         seg4: Angle = 0.0,
         seg5: Angle = 0.0,
     ) -> None:
-        """Turn the segments to these angles, at their speed; it does not wait until they are there.
+        """Set the setpoints of the segments; the service does not wait until they are reached.
 
         Args:
             seg0: radians.

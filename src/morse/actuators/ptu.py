@@ -1,4 +1,4 @@
-"""Turns what it carries to the sides, up and down."""
+"""A pan-tilt unit."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _BASE, _HEAD = "PanBase", "TiltBase"
 
 
 class PTU(Actuator):
-    """Pans about its Z axis, tilts about its Y axis, at a constant speed; what is appended to it is carried along.
+    """Pans about its Z axis and tilts about its Y axis at constant speed, with all objects appended to it.
 
-    A positive pan turns to the left, a positive tilt looks down. Looking at a place it aims its X axis at it, seen from
-    the foot of the unit: on a level robot pan = atan2(dy, dx) - yaw and tilt = -asin(dz / d).
+    A positive pan is a rotation to the left, a positive tilt is downward. To look at a point, its X axis is aimed at
+    the point as seen from the base of the unit: on a level robot pan = atan2(dy, dx) - yaw and tilt = -asin(dz / d).
     """
 
     _name = "Pan-Tilt Unit"
@@ -32,17 +32,17 @@ class PTU(Actuator):
     add_data("pan", 0.0, "float", "About the Z axis, positive to the left", frame="joint", **ANGLE)
     add_data("tilt", 0.0, "float", "About the Y axis, positive downward", frame="joint", **ANGLE)
     add_kind("joints", names=("pan", "tilt"), position=("pan", "tilt"))
-    add_property("_speed", 1.0, "Speed", "float", "How fast each joint turns", unit="rad/s", low=0.0, high=1e4)
+    add_property("_speed", 1.0, "Speed", "float", "Angular speed of each joint", unit="rad/s", low=0.0, high=1e4)
     add_property(
         "_tolerance",
         math.radians(0.3),
         "Tolerance",
         "float",
-        "A service is done when both joints are as near as that",
+        "A service ends when both joints are this close to their setpoints",
         unit="rad",
         low=0.0,
     )
-    add_property("_manual", False, "Manual", "bool", "Leave the joints to what else turns them")
+    add_property("_manual", False, "Manual", "bool", "The joints are controlled by something else")
 
     not_state = ("_base", "_head")
 
@@ -69,14 +69,14 @@ class PTU(Actuator):
         return math.atan2(r[2], r[0])
 
     def moving_parts(self) -> list[MovingPart]:
-        """The base, which pans, and the head on it, which tilts."""
+        """The base, which pans, and the head, which tilts."""
         return [
             MovingPart("pan", self._base, None, (0.0, 0.0, 1.0), lambda: self.pan),
             MovingPart("tilt", self._head, self._base, (0.0, 1.0, 0.0), lambda: self.tilt),
         ]
 
     def default_action(self) -> None:
-        """Turn on."""
+        """Rotate the joints by one tick."""
         pan, tilt = self.pan, self.tilt
         to_pan = math.remainder(self.local_data["pan"] - pan, math.tau)
         to_tilt = math.remainder(self.local_data["tilt"] - tilt, math.tau)
@@ -96,7 +96,7 @@ class PTU(Actuator):
             self.completed(status.SUCCESS)
 
     def interrupt(self) -> None:
-        """Stay as it is."""
+        """Stop at the present angles."""
         self.local_data["pan"], self.local_data["tilt"] = self.pan, self.tilt
         super().interrupt()
 
@@ -105,7 +105,7 @@ class PTU(Actuator):
     @interruptible
     @async_service
     def set_pan_tilt(self, pan: Angle, tilt: Angle) -> None:
-        """Turn both joints; ends when they are there.
+        """Rotate both joints; the service ends when they have arrived.
 
         Args:
             pan: radians, to the left.
@@ -115,13 +115,13 @@ class PTU(Actuator):
 
     @service(changes=False)
     def get_pan_tilt(self) -> list[float]:
-        """The angles of both joints as they are, radians."""
+        """Return the present angles of both joints, rad."""
         return [self.pan, self.tilt]
 
     @interruptible
     @async_service
     def look_at_point(self, x: Position, y: Position, z: Position) -> None:
-        """Look at a place of the world; ends when it does.
+        """Look at a point in the world; the service ends when the joints have arrived.
 
         Args:
             x: metres.
@@ -133,10 +133,10 @@ class PTU(Actuator):
     @interruptible
     @async_service
     def look_at_object(self, obj_name: str) -> None:
-        """Look at the place where an object is now; ends when it does.
+        """Look at the present position of an object; the service ends when the joints have arrived.
 
         Args:
-            obj_name: its name in the scene.
+            obj_name: name of the object in the scene.
         """
         found = self.context.world.objects_by_name
         if obj_name not in found:

@@ -1,4 +1,4 @@
-"""Flies a quadrotor by the speeds of its four rotors."""
+"""Controls a quadrotor by the speeds of its four rotors."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from morse.helpers.components import add_data, add_kind, add_property
 
 
 class QuadrotorDynamicControl(Actuator):
-    """Turns the speeds w1..w4 of four rotors into the thrust F and the torques tx, ty, tz that act on the robot.
+    """Applies the thrust F and the torques tx, ty, tz that result from the speeds w1..w4 of four rotors.
 
     F = b (w1^2 + w2^2 + w3^2 + w4^2), tz = d (-w1^2 + w2^2 - w3^2 + w4^2), and with ``+`` (rotors behind, right, ahead,
     left) tx = b l (-w2^2 + w4^2), ty = b l (w1^2 - w3^2); with ``x`` tx = b l (w1^2 - w2^2 - w3^2 + w4^2) / sqrt(2),
@@ -24,7 +24,7 @@ class QuadrotorDynamicControl(Actuator):
     add_property("_thrust_factor", 9.169e-6, "ThrustFactor", "float", "Thrust of a rotor", unit="N·s^2", low=0.0)
     add_property("_drag_factor", 2.4e-7, "DragFactor", "float", "Counter torque of a rotor", unit="N·m·s^2", low=0.0)
     add_property("_lever", 0.18, "Lever", "float", "Distance of the rotors from the centre", unit="m", low=0.0)
-    add_property("_configuration", "+", "Configuration", "string", "Where the rotors are", choices=("+", "x"))
+    add_property("_configuration", "+", "Configuration", "string", "Arrangement of the rotors", choices=("+", "x"))
     add_kind("actuators", values="engines")
 
     _thrust_factor: float
@@ -33,7 +33,7 @@ class QuadrotorDynamicControl(Actuator):
     _configuration: str
 
     def default_action(self) -> None:
-        """Push and twist."""
+        """Apply the thrust and the torques."""
         w1, w2, w3, w4 = (speed * speed for speed in self.local_data["engines"])
         thrust = self._thrust_factor * (w1 + w2 + w3 + w4)
         if not thrust:

@@ -1,4 +1,4 @@
-"""What controllers of rotorcraft have in common."""
+"""The base classes of rotorcraft controllers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Three = tuple[float, float, float]
 
 
 class Rotorcraft(Actuator):
-    """Turns a robot by torques, and lifts it by a thrust along its own Z axis.
+    """Controls a robot by torques and a thrust along its Z axis.
 
     The torque about each axis of the robot is
 
@@ -28,7 +28,7 @@ class Rotorcraft(Actuator):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self._inertia: _Three = tuple(self.robot_parent.bge_object.localInertia)
-        #: errors of roll, pitch and yaw in the tick before; None after a rest
+        #: errors of roll, pitch and yaw in the previous tick; None after an inactive tick
         self._errors: _Three | None = None
 
     def _angles(self) -> _Three:
@@ -57,25 +57,23 @@ class Rotorcraft(Actuator):
 
 
 def _limited(value: float, most: float) -> float:
-    """A force or torque that the physics takes, whatever the gains: clients may set them to any number."""
+    """Limit a force or torque to the range of the physics, because clients may set any gains."""
     return 0.0 if math.isnan(value) else max(-most, min(value, most))
 
 
 class BankingRotorcraft(Rotorcraft):
-    """Flies by banking towards where it is to accelerate."""
+    """Accelerates horizontally by banking."""
 
     add_property(
         "_h_pgain",
         0.2,
         "HorizontalPgain",
         "float",
-        "Bank for the horizontal error, rad for each m or m/s",
+        "Bank angle per horizontal error, rad per m or m/s",
         low=0.0,
     )
-    add_property("_h_dgain", 0.8, "HorizontalDgain", "float", "Bank against the change of the error", low=0.0)
-    add_property(
-        "_v_pgain", 8.0, "VerticalPgain", "float", "Thrust for the vertical error, N for each m or m/s", low=0.0
-    )
+    add_property("_h_dgain", 0.8, "HorizontalDgain", "float", "Bank angle per rate of change of the error", low=0.0)
+    add_property("_v_pgain", 8.0, "VerticalPgain", "float", "Thrust per vertical error, N per m or m/s", low=0.0)
     add_property("_yaw_pgain", 12.0, "YawPgain", "float", "Proportional gain of the yaw", unit="1/s^2", low=0.0)
     add_property("_rp_pgain", 9.7, "RollPitchPgain", "float", "Proportional gain of roll, pitch", unit="1/s^2", low=0.0)
     add_property("_rp_dgain", 2.0, "RollPitchDgain", "float", "Derivative gain of roll and pitch", unit="1/s", low=0.0)
@@ -106,7 +104,7 @@ class BankingRotorcraft(Rotorcraft):
         self._centre: _Three = next(centres, (0.0, 0.0, 0.0))
 
     def _velocity_of_mass(self) -> _Three:
-        """Velocity of the centre of mass, m/s in the world: that of the origin swings as the robot banks."""
+        """Velocity of the centre of mass in the world, m/s; that of the origin varies with the bank angle."""
         body = self.robot_parent.bge_object
         (vx, vy, vz), (wx, wy, wz) = body.velocity()
         r, (a, b, c) = body.world_pose()[1], self._centre
@@ -114,21 +112,21 @@ class BankingRotorcraft(Rotorcraft):
         return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
 
     def _bank(self, command_x: float, command_y: float, climb: float, yaw_wanted: float, angles: _Three) -> None:
-        """Bank towards a direction of the world, and hold the height.
+        """Bank towards a world direction, and control the height.
 
         Args:
             command_x: bank towards X of the world, rad.
             command_y: bank towards Y of the world, rad.
-            climb: thrust beyond that which carries the robot, N.
-            yaw_wanted: rad.
-            angles: roll, pitch and yaw as they are, rad.
+            climb: thrust in addition to the weight of the robot, N.
+            yaw_wanted: yaw setpoint, rad.
+            angles: present roll, pitch and yaw, rad.
         """
         roll, pitch, yaw = angles
         c, s, most = math.cos(yaw), math.sin(yaw), self._max_bank_angle
         roll_wanted = min(max(s * command_x - c * command_y, -most), most)
         pitch_wanted = min(max(c * command_x + s * command_y, -most), most)
         carrying = self.robot_parent.bge_object.mass * GRAVITY
-        # the more it banks, the more thrust it takes to stay at a height: as much as for the largest bank at most
+        # the thrust is increased with the bank angle to keep the height, up to that for the largest bank angle
         upright = max(math.cos(most) ** 2, math.cos(roll) * math.cos(pitch))
         thrust = max(carrying / upright + climb, 0.0)
         errors = (roll_wanted - roll, pitch_wanted - pitch, math.remainder(yaw_wanted - yaw, 2.0 * math.pi))

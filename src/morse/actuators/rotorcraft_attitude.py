@@ -1,4 +1,4 @@
-"""Holds the attitude of a rotorcraft."""
+"""Controls the attitude of a rotorcraft."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def _by_angle(actuator: RotorcraftAttitude) -> bool:
 
 
 class RotorcraftAttitude(Rotorcraft):
-    """Turns a rotorcraft to roll, pitch and yaw, and pushes it along its Z axis by a share of the largest thrust.
+    """Controls roll, pitch and yaw of a rotorcraft, and its thrust as a share of the largest thrust.
 
     The angles are those of MAVLink and of autopilots, with X forward, Y right and Z down: a positive pitch raises the
-    nose, a positive yaw turns to the right. The torque follows the law I (kp e + kd de/dt) thrust. Without
-    thrust the rotors stand still, and the robot keeps no attitude.
+    nose, a positive yaw turns to the right. The torque is I (kp e + kd de/dt) thrust. Without thrust the rotors do not
+    turn, and the attitude is not controlled.
     """
 
     _name = "Rotorcraft attitude motion controller"
@@ -42,14 +42,14 @@ class RotorcraftAttitude(Rotorcraft):
     add_property("_yaw_pgain", 16.0, "YawPgain", "float", "Proportional gain of the yaw", unit="1/s^2")
     add_property("_yaw_dgain", 4.0, "YawDgain", "float", "Derivative gain of the yaw", unit="1/s")
     add_property("_thrust_factor", 40.0, "ThrustFactor", "float", "Largest thrust", unit="N", low=0.0)
-    add_property("_linear_thrust", True, "LinearThrust", "bool", "Thrust grows as the command; otherwise as its square")
+    add_property("_linear_thrust", True, "LinearThrust", "bool", "Thrust is linear in the command; otherwise quadratic")
     add_property("_yaw_rate_control", True, "YawRateControl", "bool", "yaw is a rate; otherwise it is the angle")
     add_property(
         "_use_angle_against_north",
         False,
         "UseAngleAgainstNorth",
         "bool",
-        "The yaw is that from north, clockwise; otherwise from the X axis of the world",
+        "Measure the yaw clockwise from north; otherwise from the X axis of the world",
     )
     add_kind(
         "attitude", when=_by_rate, orientation=euler("roll", "pitch", None), rates=(None, None, "yaw"), thrust="thrust"
@@ -71,18 +71,18 @@ class RotorcraftAttitude(Rotorcraft):
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """The yaw is a rate, if the property says so."""
+        """Return the unit of the yaw field, which depends on the property YawRateControl."""
         return {"yaw": {"unit": "rad/s"}} if self._yaw_rate_control else {}
 
     def _heading(self, yaw: float) -> float:
-        """Yaw about the axis that points down, rad, from the yaw of the robot."""
+        """Return the yaw about the downward axis, rad, from the yaw of the robot."""
         if self._use_angle_against_north:
-            # the yaw is counted from the X axis of the world, which is east turned by that angle
+            # the yaw is measured from the X axis of the world, which is rotated from east by that angle
             return math.pi / 2.0 - yaw - angle_against_north(self.context.scene.properties)
         return -yaw
 
     def default_action(self) -> None:
-        """Push and twist."""
+        """Apply the thrust and the torques."""
         data = self.local_data
         thrust = data["thrust"]
         if not thrust > 0.0:

@@ -1,4 +1,4 @@
-"""Holds the velocity of a rotorcraft."""
+"""Controls the velocity of a rotorcraft."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from morse.helpers.components import add_data, add_kind, add_property
 
 
 class RotorcraftVelocity(BankingRotorcraft):
-    """Flies a rotorcraft at a velocity, by banking it and by its thrust.
+    """Controls the velocity of a rotorcraft by banking and thrust.
 
-    The velocity is given along axes that turn with the robot about the vertical, and stay level: X forward, Y left, Z
-    up. The robot banks by kp (v wanted - v) - kd dv/dt. The yaw rate is, as in MORSE 1.4, that about the axis that
-    points down: a positive one turns to the right.
+    The velocity is given along level axes that turn with the yaw of the robot: X forward, Y left, Z up. The robot banks
+    by kp (v wanted - v) - kd dv/dt. As in MORSE 1.4, the yaw rate is about the downward axis: a positive rate turns to
+    the right.
     """
 
     _name = "Rotorcraft velocity motion controller"
@@ -26,7 +26,14 @@ class RotorcraftVelocity(BankingRotorcraft):
     add_data("vy", 0.0, "float", "Speed to the left, level", frame="own", **SPEED)
     add_data("vz", 0.0, "float", "Speed upward", frame="own", **SPEED)
     add_data("vyaw", 0.0, "float", "Yaw rate; positive to the right", frame="frd", **TURN_RATE)
-    add_data("tolerance", 0.2, "float", "Of the speed; kept for scripts of 1.4, without effect", unit="m/s", low=0.0)
+    add_data(
+        "tolerance",
+        0.2,
+        "float",
+        "Tolerance of the speed; kept for scripts of 1.4, without effect",
+        unit="m/s",
+        low=0.0,
+    )
     add_property("_v_dgain", 2.0, "VerticalDgain", "float", "Kept for scripts of 1.4, without effect", low=0.0)
     add_property("_yaw_dgain", 8.0, "YawDgain", "float", "Derivative gain of the yaw", unit="1/s", low=0.0)
     add_property("_max_velocity", 2.0, "MaxVelocity", "float", "Kept for scripts of 1.4, without effect", unit="m/s")
@@ -52,7 +59,7 @@ class RotorcraftVelocity(BankingRotorcraft):
         self.local_data.update((name, float(value)) for name, value in new.items())
 
     def default_action(self) -> None:
-        """Push and twist."""
+        """Apply the thrust and the torques."""
         data = self.local_data
         angles = self._angles()
         yaw = angles[2]

@@ -1,4 +1,4 @@
-"""Flies a rotorcraft to a place."""
+"""Flies a rotorcraft to a position."""
 
 from __future__ import annotations
 
@@ -14,34 +14,36 @@ from morse.helpers.components import add_data, add_kind, add_property, euler
 
 
 class RotorcraftWaypoint(BankingRotorcraft):
-    """Flies a rotorcraft to a place and a heading, by banking it and by its thrust.
+    """Flies a rotorcraft to a position and a heading by banking and thrust.
 
-    The robot banks by kp (place - position) - kd v. It has arrived as soon as it is within the tolerance of the
-    place, whatever its heading.
+    The robot banks by kp (goal - position) - kd v. It has arrived as soon as its distance to the goal is within the
+    tolerance, independent of its heading.
     """
 
     _name = "Rotorcraft waypoint motion controller"
     _short_desc = "Motion controller using force and torque to fly a rotorcraft to a place"
 
-    add_data("x", 0.0, "float", "X of the place; at first that of the robot", frame="world", **POSITION)
-    add_data("y", 0.0, "float", "Y of the place; at first that of the robot", frame="world", **POSITION)
-    add_data("z", 0.0, "float", "Z of the place; at first that of the robot", frame="world", **POSITION)
-    add_data("yaw", 0.0, "float", "Heading; at first that of the robot", frame="world", **ANGLE)
-    add_data("tolerance", 0.2, "float", "How near is near enough", **LENGTH)
-    add_property("_h_pgain", math.radians(6.0), "HorizontalPgain", "float", "Bank for each m", unit="rad/m", low=0.0)
+    add_data("x", 0.0, "float", "X of the goal; initially that of the robot", frame="world", **POSITION)
+    add_data("y", 0.0, "float", "Y of the goal; initially that of the robot", frame="world", **POSITION)
+    add_data("z", 0.0, "float", "Z of the goal; initially that of the robot", frame="world", **POSITION)
+    add_data("yaw", 0.0, "float", "Heading; initially that of the robot", frame="world", **ANGLE)
+    add_data("tolerance", 0.2, "float", "Distance at which the robot has arrived", **LENGTH)
+    add_property("_h_pgain", math.radians(6.0), "HorizontalPgain", "float", "Bank angle per m", unit="rad/m", low=0.0)
     add_property(
-        "_h_dgain", math.radians(8.0), "HorizontalDgain", "float", "Bank for each m/s", unit="rad·s/m", low=0.0
+        "_h_dgain", math.radians(8.0), "HorizontalDgain", "float", "Bank angle per m/s", unit="rad·s/m", low=0.0
     )
-    add_property("_v_dgain", 8.0, "VerticalDgain", "float", "Thrust against the speed upward", unit="N·s/m", low=0.0)
+    add_property("_v_dgain", 8.0, "VerticalDgain", "float", "Thrust per vertical speed", unit="N·s/m", low=0.0)
     add_property("_yaw_dgain", 6.0, "YawDgain", "float", "Derivative gain of the yaw", unit="1/s", low=0.0)
     add_property(
         "_remain_at_destination",
         True,
         "RemainAtDestination",
         "bool",
-        "Hold the place; otherwise the rotors stop as soon as the robot is there",
+        "Hold the goal position; otherwise the rotors stop on arrival",
     )
-    add_property("_target", "wp_target", "Target", "string", "Name of an object that is put to the place, if it exists")
+    add_property(
+        "_target", "wp_target", "Target", "string", "Name of an object that is moved to the goal, if it exists"
+    )
     add_kind("pose", position=("x", "y", "z"), orientation=euler(None, None, "yaw"), tolerance="tolerance")
 
     _v_dgain: float
@@ -52,7 +54,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
         super().__init__(obj, parent)
         self._aim_here()
         self._marked: tuple[float, float, float] | None = None
-        #: where it was called off: being there is no arrival
+        #: position at which a motion was cancelled, which does not count as an arrival
         self._called_off: tuple[float, float, float] | None = None
 
     def _aim_here(self) -> None:
@@ -61,7 +63,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
 
     @service
     def setdest(self, x: Position, y: Position, z: Position, yaw: Angle, tolerance: Length = 0.2) -> None:
-        """Fly to a place, and do not tell when it is reached.
+        """Fly to a position without waiting for the arrival.
 
         Args:
             x: metres.
@@ -77,7 +79,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
     @interruptible
     @async_service
     def goto(self, x: Position, y: Position, z: Position, yaw: Angle, tolerance: Length = 0.2) -> None:
-        """Fly to a place; ends with ``Arrived``.
+        """Fly to a position; the service ends with ``Arrived``.
 
         Args:
             x: metres.
@@ -90,18 +92,18 @@ class RotorcraftWaypoint(BankingRotorcraft):
 
     @service(changes=False)
     def get_status(self) -> str:
-        """``Transit``, ``Arrived`` or ``Stop``."""
+        """Return ``Transit``, ``Arrived`` or ``Stop``."""
         return str(self.robot_parent.move_status)
 
     def interrupt(self) -> None:
-        """Hold the place where it is."""
+        """Hold the present position."""
         self._aim_here()
         self._called_off = self.local_data["x"], self.local_data["y"], self.local_data["z"]
         self.robot_parent.move_status = STOP
         super().interrupt()
 
     def default_action(self) -> None:
-        """Push and twist."""
+        """Apply the thrust and the torques."""
         data = self.local_data
         place = data["x"], data["y"], data["z"]
         if place != self._marked:

@@ -14,18 +14,18 @@ _MODES = ("play", "pause", "stop")
 
 
 class Sound(Actuator):
-    """Plays, pauses and stops a sound, and knows how far it has got.
+    """Plays, pauses and stops a sound, and measures the played time.
 
     Attributes:
-        played: how much of the sound was played since it began, s of simulated time.
+        played: played time since the beginning of the sound, s of simulated time.
     """
 
     _name = "Sound"
     _short_desc = "A loudspeaker on a robot"
 
-    add_data("mode", "stop", "string", "What it does: play, pause or stop")
+    add_data("mode", "stop", "string", "Mode: play, pause or stop")
     add_kind("switch", choice="mode")
-    add_property("_file", "", "file", "string", "The sound that it plays: a file")
+    add_property("_file", "", "file", "string", "File of the sound")
 
     _file: str
 
@@ -36,7 +36,7 @@ class Sound(Actuator):
 
     @property
     def mode(self) -> str:
-        """What it does: ``play``, ``pause`` or ``stop``."""
+        """The mode: ``play``, ``pause`` or ``stop``."""
         return self._mode
 
     @property
@@ -45,7 +45,7 @@ class Sound(Actuator):
         return self._file
 
     def default_action(self) -> None:
-        """Play on."""
+        """Advance the played time."""
         wanted = self.local_data["mode"]
         if wanted != self._mode:
             if wanted in _MODES:

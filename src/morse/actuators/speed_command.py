@@ -1,4 +1,4 @@
-"""What actuators that take a forward speed and a yaw rate have in common."""
+"""The base class of actuators with forward speed and yaw rate."""
 
 from morse.actuators.limited_motion import LimitedMotion
 from morse.core.limits import SPEED, TURN_RATE, Speed, TurnRate
@@ -7,7 +7,7 @@ from morse.helpers.components import add_data, add_kind
 
 
 class SpeedCommand(LimitedMotion):
-    """Holds a linear speed along X and an angular speed about Z."""
+    """Receives a linear speed along X and an angular speed about Z."""
 
     add_data("v", 0.0, "float", "Linear speed along the X axis", frame="robot", **SPEED)
     add_data("w", 0.0, "float", "Turning rate about the Z axis", frame="robot", **TURN_RATE)
@@ -30,6 +30,6 @@ class SpeedCommand(LimitedMotion):
 
     @service
     def stop(self) -> None:
-        """Come to a halt."""
+        """Set both speeds to 0."""
         self.local_data["v"] = 0.0
         self.local_data["w"] = 0.0

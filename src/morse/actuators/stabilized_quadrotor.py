@@ -1,4 +1,4 @@
-"""Flies a quadrotor that stabilizes itself, without forces."""
+"""A kinematic model of a quadrotor with autopilot."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.helpers.components import add_data
 
-#: of the filters of the angles: natural frequency, rad/s, and damping
+#: natural frequency, rad/s, and damping of the filters of the angles
 _FREQUENCY, _DAMPING = 10.0, 0.7
-#: m/s^2; as much pulls down as the rotors push up at the wanted height
+#: downward acceleration, equal to the upward acceleration at the commanded height, m/s^2
 _LIFT = 10.0
-#: of the height: 1/s^2 and 1/s (2 * 0.7 * 3)
+#: gains of the height: 1/s^2 and 1/s (2 * 0.7 * 3)
 _HEIGHT_GAIN, _CLIMB_GAIN = 9.0, 4.2
 
 
 class StabilizedQuadrotor(Holding):
-    """Moves a quadrotor as its autopilot would: attitude and height follow the command, the place follows these.
+    """Moves a quadrotor with autopilot: attitude and height follow the command, and the position results from them.
 
-    Pitch and roll follow by a second-order filter of 10 rad/s and a damping of 0.7. ``psi_c`` is in effect
-    a yaw rate: the filter is given psi - psi_c, so that the yaw comes to change by -psi_c 10 / 1.4 rad/s. The rotors
-    push by 10 + 9 (h_c - h) - 4.2 v_z m/s^2 along Z of the robot, and 10 m/s^2 pull down. The robot is put where that
-    leads, whatever forces act on it.
+    Pitch and roll follow by a second-order filter of 10 rad/s with a damping of 0.7. ``psi_c`` acts as a yaw rate: the
+    input of the filter is psi - psi_c, so that the yaw changes by -psi_c 10 / 1.4 rad/s. The acceleration is 10 + 9
+    (h_c - h) - 4.2 v_z m/s^2 along Z of the robot, and 10 m/s^2 downward. The resulting pose is set independent of
+    forces.
     """
 
     _name = "Stabilized quadrotor"
@@ -32,7 +32,7 @@ class StabilizedQuadrotor(Holding):
 
     add_data("theta_c", 0.0, "float", "Pitch", frame="world", **ANGLE)
     add_data("phi_c", 0.0, "float", "Roll", frame="world", **ANGLE)
-    add_data("psi_c", 0.0, "float", "Turns to the right: in effect a yaw rate", frame="world", **ANGLE)
+    add_data("psi_c", 0.0, "float", "Acts as a yaw rate to the right", frame="world", **ANGLE)
     add_data("h_c", 0.0, "float", "Height", frame="world", **POSITION)
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
@@ -51,18 +51,18 @@ class StabilizedQuadrotor(Holding):
         Args:
             phi: roll, radians.
             theta: pitch, radians.
-            psi: in effect a yaw rate, to the right.
+            psi: acts as a yaw rate to the right.
             h: height, metres.
         """
         self.local_data.update(phi_c=float(phi), theta_c=float(theta), psi_c=float(psi), h_c=float(h))
 
     @service
     def stop(self) -> None:
-        """Level out, and stay at the height that it has."""
+        """Level the robot, and hold the present height."""
         self.set_cons(0.0, 0.0, 0.0, self.robot_parent.bge_object.world_pose()[0][2])
 
     def default_action(self) -> None:
-        """Move on by a tick."""
+        """Move by one tick."""
         data, angles, rates = self.local_data, self._angles, self._rates
         dt = 1.0 / self.frequency
         for i, wanted in enumerate((data["phi_c"], data["theta_c"], angles[2] - data["psi_c"])):
@@ -76,5 +76,5 @@ class StabilizedQuadrotor(Holding):
             place[i] += dt * self._velocity[i]
         body = self.robot_parent.bge_object
         body.set_pose(place, [number for row in rotation for number in row])
-        # what is suspended has no velocity
+        # a suspended body has no velocity
         body.suspendDynamics()

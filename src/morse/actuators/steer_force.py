@@ -1,4 +1,4 @@
-"""Drives a car by its steering wheel, its engine and its brakes."""
+"""Drives a car by steering, engine force and brakes."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from morse.core.actuator import Actuator
 from morse.core.limits import ANGLE, FORCE
 from morse.helpers.components import add_data, add_kind
 
-#: of the force, at each of the four wheels
+#: share of the force at each of the four wheels
 _ENGINE = 0.4
-#: of the brake force, at both front and both rear wheels together
+#: shares of the brake force at both front wheels and at both rear wheels
 _BRAKE = 2 * 0.1 + 2 * 1.3
 
 
 class SteerForce(Actuator):
     """Steers the front wheels of a car, drives its four wheels, and brakes them.
 
-    Each wheel is driven by 0.4 times the force; as in MORSE 1.4, a negative one drives forward. Each front wheel is
-    braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands. The car turns about a point
-    on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it rolls on.
+    Each wheel is driven by 0.4 times the force. As in MORSE 1.4, a negative force drives forward. Each front wheel is
+    braked by 0.1 times, each rear wheel by 1.3 times the brake force, until the car stands still. The car turns about a
+    point on the line of its rear axle: its yaw rate is v tan(steer) / wheelbase. Without force it keeps rolling.
     """
 
     _name = "Steer, force, brake"

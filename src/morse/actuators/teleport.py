@@ -1,4 +1,4 @@
-"""Puts a robot where it is told, at once."""
+"""Sets the pose of a robot immediately."""
 
 import math
 from typing import Any
@@ -12,20 +12,20 @@ from morse.helpers.components import add_data, add_kind, euler
 
 
 class Teleport(Holding):
-    """Forces the pose of the robot every tick: the robot hovers there while this is active.
+    """Sets the pose of the robot every tick, so that the robot stays there while the actuator is active.
 
-    Switched off (service ``simulation.deactivate``), it lets the robot go.
+    The robot is released when the actuator is deactivated (service ``simulation.deactivate``).
     """
 
     _name = "Teleport"
     _short_desc = "Motion controller which changes instantly the pose of the robot"
 
-    add_data("x", 0.0, "float", "X; at first that of the robot", frame="world", **POSITION)
-    add_data("y", 0.0, "float", "Y; at first that of the robot", frame="world", **POSITION)
-    add_data("z", 0.0, "float", "Z; at first that of the robot", frame="world", **POSITION)
-    add_data("yaw", 0.0, "float", "Rotation about Z; at first that of the robot", frame="world", **ANGLE)
-    add_data("pitch", 0.0, "float", "Rotation about Y; at first that of the robot", frame="world", **ANGLE)
-    add_data("roll", 0.0, "float", "Rotation about X; at first that of the robot", frame="world", **ANGLE)
+    add_data("x", 0.0, "float", "X; initially that of the robot", frame="world", **POSITION)
+    add_data("y", 0.0, "float", "Y; initially that of the robot", frame="world", **POSITION)
+    add_data("z", 0.0, "float", "Z; initially that of the robot", frame="world", **POSITION)
+    add_data("yaw", 0.0, "float", "Rotation about Z; initially that of the robot", frame="world", **ANGLE)
+    add_data("pitch", 0.0, "float", "Rotation about Y; initially that of the robot", frame="world", **ANGLE)
+    add_data("roll", 0.0, "float", "Rotation about X; initially that of the robot", frame="world", **ANGLE)
 
     add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
@@ -37,7 +37,7 @@ class Teleport(Holding):
 
     @service
     def translate(self, x: Position, y: Position = 0.0, z: Position = 0.0) -> None:
-        """Shift the robot, in the axes of the world.
+        """Translate the robot along the axes of the world.
 
         Args:
             x: metres.
@@ -48,7 +48,7 @@ class Teleport(Holding):
 
     @service
     def rotate(self, roll: Angle, pitch: Angle = 0.0, yaw: Angle = 0.0) -> None:
-        """Turn the robot further.
+        """Rotate the robot relative to its present orientation.
 
         Args:
             roll: radians about X.
@@ -61,7 +61,7 @@ class Teleport(Holding):
         Commands(self).take({name: self.local_data[name] + shift for name, shift in shifts.items()})
 
     def default_action(self) -> None:
-        """Put the robot to its pose, at rest."""
+        """Set the pose of the robot, at rest."""
         data = self.local_data
         if not all(map(math.isfinite, (data[f] for f in ("x", "y", "z", "yaw", "pitch", "roll")))):
             return

@@ -40,5 +40,5 @@ class MotionVW(SpeedCommand):
         group.drive(group.attributes("_type"), group.read("v"), None, group.read("w"))
 
     def may_act_together(self) -> bool:
-        """Only with a robot that is driven as one body, and without limits."""
+        """Whether the robot is driven as one body and the speeds have no limits."""
         return drives_body(self.robot_parent) and not self.is_limited()

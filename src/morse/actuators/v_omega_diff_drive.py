@@ -7,7 +7,7 @@ from morse.core.wheeled_robot import PhysicsDifferentialRobot
 
 
 class MotionVWDiff(SpeedCommand):
-    """Turns the wheels of a robot so that it drives and turns at the speeds asked for."""
+    """Turns the wheels of a robot so that it drives and turns at the commanded speeds."""
 
     _name = "Differential Driver Actuator: Linear and angular speed (Vx, W) actuator"
     _short_desc = "Motion controller using linear and angular speeds, by the wheels"

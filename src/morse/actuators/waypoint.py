@@ -1,4 +1,4 @@
-"""Drives a robot to a place, around what stands in the way."""
+"""Drives a robot to a position with obstacle avoidance."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from morse.helpers.components import add_data, add_kind, add_property
 logger = logging.getLogger(__name__)
 
 _SPEED: dict[str, Any] = {"unit": "m/s", "low": 0.0, "high": 1e4}
-#: a robot that looks farther aside turns on the spot
+#: heading error above which the robot turns on the spot
 _TURN_ON_THE_SPOT = math.radians(60.0)
-#: m ahead of the radars; nearer things leave no room for a bend
+#: distance of an obstacle from the radars below which the robot turns on the spot, m
 _NO_ROOM = 1.0
-#: the cones are narrower than the robot: it turns so much farther than until they see nothing any more
+#: additional turn after the obstacle has left the cones, because the cones are narrower than the robot
 _FARTHER = math.radians(20.0)
-#: m that it goes on beyond what it has seen, until its whole length has passed
+#: additional distance after an obstacle, until the robot has passed it with its whole length, m
 _BEYOND = 1.5
 
 
 class Waypoint(Going):
-    """Drives the robot to a place by a forward speed and a yaw rate, and steers away from what its radars see.
+    """Drives the robot to a position by forward speed and yaw rate, and avoids obstacles that its radars detect.
 
-    The robot turns at half its speed (rad per m) towards the place, on the spot as long as the heading is wrong by
-    60 degrees or more, and goes straight on while it is wrong by less than ``AngleTolerance``. Two radars look 3 m
-    ahead. The robot turns away from the side where something is nearer, passes by, and takes up its way again; the
-    last 3 m to the place it does not look.
+    The robot turns towards the goal at half its speed (rad per m). It turns on the spot if the heading error is 60
+    degrees or more, and drives straight if the error is less than ``AngleTolerance``. Two radars have a range of 3 m.
+    The robot turns away from the side with the nearer obstacle, passes it, and then continues to the goal. The radars
+    are not used within 3 m of the goal.
     """
 
     _name = "Waypoint"
@@ -41,24 +41,28 @@ class Waypoint(Going):
 
     not_state = ("radars",)
 
-    add_data("tolerance", 0.5, "float", "How near is near enough", **LENGTH)
-    add_data("speed", 1.0, "float", "How fast it goes; at first the property Speed", **_SPEED)
-    add_property("_obstacle_avoidance", True, "ObstacleAvoidance", "bool", "Steer away from what is in the way")
-    add_property("_free_z", False, "FreeZ", "bool", "Go up and down, too: for aircraft and submarines")
+    add_data("tolerance", 0.5, "float", "Distance at which the robot has arrived", **LENGTH)
+    add_data("speed", 1.0, "float", "Speed of the robot; initially the property Speed", **_SPEED)
+    add_property("_obstacle_avoidance", True, "ObstacleAvoidance", "bool", "Steer around obstacles")
+    add_property("_free_z", False, "FreeZ", "bool", "Move vertically as well, for aircraft and submarines")
     add_property(
         "_angle_tolerance",
         math.radians(10.0),
         "AngleTolerance",
         "float",
-        "A heading that is wrong by less is not corrected",
+        "Heading errors below it are not corrected",
         unit="rad",
         low=0.0,
         high=math.pi,
     )
-    add_property("_speed", 1.0, "Speed", "float", "Speed until another one is asked for", **_SPEED)
-    add_property("_target", "", "Target", "string", "Name of an object that is put to the place to go to")
+    add_property("_speed", 1.0, "Speed", "float", "Speed until a command sets another speed", **_SPEED)
+    add_property("_target", "", "Target", "string", "Name of an object that is moved to the goal")
     add_property(
-        "_ignore", "", "Ignore", "string", "Things with one of these properties are not avoided: names and commas"
+        "_ignore",
+        "",
+        "Ignore",
+        "string",
+        "Objects with one of these properties are not avoided: names joined by commas",
     )
     add_kind("pose", position=("x", "y", "z"), tolerance="tolerance", speed="speed")
 
@@ -73,11 +77,11 @@ class Waypoint(Going):
         super().__init__(obj, parent)
         self.local_data["speed"] = float(self._speed)
         self._speed_before_stop = float(self._speed)
-        #: where it was called off: standing there is no arrival
+        #: position at which a motion was cancelled, which does not count as an arrival
         self._called_off: tuple[float, float, float] | None = None
-        #: +1 to pass by on the left, -1 on the right, 0 if nothing was seen
+        #: +1 to pass an obstacle on the left, -1 on the right, 0 without obstacle
         self._side = 0.0
-        #: radians to turn on, and metres to go straight on then, after something went out of sight
+        #: remaining angle, rad, and distance, m, after an obstacle has left the cones
         self._turn_on = self._straight = 0.0
         self._marked: tuple[float, float, float] | None = None
         if self._target and marker(self, self._target) is None:
@@ -86,7 +90,7 @@ class Waypoint(Going):
 
     @cached_property
     def radars(self) -> ObstacleRadars:
-        """What looks ahead; made when the robot goes for the first time."""
+        """The radars, created on demand."""
         return ObstacleRadars(self.context.world, self.bge_object)
 
     # -- services --------------------------------------------------------------------------
@@ -95,7 +99,7 @@ class Waypoint(Going):
     def setdest(
         self, x: Position, y: Position, z: Position, tolerance: Length = 0.5, speed: AbsoluteSpeed = 1.0
     ) -> bool:
-        """Go to a place, and do not tell when it is reached.
+        """Drive to a position without waiting for the arrival.
 
         Args:
             x: metres.
@@ -105,7 +109,7 @@ class Waypoint(Going):
             speed: m/s.
 
         Returns:
-            False if the robot is there already, True otherwise.
+            False if the robot is already there, True otherwise.
         """
         if self._distance(x, y, z) <= tolerance:
             return False
@@ -115,7 +119,7 @@ class Waypoint(Going):
     @interruptible
     @async_service
     def goto(self, x: Position, y: Position, z: Position, tolerance: Length = 0.5, speed: AbsoluteSpeed = 1.0) -> None:
-        """Go to a place; ends with ``Arrived``.
+        """Drive to a position; the service ends with ``Arrived``.
 
         Args:
             x: metres.
@@ -128,7 +132,7 @@ class Waypoint(Going):
 
     @service
     def stop(self) -> str:
-        """Stand still; ``resume`` goes on, and a ``goto`` that is under way waits for that."""
+        """Stop; a running ``goto`` waits until ``resume`` is called."""
         data = self.local_data
         if data["speed"]:
             self._speed_before_stop = data["speed"]
@@ -138,7 +142,7 @@ class Waypoint(Going):
 
     @service
     def resume(self) -> str:
-        """Go on after ``stop``, as fast as before."""
+        """Continue after ``stop``, at the previous speed."""
         if not self.local_data["speed"]:
             self.local_data["speed"] = self._speed_before_stop
         self.robot_parent.move_status = TRANSIT
@@ -146,11 +150,11 @@ class Waypoint(Going):
 
     @service(changes=False)
     def get_status(self) -> str:
-        """``Transit``, ``Arrived`` or ``Stop``."""
+        """Return ``Transit``, ``Arrived`` or ``Stop``."""
         return str(self.robot_parent.move_status)
 
     def interrupt(self) -> None:
-        """Stay where it is."""
+        """Stop at the present position."""
         here = self.bge_object.world_pose()[0]
         self._called_off = (float(here[0]), float(here[1]), float(here[2]))
         self.local_data.update(zip("xyz", self._called_off, strict=True))
@@ -163,7 +167,7 @@ class Waypoint(Going):
         self._side = self._turn_on = self._straight = 0.0
         self.robot_parent.move_status = TRANSIT
 
-    # -- the way ---------------------------------------------------------------------------
+    # -- motion ----------------------------------------------------------------------------
 
     def _distance(self, x: float, y: float, z: float) -> float:
         here = self.bge_object.world_pose()[0]
@@ -171,7 +175,7 @@ class Waypoint(Going):
         return math.hypot(flat, z - here[2]) if self._free_z else flat
 
     def default_action(self) -> None:
-        """Go on."""
+        """Move by one tick."""
         data = self.local_data
         place = data["x"], data["y"], data["z"]
         if place != self._marked:
@@ -204,7 +208,7 @@ class Waypoint(Going):
             climb = speed * (place[2] - z) / distance
             speed *= across / distance
             if across <= 0.5 * self.local_data["tolerance"]:
-                # straight above or below: no heading leads there
+                # directly above or below the goal the heading is undefined
                 self._drive((speed, 0.0, climb))
                 return
         wrong = math.remainder(math.atan2(place[1] - y, place[0] - x) - math.atan2(r[3], r[0]), 2.0 * math.pi)
@@ -219,7 +223,7 @@ class Waypoint(Going):
         self._drive((0.0 if abs(wrong) >= _TURN_ON_THE_SPOT else speed, 0.0, climb), turn)
 
     def _around(self, speed: float, rate: float, *, aside: bool) -> tuple[float, float] | None:
-        """Forward speed and yaw rate that lead around what the radars see; None if the way is free."""
+        """Return forward speed and yaw rate for obstacle avoidance; None without obstacles."""
         left, right = self.radars.look([name.strip() for name in self._ignore.split(",") if name.strip()])
         near = min(left, right)
         if near < math.inf:

@@ -1,4 +1,4 @@
-"""Drives a robot that can move sideways."""
+"""Drives an omnidirectional robot."""
 
 from __future__ import annotations
 
@@ -50,5 +50,5 @@ class MotionXYW(LimitedMotion):
         group.drive(group.attributes("_type"), group.read("x"), group.read("y"), group.read("w"))
 
     def may_act_together(self) -> bool:
-        """Only with a robot that is driven as one body, and without limits."""
+        """Whether the robot is driven as one body and the speeds have no limits."""
         return drives_body(self.robot_parent) and not self.is_limited()

@@ -33,7 +33,7 @@ class B21(DeclaredRobot, GroundRobot):
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...
 
 class FakeRobot(DeclaredRobot, Robot):
-    """A frame without a body, that only carries components."""
+    """A frame without a body that only carries components."""
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...
 
 class Hummer(DeclaredRobot, GroundRobot):
@@ -75,7 +75,7 @@ class Pioneer3DX(DeclaredRobot, WheeledRobot):
     ) -> None: ...
 
 class QUAD2012(DeclaredRobot, Robot):
-    """A quadrotor that nothing touches."""
+    """A quadrotor without collision."""
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...
 
 class Quadrotor(DeclaredRobot, Robot):
@@ -102,7 +102,7 @@ class SegwayRMP400(DeclaredRobot, WheeledRobot):
     ) -> None: ...
 
 class Submarine(DeclaredRobot, Robot):
-    """A submarine that neither sinks nor rises by itself."""
+    """A submarine with neutral buoyancy."""
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...
 
 class Victim(DeclaredRobot, GroundRobot):

@@ -476,7 +476,7 @@ class Velocity(SensorCreator):
     ) -> None: ...
 
 class Velodyne(CameraCreator):
-    """A depth camera that turns by its angle of view after each picture."""
+    """A depth camera that rotates by its angle of view after each image."""
     def properties(
         self,
         *,
@@ -499,7 +499,7 @@ class Velodyne(CameraCreator):
     ) -> None: ...
 
 class VelodyneRayCast(LaserSensorWithArc):
-    """A turning upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; it turns by 0.01745 rad a measurement."""
+    """A rotating upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; rotated by 0.01745 rad per measurement."""
     def properties(
         self,
         *,

@@ -1,1 +1,1 @@
-"""Robots: one class a file."""
+"""Robots, one class per file."""

@@ -5,7 +5,7 @@ from morse.core.robot import Robot
 
 
 class FakeRobot(Robot):
-    """A frame without a body, that only carries components."""
+    """A frame without a body that only carries components."""
 
     _name = "Fake robot"
     _builder = RobotDefaults(drive="free", collides=False)

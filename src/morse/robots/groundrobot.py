@@ -1,4 +1,4 @@
-"""A robot that has no behaviour of its own."""
+"""A generic ground robot."""
 
 from morse.core.robot import Robot
 

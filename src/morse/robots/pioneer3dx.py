@@ -8,7 +8,7 @@ class Pioneer3DX(PhysicsDifferentialRobot):
     """A small indoor robot with two driven wheels and a caster."""
 
     _name = "Pioneer 3-DX"
-    # 1.4 had a FixTurningSpeed of 0.52 here, against the slip of its wheels: these do not slip. Its origin came to rest
+    # 1.4 had a FixTurningSpeed of 0.52 here to compensate for slip, which does not occur here. Its origin came to rest
     # 0.15 m above the floor
     _builder = RobotDefaults(
         "pioneer3dx",

@@ -5,7 +5,7 @@ from morse.core.robot import Robot
 
 
 class QUAD2012(Robot):
-    """A quadrotor that nothing touches."""
+    """A quadrotor without collision."""
 
     _name = "Quadrotor 2012"
     _builder = RobotDefaults("quadrotor", drive="free")

@@ -8,7 +8,8 @@ class SegwayRMP400(PhysicsDifferentialRobot):
     """An outdoor robot with four driven wheels."""
 
     _name = "Segway RMP 400"
-    # 1.4 had a FixTurningSpeed of 1.16 here, for other slip; its origin came to rest 0.2 m above the floor
+    # 1.4 had a FixTurningSpeed of 1.16 here because its slip was different; its origin came to rest 0.2 m above the
+    # floor
     _builder = RobotDefaults(
         "segwayrmp400",
         drive="wheels",

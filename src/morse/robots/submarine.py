@@ -5,7 +5,7 @@ from morse.core.robot import Robot
 
 
 class Submarine(Robot):
-    """A submarine that neither sinks nor rises by itself."""
+    """A submarine with neutral buoyancy."""
 
     _name = "Submarine"
     _builder = RobotDefaults("submarine", drive="free", properties={"NoGravity": True}, rigid_body=True)

@@ -15,6 +15,6 @@ class Victim(Robot):
 
     @service
     def heal(self) -> None:
-        """Be injured no longer."""
+        """Set the victim to not injured."""
         self.bge_object["Injured"] = False
         self.bge_object["Severity"] = 0

@@ -1,1 +1,1 @@
-"""Sensors: one class a file."""
+"""Sensors, one class per file."""

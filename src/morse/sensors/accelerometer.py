@@ -1,4 +1,4 @@
-"""How the motion of the robot changes."""
+"""Distance, velocity and acceleration of the robot."""
 
 import math
 from typing import Any
@@ -12,15 +12,13 @@ _ZERO = [0.0, 0.0, 0.0]
 
 
 class Accelerometer(MotionSensor):
-    """Measures distance, velocity and acceleration, without gravity: what a robot does, not what a real accelerometer
-    reads. See `IMU` for the latter.
-    """
+    """Measures distance, velocity and acceleration of the robot, without gravity. See `IMU` for specific force."""
 
     _name = "Accelerometer"
     _short_desc = "A sensor returning the distance since the last measurement, velocity and acceleration of the robot"
     _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6)))
 
-    add_data("distance", 0.0, "float", "Distance from the place of the last measurement", unit="m", low=0.0)
+    add_data("distance", 0.0, "float", "Distance from the position of the last measurement", unit="m", low=0.0)
     add_data("velocity", _ZERO, "vec3<float>", "Velocity", unit="m/s", frame="own", shape=3)
     add_data("acceleration", _ZERO, "vec3<float>", "Acceleration, no gravity", unit="m/s^2", frame="own", shape=3)
     add_data("angular_acceleration", _ZERO, "vec3<float>", "Angular acceleration", unit="rad/s^2", frame="own", shape=3)
@@ -31,7 +29,7 @@ class Accelerometer(MotionSensor):
         self._place = self._pose[0]
 
     def measure(self) -> None:
-        """Take distance, velocity and acceleration."""
+        """Measure distance, velocity and acceleration."""
         motion = self.motion()
         position, rotation = self.position_3d.get_pose()
         data = self.local_data

@@ -1,4 +1,4 @@
-"""Air pressure by speed."""
+"""Dynamic pressure of the air."""
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.helpers.components import add_data, add_kind
@@ -10,9 +10,9 @@ _DENSITY = 1.225
 
 
 class Airspeed(MotionSensor):
-    """Measures the dynamic pressure of the air along its X axis, as a Pitot tube does.
+    """Measures the dynamic pressure of the air along its X axis, like a Pitot tube.
 
-    It is ``1/2 ρ v²`` with ρ = 1.225 kg/m³; the air stands still.
+    The pressure is ``1/2 ρ v²`` with ρ = 1.225 kg/m³, without wind.
     """
 
     _name = "Airspeed"
@@ -23,6 +23,6 @@ class Airspeed(MotionSensor):
     add_kind("pressure", differential="diff_pressure")
 
     def measure(self) -> None:
-        """Take the pressure."""
+        """Measure the pressure."""
         forward = turn_back(self.position_3d.get_pose()[1], self.motion().linear)[0]
         self.local_data["diff_pressure"] = 0.5 * _DENSITY * forward * forward

@@ -1,4 +1,4 @@
-"""Where the joints of an armature are."""
+"""The joint values of an armature."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 class ArmaturePose(Sensor):
-    """Measures the joints of the armature that it is appended to: ``arm.append(pose)``.
+    """Measures the joint values of the armature to which it is appended: ``arm.append(pose)``.
 
-    It has a field for each joint: the angle of a revolute joint, the displacement of a prismatic one.
+    It has a field for each joint: the angle of a revolute joint, the displacement of a prismatic joint.
     """
 
     _name = "Armature Pose Sensor"
@@ -52,7 +52,7 @@ class ArmaturePose(Sensor):
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
-        """One for each joint."""
+        """Return one field for each joint."""
         found = {}
         for bone in self._bones:
             turns = bone.kind is JointKind.REVOLUTE
@@ -68,7 +68,7 @@ class ArmaturePose(Sensor):
         return found
 
     def measure(self) -> None:
-        """Take the values of the joints."""
+        """Measure the joint values."""
         values = self.context.components[self._armature].joint_values  # type: ignore[attr-defined]
         self.local_data.update(zip(self.joints, values, strict=True))
 
@@ -77,21 +77,21 @@ class ArmaturePose(Sensor):
         """The names of the joints, those nearer to the root first."""
         return list(self.joints)
 
-    # the method of that name saves the component
+    # the method `get_state` of a component saves its state
     @service(name="get_state", changes=False)
     def get_joint_state(self) -> dict[str, float]:
-        """The values of all joints: name to rad or m."""
+        """Return the values of all joints: name to rad or m."""
         return {name: self.local_data[name] for name in self.joints}
 
     @service(changes=False)
     def get_joint(self, joint: str) -> float:
-        """The value of a joint, rad or m."""
+        """Return the value of a joint, rad or m."""
         self._check(joint)
         return float(self.local_data[joint])
 
     @service(changes=False)
     def get_joints_length(self) -> dict[str, float]:
-        """The lengths of the bones that the joints move: name to m."""
+        """Return the lengths of the bones of the joints: name to m."""
         return {bone.name: bone.length for bone in self._bones}
 
     def _check(self, joint: str) -> None:

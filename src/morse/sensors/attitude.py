@@ -1,4 +1,4 @@
-"""How the sensor is turned, and how fast it turns."""
+"""Attitude and angular velocity."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 class Attitude(MotionSensor):
     """Measures the absolute attitude and the angular velocity.
 
-    With ``UseAngleAgainstNorth`` the attitude is that against east, north and up; ``env.properties(
-    angle_against_north=...)`` says how far the axes of the world are turned from these, in radians.
+    With ``UseAngleAgainstNorth`` the attitude is relative to east, north and up; ``env.properties(
+    angle_against_north=...)`` is the rotation of the axes of the world from these, rad.
     """
 
     _name = "Attitude"
@@ -34,7 +34,7 @@ class Attitude(MotionSensor):
         False,
         "UseAngleAgainstNorth",
         "bool",
-        "Give the yaw from east, counter-clockwise, not from the X axis of the world",
+        "Measure the yaw counter-clockwise from east, not from the X axis of the world",
     )
     add_kind("attitude", orientation=euler("rotation"), rates="angular_velocity")
 
@@ -46,11 +46,11 @@ class Attitude(MotionSensor):
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """The attitude is in the frame of east, north and up, if that is asked for."""
+        """Return the frame of the attitude, which is east-north-up with ``UseAngleAgainstNorth``."""
         return {"rotation": {"frame": "enu"}} if self._use_angle_against_north else {}
 
     def measure(self) -> None:
-        """Take attitude and angular velocity."""
+        """Measure attitude and angular velocity."""
         motion = self.motion()
         *_, yaw, pitch, roll = self.position_3d.numbers()
         if self._use_angle_against_north:

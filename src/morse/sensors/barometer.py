@@ -1,4 +1,4 @@
-"""Air pressure by height."""
+"""Atmospheric pressure."""
 
 from typing import Any
 
@@ -6,16 +6,16 @@ from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_property
 
-#: of the International Standard Atmosphere (ISO 2533) up to 11 km: K/m, K, J/(mol K), kg/mol
+#: constants of the International Standard Atmosphere (ISO 2533) up to 11 km: K/m, K, J/(mol K), kg/mol
 _LAPSE_RATE, _TEMPERATURE = 0.0065, 288.15
 _GAS_CONSTANT, _MOLAR_MASS = 8.31447, 0.0289644
 
 
 class Barometer(Sensor):
-    """Measures the pressure of the air, which depends on how much higher the sensor is than it was at the start.
+    """Measures the pressure of the air, which depends on the height of the sensor relative to the start.
 
-    ``p = p0 (1 - L h / T)^(g M / (R L))``, the International Standard Atmosphere up to 11 km, with g that of the scene.
-    ``ReferencePressure`` is the pressure where the sensor starts.
+    ``p = p0 (1 - L h / T)^(g M / (R L))``, the International Standard Atmosphere up to 11 km, with the gravity g of the
+    scene. ``ReferencePressure`` is the pressure p0 at the initial height.
     """
 
     _name = "Barometer"
@@ -35,8 +35,8 @@ class Barometer(Sensor):
         self._start = self.position_3d.z
 
     def measure(self) -> None:
-        """Take the pressure."""
+        """Measure the pressure."""
         ratio = 1.0 - _LAPSE_RATE * (self.position_3d.z - self._start) / _TEMPERATURE
         exponent = self.context.scene.settings.gravity * _MOLAR_MASS / (_GAS_CONSTANT * _LAPSE_RATE)
-        # the formula has no air above 44 km
+        # the formula is not defined above 44 km
         self.local_data["pressure"] = self._reference_pressure * max(ratio, 0.0) ** exponent

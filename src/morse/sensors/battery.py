@@ -8,17 +8,15 @@ from morse.helpers.components import add_data, add_kind, add_property, mapped
 
 
 class Battery(Sensor):
-    """Simulates a battery that loses its charge steadily, and gains it as fast in a `Zone` of the type ``Charging``."""
+    """Simulates a battery that discharges at a constant rate, and charges at the same rate in a ``Charging`` zone."""
 
     _name = "Battery"
     _short_desc = "A battery that discharges with time, and is charged in a zone of the type Charging"
     _builder = BuilderDefaults(visual=Visual("cylinder", (0.01, 0.01, 0.04), (0.2, 0.2, 0.2)))
 
-    add_data("charge", 100.0, "float", "Charge that is left", unit="%", low=0.0, high=100.0)
+    add_data("charge", 100.0, "float", "Remaining charge", unit="%", low=0.0, high=100.0)
     add_data("status", "Charged", "string", "Charging, Charged or Discharging")
-    add_property(
-        "_discharging_rate", 0.05, "DischargingRate", "float", "Charge that is lost or gained in a second, %", low=0.0
-    )
+    add_property("_discharging_rate", 0.05, "DischargingRate", "float", "Charge lost or gained per second, %", low=0.0)
     add_kind(
         "battery",
         charge="charge",
@@ -32,7 +30,7 @@ class Battery(Sensor):
         self._time = self.clock.time
 
     def measure(self) -> None:
-        """Use or gain charge for the time since the last measurement."""
+        """Update the charge for the time since the last measurement."""
         change = (self.clock.time - self._time) * self._discharging_rate
         self._time = self.clock.time
         data = self.local_data

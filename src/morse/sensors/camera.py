@@ -1,4 +1,4 @@
-"""What all cameras have in common."""
+"""The base class of cameras."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: properties that the lens is made of
+#: properties that determine the lens
 _OF_LENS = (
     "image_width",
     "image_height",
@@ -37,7 +37,7 @@ _OF_LENS = (
 INTRINSIC: dict[str, Any] = {
     "default_value": [[0.0] * 3] * 3,
     "type": "mat3<float>",
-    "doc": "Focal lengths and the middle of the picture, px",
+    "doc": "Focal lengths and principal point, px",
     "unit": "px",
     "frame": "optical",
     "shape": (3, 3),
@@ -51,38 +51,38 @@ CAMERA_INFO: dict[str, Any] = {
     "d": lambda camera: list(getattr(camera.lens, "coefficients", (0.0,) * 5)),
     "model": lambda camera: camera.lens_model,
 }
-#: of the pictures of `StereoUnit.capture` and of similar services
+#: maximum number of images of `StereoUnit.capture` and similar services
 Pictures = Annotated[int, Range(low=-1e9, high=1e9)]
 
 
 class Camera(Sensor):
-    """A pinhole camera: X to the right, Y down, and it looks along Z.
+    """A pinhole camera that looks along its Z axis: X right, Y down.
 
-    Subclasses fill ``local_data`` in `take`, which is called with each picture.
+    Subclasses fill ``local_data`` in `take`, which is called with each image.
 
     Attributes:
         image_width, image_height: pixels.
-        capturing: whether it takes pictures now.
-        color: whether its pictures have colours, not only depth.
+        capturing: whether it captures images at present.
+        color: whether its images contain colours, not only depth.
     """
 
-    add_property("image_width", 256, "cam_width", "integer", "Width of the picture", unit="px", low=1, high=8192)
-    add_property("image_height", 256, "cam_height", "integer", "Height of the picture", unit="px", low=1, high=8192)
-    add_property("image_focal", 25.0, "cam_focal", "float", "Focal length in mm, of a sensor 32 mm wide", low=1e-3)
+    add_property("image_width", 256, "cam_width", "integer", "Width of the image", unit="px", low=1, high=8192)
+    add_property("image_height", 256, "cam_height", "integer", "Height of the image", unit="px", low=1, high=8192)
+    add_property("image_focal", 25.0, "cam_focal", "float", "Focal length in mm, for a sensor width of 32 mm", low=1e-3)
     add_property(
         "image_fov",
         None,
         "cam_fov",
         "float",
-        "Angle of view from left to right; replaces the focal length",
+        "Horizontal angle of view; replaces the focal length",
         unit="deg",
         low=1e-3,
         high=360.0,
         allow=("none",),
     )
-    add_property("near_clipping", 0.1, "cam_near", "float", "What is nearer is not seen", unit="m", low=1e-6, high=1e6)
-    add_property("far_clipping", 100.0, "cam_far", "float", "What is farther is not seen", unit="m", low=1e-6, high=1e6)
-    add_property("vertical_flip", True, "Vertical_Flip", "bool", "The first row of the picture is the top one")
+    add_property("near_clipping", 0.1, "cam_near", "float", "Near clipping distance", unit="m", low=1e-6, high=1e6)
+    add_property("far_clipping", 100.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
+    add_property("vertical_flip", True, "Vertical_Flip", "bool", "The first row of the image is the top row")
     add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
     add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; kept for old scripts")
     add_property(
@@ -113,12 +113,12 @@ class Camera(Sensor):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        # imported by scenes with cameras alone
+        # imported on demand, for scenes with cameras only
         from morse.rendering import Renderer
 
-        #: pictures still to be taken; negative for no end
+        #: number of remaining images; negative for no limit
         self._left = -1
-        #: the tick of the last picture
+        #: tick of the last image
         self._taken = -1
         self._look()
         renderer = self.context.server(Renderer)
@@ -129,10 +129,10 @@ class Camera(Sensor):
             logger.warning("%s takes no pictures: the environment is in fastmode", self.name())
 
     def _look(self) -> None:
-        """Make the lens from the properties.
+        """Create the lens from the properties.
 
         Raises:
-            ValueError: no lens has such properties.
+            ValueError: the properties are not valid for a lens.
         """
         self._made_of = self._lens_properties()
         self.lens = self._make_lens()
@@ -161,19 +161,19 @@ class Camera(Sensor):
     @interruptible
     @async_service
     def capture(self, n: Pictures) -> None:
-        """Take pictures, and then no more; ends when the last one is taken.
+        """Capture a number of images; the service ends when the last image has been captured.
 
         Args:
-            n: how many; a negative number for pictures without end.
+            n: number of images; a negative number for no limit.
         """
         self.start(int(n))
 
     def start(self, count: int) -> None:
-        """Take that number of pictures; a negative number stands for pictures without end."""
+        """Capture a number of images; a negative number stands for no limit."""
         self._left, self.capturing = count, True
 
     def interrupt(self) -> None:
-        """End `capture`: no more pictures."""
+        """End `capture`."""
         self._left, self.capturing = -1, False
         super().interrupt()
 
@@ -181,13 +181,13 @@ class Camera(Sensor):
         return self.capturing and self._left != 0
 
     def watched_space(self) -> WatchedSpace | None:
-        """Nothing that is a cone about the X axis."""
+        """Return None, because the field of view is not a cone about the X axis."""
         return None
 
     def measure(self) -> None:
-        """Take a picture, if one is to be taken."""
+        """Capture an image, if one is due."""
         if self._left == 0:
-            # all that were asked for were taken
+            # all requested images were captured
             self._left, self.capturing = -1, False
             if self.on_completion is not None and self.running_service == "capture":
                 self.completed(SUCCESS)
@@ -214,12 +214,12 @@ class Camera(Sensor):
                 self.completed(SUCCESS)
 
     def take(self, picture: Picture) -> None:
-        """Fill ``local_data`` from a picture."""
+        """Fill ``local_data`` from an image."""
 
     def ordered(self, rows: NDArray[Any]) -> NDArray[Any]:
-        """Rows of a picture, the top one first, in the order that ``Vertical_Flip`` says."""
+        """Return the rows of an image, whose top row is first, in the order given by ``Vertical_Flip``."""
         return rows if self.vertical_flip else np.ascontiguousarray(rows[::-1])
 
     def top_first(self, rows: Any) -> NDArray[Any]:
-        """The same backwards."""
+        """Convert rows in the order of ``Vertical_Flip`` to rows with the top row first."""
         return np.asarray(rows) if self.vertical_flip else np.ascontiguousarray(np.asarray(rows)[::-1])

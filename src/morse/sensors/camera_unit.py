@@ -1,4 +1,4 @@
-"""What carries cameras."""
+"""The base class of sensors that carry cameras."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from morse.sensors.camera import Camera, Pictures
 
 
 class CameraUnit(Sensor):
-    """Carries cameras, and lets all of them take pictures at once."""
+    """Carries cameras that capture images simultaneously."""
 
     def cameras(self) -> list[Camera]:
-        """The cameras that it carries."""
+        """The cameras mounted on it."""
         inside = f"{self.name()}."
         found = (c for name, c in self.context.components.items() if name.startswith(inside))
         return [camera for camera in found if isinstance(camera, Camera)]
@@ -20,10 +20,10 @@ class CameraUnit(Sensor):
     @interruptible
     @async_service
     def capture(self, n: Pictures) -> None:
-        """Let all cameras take pictures; ends when the last one is taken.
+        """Capture images with all cameras; the service ends when the last image has been captured.
 
         Args:
-            n: how many each; a negative number for pictures without end.
+            n: number of images per camera; a negative number for no limit.
         """
         for camera in self.cameras():
             camera.start(int(n))
@@ -35,6 +35,6 @@ class CameraUnit(Sensor):
         super().interrupt()
 
     def measure(self) -> None:
-        """See whether all pictures were taken."""
+        """Check whether all images were captured."""
         if self.running_service == "capture" and not any(camera.capturing for camera in self.cameras()):
             self.completed(SUCCESS)

@@ -1,4 +1,4 @@
-"""What the sensor touches."""
+"""Contact sensors."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ def touched_names(sensor: ContactSensor) -> list[str]:
 
 
 class ContactSensor(Sensor):
-    """A sensor that feels which objects touch its body, whether this collides with them or not.
+    """A sensor that detects which objects touch its body.
 
-    The body is a cube, whose half sizes are the ``scale`` of the sensor; it belongs to the robot and stops nothing.
+    The body is a cuboid whose half sizes are the ``scale`` of the sensor. It belongs to the robot and does not collide.
     """
 
-    add_data("collision", False, "bool", "Whether it touches something")
-    add_data("objects", "", "string", "Names of what it touches, joined by commas", follows="collision")
+    add_data("collision", False, "bool", "Whether it touches an object")
+    add_data("objects", "", "string", "Names of the touched objects, joined by commas", follows="collision")
     add_property(
         "_only_objects_with_property",
         "",
         "only_objects_with_property",
         "string",
-        "Feel nothing but objects that have this property; empty for all objects",
+        "Detect only objects with this property; empty for all objects",
     )
 
     _only_objects_with_property: str
-    #: how near is touching, m
+    #: distance below which objects touch, m
     margin = 1e-3
 
     def touched(self) -> list[str]:
@@ -40,16 +40,16 @@ class ContactSensor(Sensor):
         return [obj.name for obj in objects if not wanted or wanted in obj.properties]
 
     def take(self, names: list[str]) -> None:
-        """Fill the data with what is touched."""
+        """Fill the data with the touched objects."""
         self.local_data["collision"] = bool(names)
         self.local_data["objects"] = ",".join(names)
 
 
 class Collision(ContactSensor):
-    """Tells what its body touches, for as long as it touches something.
+    """Reports the objects that touch its body, while there are any.
 
-    It publishes nothing while it touches nothing; but middlewares that carry message kinds are told once when it ends.
-    Unless the script says otherwise, its body is a cube of 4 cm.
+    It does not publish while it does not touch an object; middlewares with message kinds get one message when the
+    contact ends. Unless the script sets a scale, its body is a cube of 4 cm.
     """
 
     _name = "Collision"
@@ -59,7 +59,7 @@ class Collision(ContactSensor):
     add_kind("contact", touching="collision", names=touched_names)
 
     def action(self) -> None:
-        """One measurement, if it touches something."""
+        """Do one measurement, if it touches an object."""
         if not self._active:
             return
         self._names = self.touched()
@@ -72,12 +72,12 @@ class Collision(ContactSensor):
             self._tell_the_end()
 
     def _tell_the_end(self) -> None:
-        """Middlewares that carry message kinds get one message that nothing is touched any more."""
+        """Send one message to middlewares with message kinds when a contact has ended."""
         self.local_data["timestamp"] = self.clock.time
         for publish in self.output_functions:
             if isinstance(getattr(publish, "__self__", None), KindStream):
                 publish(self)
 
     def measure(self) -> None:
-        """Take what it touches."""
+        """Measure the touched objects."""
         self.take(self._names)

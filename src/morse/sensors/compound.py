@@ -1,4 +1,4 @@
-"""Several sensors as one."""
+"""Several sensors combined."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class CompoundSensor(Sensor):
 
     Middlewares that carry message kinds get the messages of each sensor, on a sub-topic of its name.
 
-    They are the data of the last measurement of each sensor, before its delay has passed if it has one.
+    The data are those of the last measurement of each sensor, without its delay.
     """
 
     _name = "Compound sensor"
@@ -36,7 +36,7 @@ class CompoundSensor(Sensor):
 
     @property
     def kind_members(self) -> Mapping[str, Object]:
-        """The sensors by their own names; by their full names where several have the same name."""
+        """Return the sensors by name, or by full name if several sensors have the same name."""
         names = _names(self._sensors)
         short = [name.rpartition(".")[2] for name in names]
         return {
@@ -61,11 +61,11 @@ class CompoundSensor(Sensor):
             self.local_data.pop(gone, None)
 
     def measure(self) -> None:
-        """Take the data of all sensors."""
+        """Copy the data of all sensors."""
         components, data = self.context.components, self.local_data
         for name in _names(self._sensors):
             member = components.get(name)
-            if member is None:  # it was deleted
+            if member is None:  # the sensor was deleted
                 data.pop(name, None)
             else:
                 data[name] = dict(member.local_data.items())

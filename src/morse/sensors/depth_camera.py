@@ -1,4 +1,4 @@
-"""Pictures of distances, and clouds of points."""
+"""Depth images and point clouds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def _points(camera: DepthCamera) -> NDArray[np.float32]:
-    """(N, 3), or (H, W, 3) of which those that show nothing are not numbers."""
+    """Return points (N, 3), or (H, W, 3) with NaN for pixels without a point."""
     points = np.asarray(camera.local_data["points"], dtype=np.float32)
     if not camera.keep_resolution or not len(points):
         return points
@@ -33,18 +33,18 @@ def _depths(camera: Camera) -> NDArray[np.float32]:
 
 
 class AbstractDepthCamera(Camera):
-    """Measures the depth of each pixel; the first row is the lowest one, as in MORSE 1.4."""
+    """Measures the depth of each pixel; the first row is the bottom row, as in MORSE 1.4."""
 
-    add_property("near_clipping", 1.0, "cam_near", "float", "What is nearer is not seen", unit="m", low=1e-6, high=1e6)
-    add_property("far_clipping", 20.0, "cam_far", "float", "What is farther is not seen", unit="m", low=1e-6, high=1e6)
+    add_property("near_clipping", 1.0, "cam_near", "float", "Near clipping distance", unit="m", low=1e-6, high=1e6)
+    add_property("far_clipping", 20.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("retrieve_depth", True, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
-    add_property("vertical_flip", False, "Vertical_Flip", "bool", "The first row of the picture is the top one")
+    add_property("vertical_flip", False, "Vertical_Flip", "bool", "The first row of the image is the top row")
 
     color = False
 
 
 class DepthCamera(AbstractDepthCamera):
-    """A cloud of what it sees: X to the right, Y down, Z forward."""
+    """Captures a point cloud: X right, Y down, Z forward."""
 
     _name = "Depth (XYZ) camera"
     _short_desc = "A camera capturing 3D points cloud"
@@ -59,7 +59,7 @@ class DepthCamera(AbstractDepthCamera):
         "points",
         np.zeros((0, 3), np.float32),
         "memoryview",
-        "Where the pixels see something",
+        "Points of the pixels that show a surface",
         unit="m",
         frame="optical",
         shape=(None, 3),
@@ -69,14 +69,14 @@ class DepthCamera(AbstractDepthCamera):
     add_data("intrinsic_matrix", **INTRINSIC)
 
     add_property(
-        "keep_list", None, "keep_list", "string", "Rows that are kept, '[1, 17, 34]'; None for all", allow=("none",)
+        "keep_list", None, "keep_list", "string", "Rows that are used, '[1, 17, 34]'; None for all", allow=("none",)
     )
     add_property(
         "keep_resolution",
         False,
         "keep_resolution",
         "bool",
-        "A point for each pixel, (0, 0, 0) for those that see nothing",
+        "A point for each pixel, (0, 0, 0) for pixels without a surface",
     )
 
     add_kind("cloud", points=_points)
@@ -91,7 +91,7 @@ class DepthCamera(AbstractDepthCamera):
         self._rows_kept = rows_kept(self.keep_list)
 
     def take(self, picture: Picture) -> None:
-        """Take the points of the pixels that see something."""
+        """Store the points of the pixels that show a surface."""
         depth, lens = picture.depth, self.lens
         rows = self._rows_kept
         seen = depth > 0.0
@@ -115,7 +115,7 @@ class DepthCamera(AbstractDepthCamera):
 
 
 class DepthCameraRotationZ(DepthCamera):
-    """A depth camera that turns to the left, about its vertical axis, by a step after each picture."""
+    """A depth camera that rotates to the left about its vertical axis by one step after each image."""
 
     _name = "Velodyne"
     _short_desc = "Rotating depth camera"
@@ -133,7 +133,7 @@ class DepthCameraRotationZ(DepthCamera):
             properties={"cam_focal": 35.0, "rotation": 0.8578},
             model="velodyne",
             part="VelodyneMesh",
-            doc="A depth camera that turns by its angle of view after each picture.",
+            doc="A depth camera that rotates by its angle of view after each image.",
         ),
         BuilderDefaults(
             "VelodyneZB",
@@ -145,19 +145,19 @@ class DepthCameraRotationZ(DepthCamera):
         ),
     )
 
-    add_property("_rotation", 0.01745, "rotation", "float", "Step to the left after each picture", **ANGLE)
+    add_property("_rotation", 0.01745, "rotation", "float", "Step to the left after each image", **ANGLE)
 
     _rotation: float
 
     def take(self, picture: Picture) -> None:
-        """Take the points, and turn on."""
+        """Store the points, and rotate."""
         super().take(picture)
         # Y is down
         self.bge_object.applyRotation((0.0, -self._rotation, 0.0), True)
 
 
 class DepthVideoCamera(AbstractDepthCamera):
-    """A picture of depths."""
+    """Captures a depth image."""
 
     _name = "Depth camera"
     _short_desc = "A camera capturing depth"
@@ -172,7 +172,7 @@ class DepthVideoCamera(AbstractDepthCamera):
         "image",
         np.zeros((0, 0), np.float32),
         "buffer",
-        "Depth along the axis; inf where nothing is seen",
+        "Depth along the axis; inf without a surface",
         unit="m",
         frame="optical",
         shape=(None, None),
@@ -187,13 +187,13 @@ class DepthVideoCamera(AbstractDepthCamera):
     add_kind("camera_info", **CAMERA_INFO)
 
     def take(self, picture: Picture) -> None:
-        """Keep the depths; beyond the far plane they are infinite."""
+        """Store the depths, which are infinite beyond the far plane."""
         depth = picture.depth
         self.local_data["image"] = self.ordered(np.where(depth > 0.0, depth, np.float32(np.inf)))
 
 
 class RawImage(AbstractDepthCamera):
-    """The Z buffer of OpenGL: 0 at the near plane, 1 at the far one and beyond."""
+    """Captures the Z buffer as in OpenGL: 0 at the near plane, 1 at the far plane and beyond."""
 
     _name = "Raw depth camera"
     _short_desc = "A camera capturing the raw z-buffer"
@@ -222,7 +222,7 @@ class RawImage(AbstractDepthCamera):
     add_kind("camera_info", **CAMERA_INFO)
 
     def take(self, picture: Picture) -> None:
-        """Turn the depths into what a Z buffer holds."""
+        """Convert the depths into Z buffer values."""
         near, far = self.lens.near, self.lens.far
         depth = np.where(picture.depth > 0.0, picture.depth.astype(np.float64), far)
         buffer = np.clip(far * (depth - near) / (depth * (far - near)), 0.0, 1.0)
@@ -230,10 +230,10 @@ class RawImage(AbstractDepthCamera):
 
 
 def rows_kept(text: str | None) -> list[int] | None:
-    """The rows that ``keep_list`` names, from the top; None for all.
+    """Return the rows in ``keep_list``, counted from the top; None for all.
 
     Raises:
-        ValueError: something else than a list of whole numbers from 0 upward.
+        ValueError: the text is not a list of non-negative integers.
     """
     if text is None or not str(text).strip():
         return None

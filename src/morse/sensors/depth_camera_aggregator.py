@@ -1,4 +1,4 @@
-"""The clouds of several depth cameras as one."""
+"""Merges the point clouds of several depth cameras."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from morse.sensors.depth_camera import DepthCamera
 
 
 class DepthCameraAggregator(CameraUnit):
-    """Joins the clouds of the depth cameras that it carries, in the frame of one of them, the master."""
+    """Merges the point clouds of its depth cameras in the frame of one of them, the master."""
 
     _name = "Depth camera aggregator"
     _short_desc = "Merges the clouds of several depth cameras"
@@ -21,7 +21,7 @@ class DepthCameraAggregator(CameraUnit):
         "points",
         np.zeros((0, 3), np.float32),
         "memoryview",
-        "Where the pixels see something, in the frame of the master",
+        "Points of the pixels that show a surface, in the frame of the master",
         unit="m",
         frame="optical",
         shape=(None, 3),
@@ -37,7 +37,7 @@ class DepthCameraAggregator(CameraUnit):
 
     @property
     def image_height(self) -> int:
-        """The cloud is a picture of one row, to those who want rows."""
+        """Number of rows: 1."""
         return 1
 
     @property
@@ -46,14 +46,14 @@ class DepthCameraAggregator(CameraUnit):
         return int(self.local_data["nb_points"])
 
     def clouds(self) -> list[DepthCamera]:
-        """The depth cameras that it carries."""
+        """The depth cameras mounted on it."""
         return [camera for camera in self.cameras() if isinstance(camera, DepthCamera)]
 
     def master(self) -> DepthCamera:
-        """The camera in whose frame the cloud is.
+        """The camera whose frame is used for the cloud.
 
         Raises:
-            IndexError: it carries no depth camera.
+            IndexError: no depth camera is mounted on it.
         """
         return self._master(self.clouds())
 
@@ -63,7 +63,7 @@ class DepthCameraAggregator(CameraUnit):
         return (named or cameras)[0]
 
     def measure(self) -> None:
-        """Join the clouds."""
+        """Merge the clouds."""
         super().measure()
         cameras = self.clouds()
         if not cameras:
@@ -74,7 +74,7 @@ class DepthCameraAggregator(CameraUnit):
         for camera in cameras:
             here, own = camera.bge_object.world_pose()
             if camera.request.picture is not None:
-                # drawn in this tick: its own action comes later
+                # rendered in this tick, although the action of the camera comes later
                 camera.measure()
             points = camera.local_data["points"].astype(np.float64)
             turned = points @ np.reshape(own, (3, 3)).T + (np.array(here) - position)

@@ -1,4 +1,4 @@
-"""Where the sensor is on the earth."""
+"""Position of the sensor in the world or on the earth."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from morse.helpers.geodesy import LocalPlane
 _SIMPLE = ["simple"]
 _RAW = ["raw", "extended"]
 _EXTENDED = ["extended"]
-#: below that speed over ground, m/s, there is no heading
+#: speed over ground below which the heading is undefined, m/s
 _STANDSTILL = 1e-3
 
 
 def _utc(gps: GPS) -> str | None:
-    """Date and time as ISO 8601; None on levels that have none."""
+    """Return date and time in ISO 8601 format; None for levels without date."""
     date, clock = gps.local_data.get("date"), gps.local_data.get("time")
     if not date or not clock:
         return None
-    century = "19" if date[4:6] >= "69" else "20"  # as POSIX reads years of two digits
+    century = "19" if date[4:6] >= "69" else "20"  # POSIX convention for two-digit years
     return f"{century}{date[4:6]}-{date[2:4]}-{date[0:2]}T{clock[0:2]}:{clock[2:4]}:{clock[4:6]}Z"
 
 
 class GPS(Sensor):
     """Measures the position: in the world, or on the earth.
 
-    The levels ``raw`` and ``extended`` need to know where the world is:
+    The levels ``raw`` and ``extended`` need the position of the world on the earth:
     ``env.properties(longitude=..., latitude=..., altitude=...)``, degrees and metres above the WGS84 ellipsoid, and
-    perhaps ``angle_against_north``, radians. At 0 the X axis of the world points east.
+    optionally ``angle_against_north``, rad. At 0 the X axis of the world points east.
     """
 
     _name = "GPS"
@@ -53,7 +53,7 @@ class GPS(Sensor):
         "velocity",
         [0.0, 0.0, 0.0],
         "vec3<float>",
-        "Velocity east, north and up",
+        "Velocity to the east, to the north and up",
         _RAW,
         unit="m/s",
         frame="enu",
@@ -65,7 +65,7 @@ class GPS(Sensor):
         "heading",
         math.inf,
         "float",
-        "Direction of the motion over ground, from north, clockwise; infinite at a standstill",
+        "Course over ground, clockwise from north; infinite at standstill",
         _EXTENDED,
         unit="deg",
         low=0.0,
@@ -86,7 +86,7 @@ class GPS(Sensor):
     )
 
     def measure(self) -> None:
-        """Take the position in the world."""
+        """Measure the position in the world."""
         data = self.local_data
         data["x"], data["y"], data["z"] = self.position_3d.get_pose()[0]
 
@@ -103,7 +103,7 @@ class RawGPS(GPS):
     not_state = ("_plane",)
 
     def measure(self) -> None:
-        """Take the place, and the velocity from the place before."""
+        """Measure the position, and the velocity from the previous position."""
         here, now, data = self.position_3d.get_pose()[0], self.clock.time, self.local_data
         data["longitude"], data["latitude"], data["altitude"] = self._plane.geodetic_of(here)
         passed = now - self._time
@@ -114,21 +114,21 @@ class RawGPS(GPS):
 
 
 class ExtendedGPS(RawGPS):
-    """Measures the position on the earth, and tells date, time and heading; `GPS` at the level ``extended``.
+    """Measures the position on the earth, date, time and heading; `GPS` at the level ``extended``.
 
-    Date and time are those of the simulation: from 1 January 1970 on, unless the scene asks for the time of the
-    epoch (``env.use_relative_time(False)``).
+    Date and time are simulated time, starting at 1 January 1970, unless the scene uses absolute time
+    (``env.use_relative_time(False)``).
     """
 
     def measure(self) -> None:
-        """Take place, velocity, date and time."""
+        """Measure position, velocity, date and time."""
         super().measure()
         utc = time.gmtime(self.clock.time)
         self.local_data["date"] = time.strftime("%d%m%y", utc)
         self.local_data["time"] = time.strftime("%H%M%S", utc)
 
     def report(self) -> None:
-        """Work out the heading from the velocity."""
+        """Compute the heading from the velocity."""
         east, north, _ = self.local_data["velocity"]
         moving = math.hypot(east, north) > _STANDSTILL
         self.local_data["heading"] = math.degrees(math.atan2(east, north)) % 360.0 if moving else math.inf

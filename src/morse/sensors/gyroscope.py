@@ -1,4 +1,4 @@
-"""How the sensor is turned."""
+"""Yaw, pitch and roll of the sensor."""
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
@@ -6,7 +6,7 @@ from morse.helpers.components import add_data, add_kind, euler
 
 
 class Gyroscope(Sensor):
-    """Measures the absolute yaw, pitch and roll of the sensor, in spite of its name.
+    """Measures the absolute yaw, pitch and roll of the sensor.
 
     `IMU` and `Attitude` measure angular velocities.
     """
@@ -21,6 +21,6 @@ class Gyroscope(Sensor):
     add_kind("attitude", orientation=euler("roll", "pitch", "yaw"))
 
     def measure(self) -> None:
-        """Take the angles."""
+        """Measure the angles."""
         data = self.local_data
         _, _, _, data["yaw"], data["pitch"], data["roll"] = self.position_3d.numbers()

@@ -27,14 +27,14 @@ def _has_magnetometer(imu: IMU) -> bool:
 
 
 class IMU(MotionSensor):
-    """Measures angular velocity and specific force: at rest on level ground +9.81 m/s^2 along Z.
+    """Measures angular velocity and specific force, which is +9.81 m/s^2 along Z at rest on level ground.
 
-    It feels where it sits: away from the origin of the robot, turning adds a tangential and a centripetal part.
-    If the environment says where on the earth it is (``env.properties(longitude=..., latitude=..., altitude=...)``),
-    the IMU has a magnetometer, too; see `Magnetometer`.
+    If the IMU is not at the origin of the robot, rotation adds a tangential and a centripetal acceleration. If the
+    environment declares its position on the earth (``env.properties(longitude=..., latitude=..., altitude=...)``), the
+    IMU also has a magnetometer; see `Magnetometer`.
 
-    It is ideal, unless properties say its errors in the terms of a data sheet: density of the white noise, in-run bias
-    instability, and random walk of the bias (IEEE Std 952-1997, annex C).
+    It is ideal, unless properties set its errors by the quantities of a data sheet: density of the white noise, in-run
+    bias instability, and random walk of the bias (IEEE Std 952-1997, annex C).
     """
 
     _name = "IMU"
@@ -81,7 +81,7 @@ class IMU(MotionSensor):
         "magnetic_field",
         _ZERO,
         "vec3<float>",
-        "Magnetic field; 0 if the environment does not say where on the earth it is",
+        "Magnetic field; 0 if the environment does not declare its position on the earth",
         unit="nT",
         frame="own",
         shape=3,
@@ -98,7 +98,7 @@ class IMU(MotionSensor):
         unit="rad/s",
         low=0.0,
     )
-    add_property("_gyro_walk", 0.0, "GyroRandomWalk", "float", "Random walk of its bias in a second, rad/s/√s", low=0.0)
+    add_property("_gyro_walk", 0.0, "GyroRandomWalk", "float", "Random walk of the bias, rad/s/√s", low=0.0)
     add_property(
         "_accel_density", 0.0, "AccelNoiseDensity", "float", "White noise of the specific force, m/s²/√Hz", low=0.0
     )
@@ -111,11 +111,9 @@ class IMU(MotionSensor):
         unit="m/s^2",
         low=0.0,
     )
+    add_property("_accel_walk", 0.0, "AccelRandomWalk", "float", "Random walk of the bias, m/s²/√s", low=0.0)
     add_property(
-        "_accel_walk", 0.0, "AccelRandomWalk", "float", "Random walk of the bias in a second, m/s²/√s", low=0.0
-    )
-    add_property(
-        "_correlation_time", 100.0, "BiasCorrelationTime", "float", "How long the biases stay alike", unit="s", low=1e-3
+        "_correlation_time", 100.0, "BiasCorrelationTime", "float", "Correlation time of the biases", unit="s", low=1e-3
     )
     add_kind("imu", angular_velocity="angular_velocity", linear_acceleration="linear_acceleration")
     add_kind("magnetic_field", topic="mag", when=_has_magnetometer, field="magnetic_field")
@@ -139,7 +137,7 @@ class IMU(MotionSensor):
 
     @property
     def has_magnetometer(self) -> bool:
-        """Whether there is a magnetic field to measure."""
+        """Whether the environment has a magnetic field."""
         return self._field is not None
 
     def _terms(self) -> tuple[ErrorTerms, ErrorTerms]:
@@ -151,7 +149,7 @@ class IMU(MotionSensor):
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
-        """The white noise of angular velocity and specific force."""
+        """Return the white noise of angular velocity and specific force."""
         scale = math.sqrt(self.frequency)
         return {
             "angular_velocity": {"stddev": self._gyro_density * scale},
@@ -159,7 +157,7 @@ class IMU(MotionSensor):
         }
 
     def measure(self) -> None:
-        """Take angular velocity, specific force and magnetic field."""
+        """Measure angular velocity, specific force and magnetic field."""
         motion = self.motion()
         position, rotation = self.position_3d.get_pose()
         x, y, z = motion.acceleration

@@ -1,4 +1,4 @@
-"""A colour camera and a depth camera in one case."""
+"""A colour camera and a depth camera in one housing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Distances in a fan of directions, by laser."""
+"""Laser scanners."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from morse.core.group import Group
     from morse.core.noise import Noise
 
-#: of the fan of a rotating scanner, downward
+#: downward tilt of the fan of a rotating scanner
 _TILT = math.radians(12.0)
 
 
@@ -35,18 +35,18 @@ def _is_deep(scanner: LaserScanner) -> bool:
 
 
 def _once_round(scanner: LaserScanner) -> slice:
-    """All rays of a flat fan but the last one where that repeats the first."""
+    """Return all rays of a flat fan, without the last ray if it equals the first."""
     return slice(0, -1) if scanner.scan_window == 360.0 and len(scanner.rays) > 1 else slice(None)
 
 
 def _ranges(scanner: LaserScanner) -> NDArray[np.float64]:
-    """(N,) metres, infinite for no hit."""
+    """Return the distances (N,), m; infinite for no hit."""
     ranges = np.asarray(scanner.local_data["range_list"])[_once_round(scanner)]
     return np.where(ranges >= scanner.laser_range, np.inf, ranges)
 
 
 def _remissions(scanner: LaserScanner) -> NDArray[np.float64] | None:
-    """(N,) how much light comes back, for each ray; None if it is not measured."""
+    """Return the remissions (N,) of all rays; None if they are not measured."""
     data = scanner.local_data
     return np.asarray(data["remission_list"])[_once_round(scanner)] if "remission_list" in data else None
 
@@ -57,23 +57,23 @@ def _nearest(scanner: LaserScanner) -> float:
 
 
 def _hits(scanner: LaserScanner) -> NDArray[np.bool_]:
-    """(N,) which rays have hit something."""
+    """Return booleans (N,): rays with a hit."""
     return np.asarray(scanner.local_data["range_list"]) < scanner.laser_range
 
 
 def _points(scanner: LaserScanner) -> NDArray[np.float64]:
-    """(M, 3) what was hit, m."""
+    """Return the hit points (M, 3), m."""
     return np.asarray(scanner.local_data["point_list"])[_hits(scanner)]
 
 
 def _intensity(scanner: LaserScanner) -> NDArray[np.float64] | None:
-    """(M,) how much light comes back from each point; None if it is not measured."""
+    """Return the remissions (M,) of the hit points; None if they are not measured."""
     data = scanner.local_data
     return np.asarray(data["remission_list"])[_hits(scanner)] if "remission_list" in data else None
 
 
 def _layer(scanner: LaserScanner) -> NDArray[np.intp]:
-    """(M,) the layer of each point, the upper one first."""
+    """Return the layer of each hit point (M,), from top to bottom."""
     hits = _hits(scanner)
     return (np.arange(len(hits)) * scanner.layers // max(len(hits), 1))[hits]
 
@@ -91,10 +91,10 @@ _SCAN: dict[str, Any] = {
 
 
 class LaserScanner(Sensor):
-    """Measures the distance to the first thing in each direction of a fan, or of several above each other.
+    """Measures the distance to the first object along each ray of a fan, or of several fans above each other.
 
-    Directions are counted from right to left, layer by layer, the upper one first. The robot that carries the
-    scanner is looked through, and so is everything that does not collide.
+    Rays are ordered from right to left, layer by layer, from top to bottom. Rays ignore the robot of the scanner and
+    objects that do not collide.
     """
 
     _name = "Laser scanner"
@@ -139,7 +139,7 @@ class LaserScanner(Sensor):
         "point_list",
         [],
         "list",
-        "Where each ray hit something, [x, y, z]; [0, 0, 0] for no hit",
+        "Hit point of each ray, [x, y, z]; [0, 0, 0] for no hit",
         level=["raw", "rssi"],
         unit="m",
         frame="own",
@@ -162,7 +162,7 @@ class LaserScanner(Sensor):
         "remission_list",
         [],
         "list",
-        "Specular reflection of what was hit; 0 for no hit",
+        "Specular reflection at each hit point; 0 for no hit",
         level="rssi",
         shape=(None,),
         dtype="float64",
@@ -170,13 +170,13 @@ class LaserScanner(Sensor):
         high=1.0,
     )
 
-    add_property("laser_range", 30.0, "laser_range", "float", "How far it sees", unit="m", low=1e-3, high=1e7)
+    add_property("laser_range", 30.0, "laser_range", "float", "Largest distance", unit="m", low=1e-3, high=1e7)
     add_property("resolution", 1.0, "resolution", "float", "Angle between two rays", unit="deg", low=1e-3, high=360.0)
     add_property("scan_window", 180.0, "scan_window", "float", "Full angle of the fan", unit="deg", low=0.0, high=360.0)
     add_property("visible_arc", False, "Visible_arc", "bool", "Show the rays in the view")
     add_property("layers", 1, "layers", "integer", "Number of fans above each other", low=1)
     add_property("layer_separation", 0.8, "layer_separation", "float", "Angle between two layers", **_SEPARATION)
-    add_property("layer_offset", 0.125, "layer_offset", "float", "Every other layer is turned by this", **_OFFSET)
+    add_property("layer_offset", 0.125, "layer_offset", "float", "Horizontal rotation of every other layer", **_OFFSET)
 
     add_kind(
         "range",
@@ -192,8 +192,8 @@ class LaserScanner(Sensor):
     add_kind("cloud", level=["raw", "rssi"], when=_is_deep, points=_points, intensity=_intensity, ring=_layer)
     add_kind("cloud", level=["raw", "rssi"], when=_is_flat, topic="points", on_request=True, points=_points)
 
-    not_state = ("_arc",)  # of the rays as they are; they are not part of the state either
-    #: whether the fan turns about the vertical axis, so that its rays lie in no plane
+    not_state = ("_arc",)  # derived from the rays, which are not part of the state either
+    #: whether the fan rotates about the vertical axis, so that its rays do not lie in one plane
     turns = False
     laser_range: float
     resolution: float
@@ -209,10 +209,10 @@ class LaserScanner(Sensor):
         self.create_laser_arc()
 
     def create_laser_arc(self) -> None:
-        """Make the rays from the properties.
+        """Create the rays from the properties.
 
         Raises:
-            ValueError: no fan has such properties.
+            ValueError: the properties are not valid for a fan.
         """
         self._arc = self._arc_properties()
         self.remove_request(self.rays)
@@ -252,15 +252,15 @@ class LaserScanner(Sensor):
         return rays.sight
 
     def measure(self) -> None:
-        """Take the scan."""
+        """Measure the scan."""
         sight, data = self._look(), self.local_data
-        # copies, as the bundles of a cast share their arrays
+        # copied, because the bundles of a cast share their arrays
         data["range_list"] = Later(lambda: sight.ranges.copy())
         if self.level == "rssi":
             data["remission_list"] = sight.remissions
 
     def report(self) -> None:
-        """Work out the points from the distances; without noise they are those of the cast."""
+        """Compute the points from the distances; without noise they are the points of the cast."""
         if self.level == "range":
             return
         rays, data = self.rays, self.local_data
@@ -295,11 +295,11 @@ class LaserScanner(Sensor):
         return self.level != "rssi"
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """Noise is in the distances; the points follow them."""
+        """Return the fields with noise: distances, from which the points are computed."""
         return ("range_list",)
 
     def add_noise(self, field: str, noise: Noise, before: Any) -> None:
-        """Measure distances, or remissions, with errors; a lost echo is not a hit."""
+        """Add errors to distances or remissions; a lost echo is reported as no hit."""
         rays, data = self.rays, self.local_data
         met = rays.hit >= 0
         values = data[field]
@@ -312,9 +312,9 @@ class LaserScanner(Sensor):
 
 
 class LaserScannerRotationZ(LaserScanner):
-    """A laser scanner whose fan stands upright and turns about the vertical axis, by a step a measurement.
+    """A laser scanner with an upright fan that rotates about the vertical axis by one step per measurement.
 
-    The fan is tilted 12 degrees down, as that of a Velodyne HDL-64E, which sees from 2 degrees up to 25 down.
+    The fan is tilted 12 degrees down, like that of a Velodyne HDL-64E, which covers 2 degrees up to 25 degrees down.
     """
 
     _name = "Velodyne"
@@ -325,7 +325,7 @@ class LaserScannerRotationZ(LaserScanner):
         properties={"laser_range": 50.0, "scan_window": 31.5, "resolution": 0.5},
         model="velodyne",
         part="VelodyneMesh",
-        doc="A turning upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; it turns by 0.01745 rad a measurement.",
+        doc="A rotating upright fan of rays: 50 m, 31.5 degrees, 0.5 degrees; rotated by 0.01745 rad per measurement.",
     )
 
     add_property("_rotation", 0.01745, "rotation", "float", "Step about the Z axis after each measurement", **ANGLE)
@@ -341,6 +341,6 @@ class LaserScannerRotationZ(LaserScanner):
         return np.asarray(upright @ np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]))
 
     def measure(self) -> None:
-        """Take the scan, and turn on."""
+        """Measure the scan, and rotate."""
         super().measure()
         self.bge_object.applyRotation((0.0, 0.0, self._rotation), True)

@@ -14,13 +14,14 @@ from morse.mathutils.rotations import turn_back
 
 
 def field_around(sensor: Sensor, year: float | None = None, model: str | None = None) -> MagneticField:
-    """The magnetic field in the world of a sensor.
+    """Return the magnetic field in the world of a sensor.
 
     Args:
-        year: decimal year; None for that of the simulation: `DEFAULT_YEAR` unless it runs in absolute time.
+        year: decimal year; None for the year of the simulation, which is `DEFAULT_YEAR` unless it runs in absolute
+            time.
 
     Raises:
-        GeodesyError: the environment does not say where on the earth it is.
+        GeodesyError: the environment does not declare its position on the earth.
     """
     if year is None:
         absolute = not sensor.context.scene.settings.relative_time
@@ -36,9 +37,9 @@ def _decimal_year(seconds: float) -> float:
 
 
 class Magnetometer(Sensor):
-    """Measures the magnetic field of the earth along its axes, by the World Magnetic Model.
+    """Measures the magnetic field of the earth along its axes, from the World Magnetic Model.
 
-    The environment has to say where on the earth it is:
+    The environment has to declare its position on the earth:
     ``env.properties(longitude=..., latitude=..., altitude=...)``.
     """
 
@@ -54,13 +55,18 @@ class Magnetometer(Sensor):
         None,
         "date",
         "float",
-        "Decimal year; none for that of the simulation, which is 2025.0 unless it runs in absolute time",
+        "Decimal year; none for the year of the simulation, which is 2025.0 unless it runs in absolute time",
         low=2010.0,
         high=2030.0,
         allow=("none",),
     )
     add_property(
-        "_model", "auto", "Model", "string", "Which model; auto for that of the date", choices=("auto", *MODELS)
+        "_model",
+        "auto",
+        "Model",
+        "string",
+        "Name of the model; auto for the model of the date",
+        choices=("auto", *MODELS),
     )
     add_kind("magnetic_field", field=("x", "y", "z"))
 
@@ -77,7 +83,7 @@ class Magnetometer(Sensor):
         self._field = field_around(self, self._date, None if self._model == "auto" else self._model)
 
     def measure(self) -> None:
-        """Take the field."""
+        """Measure the field."""
         if self._wanted != (self._date, self._model):
             self._take_model()
         position, rotation = self.position_3d.get_pose()

@@ -1,4 +1,4 @@
-"""What sensors of motion have in common."""
+"""The base class of motion sensors."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
 
     from morse.mathutils.rotations import Triple
 
-#: a sensor that is nearer to the origin of its robot feels what the origin feels, m
+#: distance from the origin of the robot below which a sensor is treated as being at the origin, m
 _LEVER_ARM = 0.01
 
 
 class Motion(NamedTuple):
-    """How a sensor moves, in the axes of the world.
+    """The motion of a sensor, in the axes of the world.
 
     Attributes:
         linear: velocity, m/s.
         angular: angular velocity, rad/s.
-        acceleration: without gravity, m/s^2.
+        acceleration: acceleration without gravity, m/s^2.
         angular_acceleration: rad/s^2.
     """
 
@@ -34,10 +34,10 @@ class Motion(NamedTuple):
 
 
 class MotionSensor(Sensor):
-    """A sensor that feels how its robot moves.
+    """A sensor that measures the motion of its robot.
 
-    Velocities are those of the body of the robot, or follow from the poses of the sensor at two measurements, as the
-    property ``ComputationMode`` says. Accelerations are the change of velocity since the last measurement.
+    Depending on the property ``ComputationMode``, velocities are those of the body of the robot, or are computed from
+    the poses of the sensor at two measurements. Accelerations are the change of velocity since the last measurement.
     """
 
     add_property(
@@ -45,8 +45,8 @@ class MotionSensor(Sensor):
         "Automatic",
         "ComputationMode",
         "string",
-        "Where velocities come from: Velocity for those of the body of the robot, Position for the change of the pose "
-        "of the sensor, Automatic for the first if the robot obeys forces",
+        "Source of velocities: Velocity for those of the body of the robot, Position for the change of the pose "
+        "of the sensor, Automatic for Velocity if the robot is a dynamic body",
         choices=("Automatic", "Velocity", "Position"),
     )
 
@@ -63,10 +63,10 @@ class MotionSensor(Sensor):
         return (vx, vy, vz), (wx, wy, wz)
 
     def motion(self) -> Motion:
-        """How it moves now; call it once a measurement.
+        """Return the present motion; call it once per measurement.
 
-        The velocity of the body is that of its origin. If the sensor is elsewhere, its acceleration has a tangential
-        and a centripetal part, ``α x r + ω x (ω x r)`` with the lever arm ``r``.
+        The velocity of the body is that of its origin. If the sensor is not at the origin, its acceleration has a
+        tangential and a centripetal part, ``α x r + ω x (ω x r)`` with the lever arm ``r``.
         """
         now = self.clock.time
         passed = now - self._time

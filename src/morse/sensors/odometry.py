@@ -1,4 +1,4 @@
-"""How far the sensor has moved."""
+"""Odometry."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _INTEGRATED = ("x", "y", "z", "yaw", "pitch", "roll", "vx", "vy", "vz", "wz", "w
 
 
 def _body_rates(odometry: Odometry) -> list[float]:
-    """Angular velocity in the axes of the body, rad/s, from the rates of the Euler angles.
+    """Return the angular velocity in body axes, rad/s, from the rates of the Euler angles.
 
     J. Diebel, "Representing Attitude: Euler Angles, Unit Quaternions, and Rotation Vectors" (2006), equation 75.
     """
@@ -35,10 +35,9 @@ def _body_rates(odometry: Odometry) -> list[float]:
 
 
 class Odometry(Sensor):
-    """Measures displacement, exactly; see the modifiers for the errors of real odometry.
+    """Measures exact displacement; see the modifiers for the errors of real odometry.
 
-    The integrated level gives the pose relative to the one at the start, and the displacement
-    of the body in its own axes per second.
+    The integrated level contains the pose relative to the start pose, and the displacement per second in body axes.
     """
 
     _name = "Odometry"
@@ -97,7 +96,7 @@ class Odometry(Sensor):
         return self.original_pos.transformation3d_with(self.position_3d)
 
     def default_action(self) -> None:
-        """Take the displacement since the last tick."""
+        """Measure the displacement since the last tick."""
         pose, before = self.relative_pose(), self.previous_pos
         data = self.local_data
         data["dx"], data["dy"], data["dz"] = pose.x - before.x, pose.y - before.y, pose.z - before.z
@@ -111,7 +110,7 @@ class RawOdometry(Odometry):
     """Measures only the distance since the last tick."""
 
     def default_action(self) -> None:
-        """Take the distance since the last tick."""
+        """Measure the distance since the last tick."""
         pose = self.relative_pose()
         self.local_data["dS"] = pose.distance(self.previous_pos)
         self.previous_pos = pose
@@ -121,13 +120,13 @@ class IntegratedOdometry(Odometry):
     """Measures the pose relative to the start, and velocities."""
 
     def default_action(self) -> None:
-        """Take the pose relative to the start, and the displacement per second."""
+        """Measure the pose relative to the start, and the displacement per second."""
         pose = self.relative_pose()
         self.local_data.update(zip(_INTEGRATED, self._numbers(pose, self.previous_pos), strict=True))
         self.previous_pos = pose
 
     def _numbers(self, pose: Transformation3d, before: Transformation3d) -> tuple[float, ...]:
-        """The fields `_INTEGRATED`, from two poses relative to the start."""
+        """Return the fields `_INTEGRATED`, from two poses relative to the start."""
         step = before.transformation3d_with(pose)
         rate = self.frequency
         yaw, pitch, roll = pose.yaw, pose.pitch, pose.roll
@@ -136,7 +135,7 @@ class IntegratedOdometry(Odometry):
 
     @classmethod
     def act_together(cls, group: Group) -> None:
-        """Measure for all members; the numbers are worked out for those that are read."""
+        """Measure for all members; the values are computed on demand."""
         members, here, before = group.members, group.poses, group.memory.get("poses")
         group.memory["poses"] = here
 
@@ -153,7 +152,7 @@ class IntegratedOdometry(Odometry):
         group.write(_INTEGRATED, numbers)
 
     def settle(self) -> None:
-        """The next displacement begins where the last measurement was."""
+        """Set the pose of the last measurement, at which the next displacement begins."""
         self.previous_pos = self.relative_pose()
 
 

@@ -1,4 +1,4 @@
-"""Where the sensor is."""
+"""Pose of the sensor."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class Pose(Sensor):
     add_kind("pose", position=("x", "y", "z"), orientation=euler("roll", "pitch", "yaw"))
 
     def default_action(self) -> None:
-        """Take the pose."""
+        """Measure the pose."""
         data = self.local_data
         data["x"], data["y"], data["z"], data["yaw"], data["pitch"], data["roll"] = self.position_3d.numbers()
 
     @classmethod
     def act_together(cls, group: Group) -> None:
-        """Take the poses of all members."""
+        """Measure the poses of all members."""
         group.write(("x", "y", "z", "yaw", "pitch", "roll"), group.poses.numbers)

@@ -1,4 +1,4 @@
-"""What is near."""
+"""Nearby objects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Reach = Annotated[float, Range(**LENGTH, allow=("inf",))]
 
 
 class Proximity(Sensor):
-    """Lists the objects with a certain property whose centres are near that of the robot, walls or no walls."""
+    """Lists the objects with a certain property whose centres are near the robot, even behind walls."""
 
     _name = "Proximity"
     _short_desc = "Distance sensor to detect nearby objects"
@@ -31,19 +31,19 @@ class Proximity(Sensor):
     add_data("near_objects", {}, "dict", "Name of each object to its distance", unit="m")
     add_data("near_robots", {}, "dict", "The same, for older scripts", unit="m", follows="near_objects")
 
-    add_property("_range", 100.0, "Range", "float", "How far it looks", **LENGTH, allow=("inf",))
-    add_property("_tag", "Robot_Tag", "Track", "string", "The property that objects must have")
+    add_property("_range", 100.0, "Range", "float", "Largest distance", **LENGTH, allow=("inf",))
+    add_property("_tag", "Robot_Tag", "Track", "string", "Property that objects must have")
 
     _range: float
     _tag: str
 
     def watched_space(self) -> WatchedSpace:
-        """A sphere as large as the range."""
+        """Return a sphere with the range as radius."""
         return WatchedSpace(self._range, seen=tuple(self.local_data["near_objects"]))
 
     @service
     def set_range(self, range: Reach) -> None:
-        """Look that far.
+        """Set the range.
 
         Args:
             range: metres.
@@ -52,7 +52,7 @@ class Proximity(Sensor):
 
     @service
     def set_tracked_tag(self, tag: str) -> None:
-        """Look for objects that have that property.
+        """Set the property that objects must have.
 
         Args:
             tag: name of the property.
@@ -62,7 +62,7 @@ class Proximity(Sensor):
         self._tag = tag
 
     def measure(self) -> None:
-        """See what is near."""
+        """Find the nearby objects."""
         own, tag = self.robot_parent.bge_object, self._tag
         here = own.world_pose()[0]
         near: dict[str, Any] = {}
@@ -74,5 +74,5 @@ class Proximity(Sensor):
         self.local_data["near_objects"] = near
 
     def report(self) -> None:
-        """Give what is near its other name."""
+        """Copy the objects to the second field."""
         self.local_data["near_robots"] = self.local_data["near_objects"]

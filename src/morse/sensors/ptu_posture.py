@@ -10,7 +10,7 @@ from morse.helpers.components import add_data, add_kind
 
 
 class PTUPosture(Sensor):
-    """Measures the angles of the pan-tilt unit that it is appended to: ``ptu.append(posture)``."""
+    """Measures the angles of the pan-tilt unit to which it is appended: ``ptu.append(posture)``."""
 
     _name = "PTU posture"
     _short_desc = "A sensor returning the angles of a pan-tilt unit"
@@ -31,6 +31,6 @@ class PTUPosture(Sensor):
         self._unit: str = holder.name
 
     def measure(self) -> None:
-        """Take the angles."""
+        """Measure the angles."""
         unit = self.context.components[self._unit]
         self.local_data["pan"], self.local_data["tilt"] = unit.pan, unit.tilt  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Height above what is below."""
+"""Height above the ground."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from morse.helpers.components import add_data, add_kind, add_property, prop
 
 
 class RadarAltimeter(Sensor):
-    """Measures the distance straight down, whatever the attitude of the robot, to the first thing below."""
+    """Measures the vertical distance to the first object below, independent of the attitude of the robot."""
 
     _name = "Radar Altimeter"
     _short_desc = "Compute the distance to the ground"
@@ -20,17 +20,17 @@ class RadarAltimeter(Sensor):
         "z",
         0.0,
         "float",
-        "Distance to the ground; infinite beyond reach",
+        "Distance to the ground; infinite beyond the range",
         unit="m",
         frame="none",
         low=0.0,
         allow=("inf",),
     )
-    add_property("_max_range", 30.0, "MaxRange", "float", "How far it sees", unit="m", low=1e-3, allow=("inf",))
+    add_property("_max_range", 30.0, "MaxRange", "float", "Largest distance", unit="m", low=1e-3, allow=("inf",))
     add_kind("range", distance="z", min=0.0, max=prop("_max_range"), fov=0.0, radiation="radar")
 
     _max_range: float
-    not_state = ("_reach",)  # of the rays as they are; they are not part of the state either
+    not_state = ("_reach",)  # derived from the rays, which are not part of the state either
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -42,7 +42,7 @@ class RadarAltimeter(Sensor):
         self.add_rays([[0.0, 0.0, -1.0]], self._reach, upright=True)
 
     def measure(self) -> None:
-        """Take the height."""
+        """Measure the height."""
         if self._max_range != self._reach:
             self._look_down()
         self.rays.refresh()

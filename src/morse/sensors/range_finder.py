@@ -1,4 +1,4 @@
-"""Distance along a ray, or to the nearest thing in a cone."""
+"""Distance along a ray, or to the nearest object in a cone."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ from morse.helpers.components import add_data, add_kind, add_property, prop
 
 
 class RangeFinder(Sensor):
-    """Measures the distance to the nearest thing along its X axis, or in a cone around it.
+    """Measures the distance to the nearest object along its X axis, or in a cone around it.
 
-    A cone is looked into along rays, of which no two neighbours are farther apart than ``resolution``.
-    The robot that carries the sensor is looked through.
+    The cone is sampled by rays whose neighbours are at most ``resolution`` apart. Rays ignore the robot of the sensor.
     """
 
     _name = "Range finder"
@@ -40,18 +39,20 @@ class RangeFinder(Sensor):
         "distance",
         math.inf,
         "float",
-        "To the nearest thing; infinite beyond range, -infinite if it is nearer than min_range",
+        "Distance to the nearest object; infinite beyond range, -infinite below min_range",
         unit="m",
         frame="own",
         low=0.0,
         allow=("inf", "-inf"),
     )
-    add_property("_range", 10.0, "range", "float", "How far it sees", unit="m", low=1e-3, high=1e7)
-    add_property("_min_range", 0.0, "min_range", "float", "What is nearer is too near", unit="m", low=0.0, high=1e7)
+    add_property("_range", 10.0, "range", "float", "Largest distance", unit="m", low=1e-3, high=1e7)
+    add_property("_min_range", 0.0, "min_range", "float", "Smallest distance", unit="m", low=0.0, high=1e7)
     add_property(
         "_cone", 0.0, "cone", "float", "Full angle of the cone; 0 for one ray", unit="deg", low=0.0, high=180.0
     )
-    add_property("_resolution", 3.0, "resolution", "float", "Between rays of a cone", unit="deg", low=0.5, high=90.0)
+    add_property(
+        "_resolution", 3.0, "resolution", "float", "Angle between rays of a cone", unit="deg", low=0.5, high=90.0
+    )
     add_property(
         "_radiation",
         "infrared",
@@ -73,7 +74,7 @@ class RangeFinder(Sensor):
     _min_range: float
     _cone: float
     _resolution: float
-    not_state = ("_looks",)  # of the rays as they are; they are not part of the state either
+    not_state = ("_looks",)  # derived from the rays, which are not part of the state either
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -88,7 +89,7 @@ class RangeFinder(Sensor):
         self.add_rays(cone_of_rays(self._cone, self._resolution), self._range)
 
     def measure(self) -> None:
-        """Take the distance."""
+        """Measure the distance."""
         if self._looks != self._shape():
             self._look_ahead()
         self.rays.refresh()
@@ -97,7 +98,7 @@ class RangeFinder(Sensor):
 
 
 def cone_of_rays(angle: float, resolution: float) -> list[tuple[float, float, float]]:
-    """Unit vectors in a cone around X: one along the axis, the others in rings, the last one on the cone.
+    """Return unit vectors in a cone around X: one along the axis, the others in rings, the last ring on the cone.
 
     Args:
         angle: full opening angle, degrees.

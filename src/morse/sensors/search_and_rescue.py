@@ -14,16 +14,16 @@ from morse.core.watched_space import WatchedSpace
 from morse.helpers.components import add_data, add_property
 from morse.mathutils.rotations import turn_back
 
-#: measurements that healing takes
+#: number of measurements that healing takes
 _HEALING = 10
 _INJURED, _SEVERITY, _REQUIREMENTS = "Injured", "Severity", "Requirements"
 
 
 class SearchAndRescue(Sensor):
-    """Finds objects with a true property ``Injured`` in a cone around its X axis, walls or no walls.
+    """Finds objects with a true property ``Injured`` in a cone around its X axis, even behind walls.
 
-    They have the properties ``Requirements``, numbers of abilities joined by commas, and ``Severity``. The sensor can
-    heal the nearest one, if it is near enough and one of the abilities of the robot is among its requirements.
+    Victims have the properties ``Requirements``, numbers of abilities joined by commas, and ``Severity``. The sensor
+    can heal the nearest victim, if it is near enough and one of the abilities of the robot is among its requirements.
     """
 
     _name = "Search and rescue"
@@ -40,11 +40,13 @@ class SearchAndRescue(Sensor):
         "dict",
         "Name of each victim to its coordinate {x, y, z} (m, in the world), requirements [int] and severity (int)",
     )
-    add_property("_heal_range", 5.0, "Heal_range", "float", "How near a victim has to be", unit="m", low=0.0)
+    add_property(
+        "_heal_range", 5.0, "Heal_range", "float", "Largest distance of a victim for healing", unit="m", low=0.0
+    )
     add_property("_abilities", "", "Abilities", "string", "Numbers of the abilities of the robot, joined by commas")
     add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
-    add_property("_distance", 10.0, "Distance", "float", "How far it sees", unit="m", low=0.0)
-    add_property("_freq", 3.0, "Freq", "float", "Kept for scripts of 1.4; say frequency(...)", low=0.0)
+    add_property("_distance", 10.0, "Distance", "float", "Length of the cone", unit="m", low=0.0)
+    add_property("_freq", 3.0, "Freq", "float", "Kept for scripts of 1.4; use frequency(...)", low=0.0)
 
     _heal_range: float
     _abilities: str
@@ -57,10 +59,10 @@ class SearchAndRescue(Sensor):
         self._left = 0
 
     def watched_space(self) -> WatchedSpace:
-        """The cone."""
+        """Return the cone."""
         return WatchedSpace(self._distance, math.radians(self._angle), tuple(self.local_data["victim_dict"]))
 
-    # -- looking ---------------------------------------------------------------------------
+    # -- victims ---------------------------------------------------------------------------
 
     def _distance_in_sight(self, victim: Any) -> float | None:
         position, rotation = self.position_3d.get_pose()
@@ -73,7 +75,7 @@ class SearchAndRescue(Sensor):
         return distance if inside else None
 
     def _victims(self) -> list[tuple[float, Any]]:
-        """Distance and object of each victim in sight, the nearest first."""
+        """Return distance and object of each victim in the cone, the nearest first."""
         own = self.robot_parent.bge_object
         found = []
         for obj in self.context.world.objects():
@@ -84,7 +86,7 @@ class SearchAndRescue(Sensor):
         return sorted(found, key=lambda item: item[0])
 
     def measure(self) -> None:
-        """See who is there, and go on healing."""
+        """Find the victims, and continue healing."""
         victims = self._victims()
         if self._patient is not None:
             self._go_on(victims)
@@ -168,7 +170,7 @@ class SearchAndRescue(Sensor):
 
 
 def _numbers(text: Any) -> list[int]:
-    """Whole numbers that are joined by commas; what is not a number is left out."""
+    """Parse integers joined by commas; other parts are ignored."""
     words = str("" if text is None else text).replace("[", "").replace("]", "").split(",")
     return [int(word) for word in map(str.strip, words) if word.lstrip("+-").isdecimal()]
 

@@ -1,4 +1,4 @@
-"""Tells for each pixel which thing it shows."""
+"""Segmentation images."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: ids have 16 bits, as pixels of the encoding 16UC1
+#: largest id, because pixels have the encoding 16UC1
 _MOST = 65535
 #: the class of robots
 _ROBOT = "robot"
@@ -33,7 +33,7 @@ def _ids(camera: SegmentationCamera) -> NDArray[np.uint16]:
 
 
 def _records(camera: SegmentationCamera) -> list[dict[str, Any]]:
-    """The things in sight as messages have them."""
+    """Return the visible objects in the form of messages."""
     kept = ("position", "orientation", "size", "box")
     return [
         {"id": seen["name"], "label": seen["class"], **{key: seen[key] for key in kept if key in seen}}
@@ -42,12 +42,12 @@ def _records(camera: SegmentationCamera) -> list[dict[str, Any]]:
 
 
 class SegmentationCamera(Camera):
-    """Tells for each pixel which thing it shows, and of which class the thing is.
+    """Measures for each pixel the id and the class of the object that it shows.
 
-    A thing is an object with the property that ``tag`` names, with everything that is part of it; a robot with all its
-    components; or, of what is left, a tree of objects of the environment. The id of a thing stays the same as long as
-    the simulation runs. Its class is the property that ``class_tag`` names; robots without it are of the class
-    ``robot``, and other things without it have the class id 0.
+    An object in this sense is an object with the property named by ``tag``, with all its parts; a robot with all its
+    components; or a tree of the remaining objects of the environment. The id of an object does not change while the
+    simulation runs. Its class is the property named by ``class_tag``; robots without this property have the class
+    ``robot``, and other objects without it have the class id 0.
     """
 
     _name = "Segmentation camera"
@@ -63,7 +63,7 @@ class SegmentationCamera(Camera):
         "image",
         np.zeros((0, 0), np.uint16),
         "buffer",
-        "The id of the thing that each pixel shows; 0 for none",
+        "Id of the object that each pixel shows; 0 for none",
         frame="optical",
         shape=(None, None),
         dtype="uint16",
@@ -74,30 +74,30 @@ class SegmentationCamera(Camera):
         "classes",
         np.zeros((0, 0), np.uint16),
         "buffer",
-        "The id of its class; 0 for none",
+        "Id of its class; 0 for none",
         frame="optical",
         shape=(None, None),
         dtype="uint16",
         low=0,
         high=_MOST,
     )
-    add_data("labels", [], "list<objects>", "All things of the scene: id, name, class_id, class")
+    add_data("labels", [], "list<objects>", "All objects of the scene: id, name, class_id, class")
     add_data(
         "objects",
         [],
         "list<objects>",
-        "What it sees: id, name, class, number of pixels, box (x0, y0, x1, y1) around them in px; and the box in "
-        "space: position of its middle and size in m, orientation",
+        "Visible objects: id, name, class, number of pixels, bounding box (x0, y0, x1, y1) in px; and the box in "
+        "space: position of its centre and size in m, orientation",
     )
     add_data("intrinsic_matrix", **INTRINSIC)
 
-    add_property("tag", "Object", "tag", "string", "The property that makes a thing of an object")
-    add_property("class_tag", "Type", "class_tag", "string", "The property that names the class of a thing")
+    add_property("tag", "Object", "tag", "string", "Property that marks objects")
+    add_property("class_tag", "Type", "class_tag", "string", "Property with the class of an object")
     add_property(
         "class_names", "", "class_names", "string", "Classes with the ids 1, 2, ...: 'robot, wall'; others follow"
     )
     add_property("relative", False, "relative", "bool", "Boxes are in the frame of the camera, not of the world")
-    add_property("fewest_pixels", 1, "fewest_pixels", "integer", "Things of fewer pixels are no objects", low=1)
+    add_property("fewest_pixels", 1, "fewest_pixels", "integer", "Objects with fewer pixels are not reported", low=1)
 
     add_property(
         "compression",
@@ -127,7 +127,7 @@ class SegmentationCamera(Camera):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         names = dict.fromkeys(name.strip() for name in str(self.class_names).split(",") if name.strip())
-        #: ids by names; kept, so that they stay when things come and go
+        #: ids by name, which stay the same when objects are added or removed
         self._class_ids = {name: number for number, name in enumerate(names, 1)}
         self._thing_ids: dict[str, int] = {}
         self._things: Things | None = None
@@ -135,12 +135,12 @@ class SegmentationCamera(Camera):
         self._table: list[dict[str, Any]] = []
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state; the labels follow from it."""
+        """Restore a state, and compute the labels from it."""
         super().set_state(state)
         self._of_nodes = None
 
     def take(self, picture: Picture) -> None:
-        """Find what the pixels show."""
+        """Determine the objects in the pixels."""
         from morse.rendering.things import patches
 
         things = self._known(picture.nodes)
@@ -148,7 +148,7 @@ class SegmentationCamera(Camera):
         classes = np.zeros(int(ids.max(initial=0)) + 1, np.uint16)
         classes[ids] = [row["class_id"] for row in self._table]
         classes[0] = 0
-        # one more: -1 stands for nothing
+        # one more, because -1 stands for no object
         image = np.append(ids[things.numbers], np.uint16(0))[picture.ids]
         rows = {row["id"]: (number, row) for number, row in enumerate(self._table) if row["id"]}
         self.local_data["objects"] = [
@@ -167,7 +167,7 @@ class SegmentationCamera(Camera):
         self.local_data["labels"] = [dict(row) for row in self._table]
 
     def _known(self, nodes: list[Node]) -> Things:
-        """The things that there are."""
+        """Return the objects of the scene."""
         if self._things is None or self._of_nodes is not nodes:
             from morse.rendering.things import Things
 
@@ -189,12 +189,12 @@ class SegmentationCamera(Camera):
 
     def _number(self, known: dict[str, int], name: str) -> int:
         if name not in known and len(known) >= _MOST:
-            logger.warning("%s: there is no id left for '%s': it is seen as 0", self.name(), name)
+            logger.warning("%s: there is no id left for '%s': its id is 0", self.name(), name)
             return 0
         return known.setdefault(name, len(known) + 1)
 
     def _in_space(self, number: int) -> dict[str, Any]:
-        """The box around a thing in the frame that ``relative`` says."""
+        """Return the bounding box of an object in the frame given by ``relative``."""
         assert self._things is not None
         box = self._things.box(number)
         if box is None:
@@ -211,5 +211,5 @@ class SegmentationCamera(Camera):
         }
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """None: ids are not measured."""
+        """Return no fields, because noise cannot be added to ids."""
         return ()

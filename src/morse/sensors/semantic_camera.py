@@ -1,4 +1,4 @@
-"""Recognises things."""
+"""Object recognition."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
     from morse.rendering import Picture
 
-#: pixels of a thing that has to be seen for the camera to recognise it
+#: minimum number of visible pixels of an object
 _FEWEST = 1
 
 
 def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
-    """The things as messages have them."""
+    """Return the objects in the form of messages."""
     return [
         {"id": seen["name"], "label": seen["type"], "position": seen["position"], "orientation": seen["orientation"]}
         for seen in camera.local_data["visible_objects"]
@@ -30,10 +30,9 @@ def _records(camera: SemanticCamera) -> list[dict[str, Any]]:
 
 
 class SemanticCamera(Camera):
-    """Lists the things that it sees, by the property that makes them things.
+    """Lists the visible objects that have a certain property.
 
-    A thing is seen if it shows in at least one pixel of the picture. With ``noocclusion``, what stands in front of it
-    does not matter.
+    An object is visible if at least one pixel of the image shows it. With ``noocclusion``, occlusion is ignored.
     """
 
     _name = "Semantic camera"
@@ -45,11 +44,13 @@ class SemanticCamera(Camera):
         part="CameraMesh",
     )
 
-    add_data("visible_objects", [], "list<objects>", "What it sees: name, description, type, position and orientation")
+    add_data(
+        "visible_objects", [], "list<objects>", "Visible objects: name, description, type, position and orientation"
+    )
 
     add_property("relative", False, "relative", "bool", "Poses are in the frame of the camera, not of the world")
-    add_property("noocclusion", False, "noocclusion", "bool", "See through what stands in front")
-    add_property("tag", "Object", "tag", "string", "The property that things have")
+    add_property("noocclusion", False, "noocclusion", "bool", "Ignore occlusion")
+    add_property("tag", "Object", "tag", "string", "Property that marks objects")
 
     add_kind("detections", records=_records)
 
@@ -59,7 +60,7 @@ class SemanticCamera(Camera):
     tag: str
 
     def take(self, picture: Picture) -> None:
-        """Find the things in a picture."""
+        """Find the objects in an image."""
         numbers, counts = np.unique(picture.ids, return_counts=True)
         shown = {
             picture.nodes[n]
@@ -76,12 +77,12 @@ class SemanticCamera(Camera):
 
     def _things(self) -> Iterator[Any]:
         for obj in self.context.world.objects():
-            # a property that says no is none
+            # a false property counts as missing
             if obj.get(self.tag) and obj.node is not self.bge_object.node:
                 yield obj
 
     def _is_in_sight(self, obj: Any) -> bool:
-        """Whether some of the box around an object is in the field of view."""
+        """Whether a part of the bounding box of an object is in the field of view."""
         points = [np.zeros((1, 3))]
         position, rotation = self.bge_object.world_pose()
         turn = np.reshape(rotation, (3, 3))
@@ -116,7 +117,7 @@ class SemanticCamera(Camera):
 
 
 def _may_show(points: Any, lens: Any) -> bool:
-    """Whether the hull of points (N, 3) in the frame of the camera may be in the picture: no plane parts them."""
+    """Whether the hull of points (N, 3) in the frame of the camera may be in the image (separating plane test)."""
     x, y, z = points.T
     left, right = z * -lens.cx <= x * lens.fx, x * lens.fx <= z * (lens.width - lens.cx)
     top, bottom = z * -lens.cy <= y * lens.fy, y * lens.fy <= z * (lens.height - lens.cy)

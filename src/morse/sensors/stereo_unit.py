@@ -1,4 +1,4 @@
-"""Several cameras that take their pictures together."""
+"""Several synchronised cameras."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from morse.sensors.camera_unit import CameraUnit
 
 
 class StereoUnit(CameraUnit):
-    """Carries cameras, and lets all of them take pictures at once."""
+    """Carries cameras that capture images simultaneously."""
 
     _name = "Stereo Camera Unit"
     _short_desc = "A pair of cameras to perform stereo vision"

@@ -19,7 +19,7 @@ class Thermometer(Sensor):
 
     ``T = T0 + Σ Tf exp(-α d)`` over all objects that have the property ``FireTag``, with d their distance in metres.
     Tf is the value of that property, if it is a number, and ``FireTemperature`` otherwise. T0 is
-    ``DefaultTemperature``; a sensor that is given none takes ``env.properties(Temperature=...)`` if there is one.
+    ``DefaultTemperature``. If a script does not set it, T0 is ``env.properties(Temperature=...)``, if there is one.
     """
 
     _name = "Thermometer"
@@ -28,19 +28,19 @@ class Thermometer(Sensor):
 
     add_data("temperature", 0.0, "float", "Temperature", unit="°C", low=-273.15)
     add_property("_global_temp", 15.0, _DEFAULT, "float", "Temperature far from all fires", unit="°C", low=-273.15)
-    add_property("_fire_tag", "Fire", "FireTag", "string", "The property that makes an object a fire")
-    add_property("_fire_temp", 200.0, "FireTemperature", "float", "What a fire adds where it is", unit="K")
+    add_property("_fire_tag", "Fire", "FireTag", "string", "Property that marks fires")
+    add_property("_fire_temp", 200.0, "FireTemperature", "float", "Temperature increase at a fire", unit="K")
     add_property(
         "_fire_range",
         float(sys.maxsize),
         "Range",
         "float",
-        "Fires beyond are not felt",
+        "Distance beyond which fires are ignored",
         unit="m",
         low=0.0,
         allow=("inf",),
     )
-    add_property("_alpha", 0.2, "Alpha", "float", "How fast it cools down with the distance, per metre", low=0.0)
+    add_property("_alpha", 0.2, "Alpha", "float", "Decay of the temperature with the distance, per metre", low=0.0)
     add_kind("temperature", temperature="temperature")
 
     _global_temp: float
@@ -59,7 +59,7 @@ class Thermometer(Sensor):
                 raise ValueError(f"env.properties({_ENVIRONMENT}={around!r}): expected degrees Celsius") from None
 
     def measure(self) -> None:
-        """Take the temperature."""
+        """Measure the temperature."""
         here, tag = self.position_3d.get_pose()[0], self._fire_tag
         temperature = self._global_temp
         for obj in self.context.world.objects():

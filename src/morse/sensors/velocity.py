@@ -1,4 +1,4 @@
-"""How fast the robot moves."""
+"""Velocity of the robot."""
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.helpers.components import add_data, add_kind
@@ -11,7 +11,8 @@ _ZERO = [0.0, 0.0, 0.0]
 class Velocity(MotionSensor):
     """Measures linear and angular velocity.
 
-    By the velocity of the body, it is that of the origin of the robot, wherever on it the sensor is.
+    If the velocity of the body is used, it is the velocity of the origin of the robot, independent of the position of
+    the sensor.
     """
 
     _name = "Velocity"
@@ -24,7 +25,7 @@ class Velocity(MotionSensor):
     add_kind("twist", linear="linear_velocity", angular="angular_velocity")
 
     def measure(self) -> None:
-        """Take the velocities."""
+        """Measure the velocities."""
         motion = self.motion()
         rotation = self.position_3d.get_pose()[1]
         data = self.local_data

@@ -1,4 +1,4 @@
-"""Colour pictures."""
+"""Colour images."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _pixels(camera: VideoCamera) -> NDArray[np.uint8]:
 
 
 class VideoCamera(Camera):
-    """Takes colour pictures."""
+    """Captures colour images."""
 
     _name = "Video camera"
     _short_desc = "A camera capturing RGBA image"
@@ -109,7 +109,7 @@ class VideoCamera(Camera):
         return super()._wants()
 
     def take(self, picture: Picture) -> None:
-        """Keep the picture, opaque."""
+        """Store the image, with opaque alpha."""
         rgb = picture.rgb
         assert rgb is not None
         if self.full_well or self.read_noise or self.stuck_pixels:
@@ -122,5 +122,5 @@ class VideoCamera(Camera):
         self.local_data["image"] = self.ordered(image)
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """None: a buffer of bytes is not a measured vector."""
+        """Return no fields, because noise cannot be added to an image."""
         return ()

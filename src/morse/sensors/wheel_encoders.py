@@ -1,4 +1,4 @@
-"""How far the wheels have turned."""
+"""Wheel encoders."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from morse.helpers.components import add_data, add_kind, add_property
 
 
 class WheelEncoders(Sensor):
-    """Counts the turns of the driven wheels of a robot with physical wheels, in steps as incremental encoders do.
+    """Measures the rotation of the driven wheels of a robot with physical wheels, in steps of incremental encoders.
 
-    Wheels that slip or skid turn all the same: distance is angle times radius only where they roll.
+    The rotation includes slip: the distance is angle times radius only for rolling wheels.
     """
 
     _name = "Wheel encoders"
@@ -25,7 +25,7 @@ class WheelEncoders(Sensor):
         "ticks",
         [],
         "list<int>",
-        "Steps since the start, forward positive; one number a wheel",
+        "Steps since the start, forward positive; one number per wheel",
         shape=(None,),
         follows="position",
     )
@@ -36,7 +36,7 @@ class WheelEncoders(Sensor):
         "velocity",
         [],
         "list<float>",
-        "Steps since the last measurement, a second",
+        "Steps per second since the last measurement",
         unit="rad/s",
         frame="joint",
         shape=(None,),
@@ -66,7 +66,7 @@ class WheelEncoders(Sensor):
         data["ticks"], data["position"], data["velocity"] = [0] * count, [0.0] * count, [0.0] * count
 
     def measure(self) -> None:
-        """Take the angles."""
+        """Measure the angles."""
         step = math.tau / self._steps if self._steps else 0.0
         angles = [wheel.angle for wheel in self._wheels]
         ticks = [math.floor(angle / step) if step else 0 for angle in angles]
