@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
+import threading
 
 import pytest
 
@@ -91,6 +94,8 @@ def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypat
         (["replay", "scene.py", "--resimulate"], "this is no recording", 1),
         (["replay", "missing.mcap", "--resimulate"], "missing.mcap", 1),
         (["export", "scene.py", "--csv"], "this is no recording", 1),
+        (["replay", "scene.py"], "this is no recording", 1),
+        (["replay", "scene.py", "--record", "new.mcap"], "--record belongs to --resimulate", 2),
         (["export", "scene.py"], "--csv or --parquet", 2),
         (["export", "scene.py", "--csv", "--parquet"], "--csv or --parquet", 2),
     ],
@@ -99,3 +104,33 @@ def test_files_that_are_no_recordings(script, words, said, status):
     _, error = run_morse(*words, expected=status)
     assert said in error
     assert "Traceback" not in error
+
+
+def test_a_replay_is_shown_until_ctrl_c(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    run("--record", "run.mcap")
+    command = [sys.executable, "-m", "morse", "replay", "run.mcap", "--view-port", "0", "--no-browser"]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment) as child:
+        watchdog = threading.Timer(100.0, child.kill)
+        watchdog.start()
+        lines = []
+        for line in child.stdout:
+            lines.append(line)
+            if "the live view is at http://127.0.0.1:" in line:
+                child.send_signal(signal.SIGINT)
+        assert child.wait() == 0, "".join(lines) + child.stderr.read()
+        watchdog.cancel()
+    assert any("the live view is at" in line for line in lines)
+
+
+def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    run("--record", "run.mcap")
+    script.write_text(SCENE + "\n# edited")
+    for words in ([], ["--resimulate"]):
+        _, error = run_morse("replay", "run.mcap", *words, expected=1)
+        assert "--trust" in error
+        assert "--scene PATH" in error
+    out, _ = run_morse("replay", "run.mcap", "--resimulate", "--trust")
+    assert "The same to the bit" in out

@@ -129,8 +129,10 @@ def test_a_script_that_was_changed_since_is_taken_from_the_recording(script: Pat
     remarks: list[str] = []
     for change in (lambda: script.write_text("raise SystemExit"), script.unlink):
         change()
+        with Recording(tmp_path / "run.mcap") as recording, pytest.raises(RecordingError, match="--trust"):
+            resimulate(recording)
         with Recording(tmp_path / "run.mcap") as recording:
-            assert resimulate(recording, told=remarks.append).departure is None
+            assert resimulate(recording, told=remarks.append, trust=True).departure is None
     assert len(remarks) == 2
     assert all("the recorded script is taken" in remark for remark in remarks)
 

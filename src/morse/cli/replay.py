@@ -21,22 +21,52 @@ def command(
         str | None,
         typer.Option("--scene", metavar="PATH", help="The scene script, if it is not the one that was recorded."),
     ] = None,
+    trust: Annotated[
+        bool,
+        typer.Option("--trust", help="Execute the script in the recording if that on the disk is gone or changed."),
+    ] = False,
     record: Annotated[
         str | None,
         typer.Option("--record", metavar="NEW.mcap", help="Record the run that is simulated again, with all sensors."),
     ] = None,
+    view_port: Annotated[int, typer.Option("--view-port", min=0, max=65535, help="Port of the page (0: any).")] = 8765,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
 ) -> int:
-    """Run a recorded simulation again, and say whether it is the same.
+    """Look at a recorded run again.
 
-    The scene is simulated with the seed and the inputs of the recording. Every message is compared with the recorded
-    one, to the bit; if one differs, its tick and its first field that differs are named.
+    The page of the live view shows the run, with a time line: jump, drag, play forward and backward at any speed. The
+    scene is simulated with the seed and the inputs of the recording.
+
+    With --resimulate there is no page: every message is compared with the recorded one, to the bit; if one differs, its
+    tick and its first field that differs are named.
     """
-    if not resimulate:
-        raise CommandError("Say --resimulate: the run is simulated again and compared with the recording.", 2)
-    return _resimulate(file, scene or "", record)
+    if record is not None and not resimulate:
+        raise CommandError("--record belongs to --resimulate: it records the run that is simulated again.", 2)
+    work = _resimulate if resimulate else _play
+    return work(file, scene or "", record, trust, view_port, browser)
 
 
-def _resimulate(path: str, scene: str, record: str | None) -> int:
+def _play(path: str, scene: str, _record: str | None, trust: bool, port: int, browser: bool) -> int:
+    from morse.core.exceptions import MorseError
+    from morse.launch.playing import play, playing
+    from morse.recording.recording import Recording
+    from morse.simulation.faults import describe
+
+    log.setup()
+    try:
+        with (
+            Recording(path) as recording,
+            playing(recording, scene, say, trust=trust, port=port, browser=browser) as view,
+        ):
+            play(view)
+    except MorseError as error:
+        raise CommandError(str(error)) from None
+    except (ValueError, LookupError) as error:
+        raise CommandError(f"The scene cannot be simulated again: {describe(error)}") from None
+    return 0
+
+
+def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: int, _browser: bool) -> int:
     from morse.core.exceptions import MorseError
     from morse.recording.recording import Recording
     from morse.simulation.faults import describe
@@ -50,7 +80,7 @@ def _resimulate(path: str, scene: str, record: str | None) -> int:
             if failure := recording.end.get("failure"):
                 say(f"It was recorded before a failure: {failure}")
             log.setup(level="WARNING")
-            outcome = resimulate(recording, scene, say, record)
+            outcome = resimulate(recording, scene, say, record, trust=trust)
     except MorseError as error:
         raise CommandError(str(error)) from None
     except (ValueError, LookupError) as error:

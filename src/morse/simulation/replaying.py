@@ -65,6 +65,17 @@ class Replay:
         """Whether the end of the recording is reached."""
         return self._next >= len(self._recording.entries) and self._simulation.ticks >= self._recording.last
 
+    def place(self) -> tuple[int, dict[str, dict[str, Any]]]:
+        """Where in the recording it is, for `go_to`."""
+        return self._next, dict(self._commands)
+
+    def go_to(self, place: tuple[int, dict[str, dict[str, Any]]]) -> None:
+        """Go on from another place; the simulation is in the state that it had there."""
+        self._next, commands = place
+        self._commands = dict(commands)
+        for name in self._commands:
+            self._wire(name)
+
     def step(self) -> None:
         """Run one tick, with the inputs that were recorded before it and during it."""
         entries = self._recording.entries

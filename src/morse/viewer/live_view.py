@@ -158,7 +158,7 @@ class View(Observer):
         if not self._server.watched:
             return
         simulation = self._simulation
-        self._history.keep(paused=simulation.paused)
+        self._history.keep(paused=self._is_paused())
         world = simulation.world
         if world.layout != self._layout:
             self._describe()
@@ -167,7 +167,7 @@ class View(Observer):
                 self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
             world.repainted.clear()
         now = time.monotonic()
-        pacer, running = simulation.pacer, not simulation.paused
+        pacer, running = simulation.pacer, not self._is_paused()
         quick, self._ticked = now - self._ticked < _LONG_TICK, now
         interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
         # while paused, what is left out here is shown within a tick's time, when the simulation looks again
@@ -178,7 +178,7 @@ class View(Observer):
         self._server.publish(
             Snapshot(
                 tick=clock.tick,
-                time=clock.time,
+                time=self._time(),
                 layout=world.layout,
                 poses=world.poses(),
                 status="running" if running else "paused",
@@ -190,6 +190,12 @@ class View(Observer):
             self._told = now
             for feed in self._feeds:
                 feed.update()
+
+    def _is_paused(self) -> bool:
+        return self._simulation.paused
+
+    def _time(self) -> float:
+        return self._simulation.clock.time
 
     def _set_paused(self, paused: bool) -> None:
         if paused:

@@ -119,6 +119,10 @@ class StepBack(ViewEvent, frozen=True):
     """Go back to the state that was kept before the present one, and pause."""
 
 
+class PlayBackward(ViewEvent, frozen=True):
+    """Let a recorded run go backward."""
+
+
 class Reset(ViewEvent, frozen=True):
     """Put everything back where the scene script had it."""
 

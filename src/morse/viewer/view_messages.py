@@ -92,9 +92,15 @@ class Pace(ServerMessage, frozen=True):
 
 
 class History(ServerMessage, frozen=True):
-    """The simulated times (s) of the states that can be gone back to, oldest first."""
+    """The simulated times (s) of the states that can be gone back to, oldest first.
+
+    Attributes:
+        times: for a recorded run, times all along it, also ahead of the present one.
+        recorded: whether the run is a recorded one, which can be played backward, too.
+    """
 
     times: list[float]
+    recorded: bool = False
 
 
 class Log(ServerMessage, frozen=True):

@@ -5,10 +5,12 @@ import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import { formatTime } from "./clock";
 
-/** While time stands still: a slider over the states that can be gone back to. */
+/** A slider over the states that can be gone back to, while time stands still; over all of a recorded run, always. */
 export class HistoryPanel {
   readonly element: HTMLElement;
   private times: number[] = [];
+  private recorded = false;
+  private readonly backward = iconButton(icons.reverse, "Play backward", () => this.connection.send({ type: "play_backward" }));
   private now = 0;
   private readonly slider = h("input", { type: "range", min: "0", step: "1", "aria-label": "go back in time", oninput: () => this.go() });
   private readonly label = h("output", { "aria-label": "time that is gone back to" });
@@ -18,9 +20,12 @@ export class HistoryPanel {
     private readonly poses: Signal<PoseFrame | null>,
     private readonly drives: Signal<boolean>,
   ) {
-    this.element = h("div", { class: "history", hidden: true }, iconButton(icons.back, "Back", () => this.stepBack(), ","), this.slider, this.label);
-    connection.on("history", ({ times }) => {
+    this.element = h("div", { class: "history", hidden: true }, this.backward, iconButton(icons.back, "Back", () => this.stepBack(), ","), this.slider, this.label);
+    this.backward.hidden = true;
+    connection.on("history", ({ times, recorded }) => {
       this.times = times;
+      this.recorded = recorded ?? false;
+      this.backward.hidden = !this.recorded;
       this.slider.max = String(Math.max(0, times.length - 1));
       this.show();
     });
@@ -42,12 +47,17 @@ export class HistoryPanel {
   }
 
   private show(): void {
-    this.element.hidden = this.poses.value === null || this.poses.value.running || this.times.length === 0 || !this.drives.value;
+    this.element.hidden = this.poses.value === null || (this.poses.value.running && !this.recorded) || this.times.length === 0 || !this.drives.value;
     if (this.element.hidden) return;
     // the state that is shown, or the last one before it
     let at = this.times.length - 1;
     while (at > 0 && (this.times[at] as number) > this.now + 1e-9) at -= 1;
     if (document.activeElement !== this.slider || !this.slider.matches(":active")) this.slider.value = String(at);
+    if (this.recorded) {
+      this.label.textContent = `${formatTime(this.now)} / ${formatTime(this.times.at(-1) as number)}`;
+      this.slider.ariaValueText = formatTime(this.now);
+      return;
+    }
     const ago = (this.times.at(-1) as number) - this.now;
     this.label.textContent = ago > 1e-9 ? `−${ago.toFixed(2)} s` : formatTime(this.now);
     this.slider.ariaValueText = formatTime(this.now);

@@ -6,6 +6,7 @@ export const icons = {
   play: draw('<path d="M6 3.8v12.4L16 10z" fill="currentColor"/>'),
   pause: draw('<path d="M6.5 4.5v11M13.5 4.5v11" stroke-width="3"/>'),
   step: draw('<path d="M5 4.5v11l7.5-5.5z" fill="currentColor"/><path d="M15.5 4.5v11" stroke-width="2.4"/>'),
+  reverse: draw('<path d="M14 3.8v12.4L4 10z" fill="currentColor"/>'),
   back: draw('<path d="M15 4.5v11l-7.5-5.5z" fill="currentColor"/><path d="M4.5 4.5v11" stroke-width="2.4"/>'),
   reset: draw('<path d="M4 10a6 6 0 1 0 2-4.5"/><path d="M6.6 2v3.8H2.8"/>'),
   help: draw('<circle cx="10" cy="10" r="7.5"/><path d="M7.9 8a2.2 2.2 0 1 1 3.2 2c-.8.4-1.1.8-1.1 1.6"/><path d="M10 14.2v.1"/>'),

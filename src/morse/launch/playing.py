@@ -1,0 +1,88 @@
+"""``morse replay``: a recorded run in the live view."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from morse.launch.load import described, resolve
+from morse.launch.recorded_run import inputs_of, options_of
+from morse.simulation.simulation import Simulation
+from morse.simulation.timeline import Timeline
+from morse.viewer.replay_view import ReplayView
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from morse.recording.recording import Recording
+    from morse.scene import Scene
+
+
+@contextlib.contextmanager
+def playing(
+    recording: Recording,
+    scene: str = "",
+    told: Callable[[str], object] = print,
+    *,
+    trust: bool = False,
+    port: int = 8765,
+    browser: bool = True,
+) -> Iterator[ReplayView]:
+    """The view of a recorded run, for `play`.
+
+    Args:
+        recording: of a run.
+        scene: path of the scene script; empty for the one that was recorded.
+        told: takes remarks for people.
+        trust: see `morse.launch.recorded_run.options_of`.
+        port: of the page; 0 for any free one.
+        browser: open the page.
+
+    Raises:
+        RecordingError: the recording does not say enough.
+        MorseError: the scene cannot be loaded, or the inputs do not fit it.
+        OSError: the page cannot be served.
+    """
+    inputs = inputs_of(recording)
+    with contextlib.ExitStack() as stack:
+        options = options_of(recording, scene, trust, stack, told)
+        options = replace(options, view="web", view_port=port, open_browser=browser, speed=1.0)
+        recorded_scene = described(options.script, options)
+        _close(recorded_scene)
+        resolve(recorded_scene)
+        simulation = stack.enter_context(Simulation(recorded_scene, options))
+        simulation.load()
+        timeline = Timeline(simulation, inputs, _length(recording))
+        view = ReplayView(simulation, timeline)
+        simulation.view = view
+        simulation.observers.append(view)
+        yield view
+
+
+def play(view: ReplayView) -> None:
+    """Say where the page is, and play until a page, Ctrl+C or a request to terminate ends it."""
+    before = {number: signal.signal(number, lambda *_: view.end()) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        view.announce()
+        view.run()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _length(recording: Recording) -> int:
+    """Ticks of the whole recording; resets do not set them back."""
+    count = sum(1 for _ in recording.messages(recording.topic_numbers("/clock")))
+    return count or max(0, recording.last_tick() - recording.number("tick"))
+
+
+def _close(scene: Scene) -> None:
+    """Nobody but the page takes part: no stream and no service is opened."""
+    for declared in scene.components:
+        declared.streams.clear()
+        declared.managers.clear()
+        declared.overlays.clear()
+    scene.manager_options.clear()
+    scene.simulation_managers.clear()

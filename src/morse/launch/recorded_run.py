@@ -1,0 +1,112 @@
+"""What a recording says about the run: its scene, its options and its inputs."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from morse.recording.errors import RecordingError
+from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
+from morse.simulation.options import RunOptions
+from morse.simulation.recorders import MODULES, SCRIPT, STATE
+from morse.simulation.state import State
+
+if TYPE_CHECKING:
+    import contextlib
+    from collections.abc import Callable
+
+    from morse.recording.recording import Recording
+
+_MOST_SEED = 2**63
+
+
+def inputs_of(recording: Recording) -> InputRecording:
+    """The inputs, and the state at their beginning.
+
+    Raises:
+        MorseError: they are damaged.
+    """
+    state = recording.attachment(STATE)
+    if state is None and recording.number("tick"):
+        raise RecordingError(
+            f"{recording.path} begins in the middle of a run, and the state at its beginning is missing"
+        )
+    waiting = recording.waiting()
+    return InputRecording(
+        recording.number("seed"),
+        None if state is None else State.from_bytes(state),
+        recording.last_tick(),
+        [entry_from_bytes(one) for one in recording.inputs()],
+        {} if waiting is None else waiting_from_bytes(waiting),
+    )
+
+
+def options_of(
+    recording: Recording, scene: str, trust: bool, stack: contextlib.ExitStack, told: Callable[[str], object]
+) -> RunOptions:
+    """The options of a run of the recorded scene, without servers.
+
+    Args:
+        recording: of a run.
+        scene: path of the scene script; empty for the one that was recorded.
+        trust: execute the script in the recording if the one on the disk is another one. It is a program: a recording
+            from elsewhere may do whatever its sender wants.
+        stack: removes temporary files at its end.
+        told: takes remarks for people.
+
+    Raises:
+        RecordingError: the recording does not say which scene it is of, or its script is not trusted.
+    """
+    options = RunOptions(
+        script=scene or recording.facts.get("script", ""),
+        arguments=recording.texts("arguments"),
+        source_paths=recording.texts("source_paths"),
+        resource_paths=recording.texts("resource_paths"),
+        sockets=False,
+        view="none",
+        open_browser=False,
+        speed=math.inf,
+        seed=recording.number("seed") % _MOST_SEED,
+        strict=recording.facts.get("strict") == "True",
+    )
+    if scene:
+        return options
+    if not options.script:
+        raise RecordingError(
+            f"{recording.path}: the scene came from a function of a program; give a script that makes it: --scene PATH"
+        )
+    kept = recording.attachment(SCRIPT)
+    if kept is not None and not _is_same(options.script, kept):
+        if not trust:
+            raise RecordingError(
+                f"{options.script} is not what it was when the run was recorded. To execute the script that is in "
+                "the recording, which is a program, say --trust; to take another script, say --scene PATH"
+            )
+        told(f"{options.script} is not what it was when the run was recorded: the recorded script is taken.")
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        options.script = str(folder / Path(options.script).name)
+        Path(options.script).write_bytes(kept)
+    elif kept is None and not Path(options.script).is_file():
+        raise RecordingError(f"{recording.path}: there is no scene {options.script} any more; give one: --scene PATH")
+    _tell_changed_modules(recording, options, told)
+    return options
+
+
+def _tell_changed_modules(recording: Recording, options: RunOptions, told: Callable[[str], object]) -> None:
+    for name in recording.attachments:
+        if not name.startswith(MODULES):
+            continue
+        module = name.removeprefix(MODULES).removesuffix(".py").replace(".", "/")
+        files = [Path(folder, f"{module}{end}") for folder in options.source_paths for end in (".py", "/__init__.py")]
+        there = [file for file in files if file.is_file()]
+        if there and not any(_is_same(str(file), recording.attachment(name) or b"") for file in there):
+            told(f"{there[0]} is not what it was when the run was recorded.")
+
+
+def _is_same(path: str, content: bytes) -> bool:
+    try:
+        return Path(path).read_bytes() == content
+    except OSError:
+        return False

@@ -1,0 +1,169 @@
+"""The live view of a recorded run: a time line to jump on, to drag along and to play, forward and backward."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+from morse.viewer import page_messages as page
+from morse.viewer.live_view import View
+from morse.viewer.view_messages import History, Refused
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.simulation.simulation import Simulation
+    from morse.simulation.timeline import Timeline
+
+#: places of the time line at most
+_PLACES = 2000
+#: wall-clock seconds for which a jump may work before the page is heard again
+_PATIENCE = 0.03
+#: wall-clock seconds between two pictures while it plays backward
+_FRAME = 1.0 / 30.0
+#: wall-clock seconds between two looks at what the page wants while nothing moves
+_IDLE = 0.02
+
+
+class _NoHistory:
+    """The time line keeps the states of a recorded run itself."""
+
+    def keep(self, *, paused: bool) -> None:
+        """Keep nothing."""
+
+    def restarted(self) -> None:
+        """Forget nothing."""
+
+
+class ReplayView(View):
+    """Shows a recorded run. Commands, keys and services of the pages are refused: the run is what it was.
+
+    Args:
+        simulation: of the scene.
+        timeline: the recorded run.
+    """
+
+    def __init__(self, simulation: Simulation, timeline: Timeline) -> None:
+        self._timeline = timeline
+        self._start = simulation.clock.time
+        self._direction = 1
+        self._target: int | None = None
+        self._ended = False
+        super().__init__(simulation)
+        assert simulation.context.network is not None
+        self._network = simulation.context.network
+        self._history: Any = _NoHistory()
+        pacer = simulation.pacer
+        refused = dict.fromkeys(self._handlers, self._refuse)
+        own: dict[type[Any], Callable[[Any], object]] = {
+            page.Play: lambda _: self._play(1),
+            page.PlayBackward: lambda _: self._play(-1),
+            page.Pause: lambda _: self._play(0),
+            page.Step: lambda event: self._go(timeline.position + event.count),
+            page.StepBack: lambda _: self._go(timeline.position - 1),
+            page.Rewind: lambda event: self._go(self._position(event.time)),
+            page.Reset: lambda _: self._go(0),
+            page.SetSpeed: lambda event: pacer.set_speed(event.factor or math.inf),
+            page.Quit: lambda _: self.end(),
+            page.ListenTo: lambda _: None,
+            page.ToggleCapturing: lambda _: None,
+        }
+        self._handlers = {**refused, **own}
+
+    def announce(self) -> None:
+        """See `View.announce`."""
+        super().announce()
+        length, frequency = self._timeline.length, self._simulation.clock.frequency
+        places = min(length, _PLACES)
+        positions = [round(length * place / places) for place in range(places + 1)] if places else [0]
+        self._server.send(History([self._start + position / frequency for position in positions], recorded=True))
+
+    def before_tick(self) -> None:
+        """What the pages ask for is heard between two ticks, by `run`."""
+
+    def _is_paused(self) -> bool:
+        return self._direction == 0
+
+    def _time(self) -> float:
+        """Along the recording: resets of the run do not set it back."""
+        return self._start + self._timeline.position / self._simulation.clock.frequency
+
+    def _position(self, time_: float) -> int:
+        return round(min(max(time_ - self._start, 0.0), 1e9) * self._simulation.clock.frequency)
+
+    def _play(self, direction: int) -> None:
+        if direction > 0 and self._timeline.at_end:
+            self._go(0)
+        self._direction = direction
+        self._simulation.pacer.restart()
+
+    def _go(self, position: int) -> None:
+        """Jump, and stay there while the time line is dragged, or when it stood still before."""
+        self._target = max(0, min(position, self._timeline.length))
+
+    def _refuse(self, event: Any) -> None:
+        self._server.send(Refused(type(event).__name__, "this is a recorded run: it is what it was"))
+
+    def end(self) -> None:
+        """Show it no longer; may be called from signal handlers."""
+        self._ended = True
+
+    # -- the loop ----------------------------------------------------------------------------
+
+    def run(self) -> None:
+        """Show the run until the page or a signal ends it."""
+        self._simulation.pacer.restart()
+        try:
+            while not self._ended:
+                self.turn()
+        finally:
+            self._network.give_back()
+
+    def turn(self) -> None:
+        """Hear what the driving page wants, and do a little of it."""
+        for event in self._server.take_events():
+            handler = self._handlers.get(type(event))
+            if handler is not None:
+                handler(event)
+        self._network.tend()
+        if self._target is not None:
+            self._jump()
+        elif self._direction > 0:
+            self._forward()
+        elif self._direction < 0:
+            self._backward()
+        else:
+            self.after_tick()
+            self._simulation.context.wait(_IDLE)
+
+    def _jump(self) -> None:
+        until = time.monotonic() + _PATIENCE
+        target = self._target
+        assert target is not None
+        while not self._timeline.approach(target):
+            if time.monotonic() > until:
+                return
+        self._target = None
+        self._simulation.pacer.restart()
+        self.after_tick()
+
+    def _forward(self) -> None:
+        if self._timeline.at_end:
+            self._play(0)
+            return
+        self._timeline.forward()
+        self._simulation.pacer.wait()
+
+    def _backward(self) -> None:
+        speed = self._simulation.pacer.speed
+        ticks = 1e9 if math.isinf(speed) else speed * _FRAME * self._simulation.clock.frequency
+        position = max(0, self._timeline.position - max(1, round(min(ticks, self._timeline.length))))
+        until = time.monotonic() + _FRAME
+        while not self._timeline.approach(position):
+            pass
+        self.after_tick()
+        if position == 0:
+            self._play(0)
+        while not self._ended and (rest := until - time.monotonic()) > 0.0:
+            self._simulation.context.wait(rest)
