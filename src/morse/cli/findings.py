@@ -18,6 +18,7 @@ from morse.cli import blender
 from morse.kernel import loading
 from morse.middleware.mavlink import mapping as mavlink
 from morse.middleware.mqtt import mapping as mqtt
+from morse.middleware.ros import mapping as ros
 from morse.middleware.ros2.backends.choice import available
 from morse.middleware.ros2.mapping import INSTALL
 
@@ -65,6 +66,7 @@ def findings() -> Iterator[Finding]:
     yield _data()
     yield _kernel()
     yield _ros2()
+    yield _ros1()
     yield _mqtt()
     yield _mavlink()
     yield _browser()
@@ -108,6 +110,11 @@ def _ros2() -> Finding:
     found = available()
     gives = "topics of ROS 2"
     return Finding("ROS 2", bool(found), ", ".join(found) or "neither rclpy nor cyclonedds", gives, INSTALL)
+
+
+def _ros1() -> Finding:
+    gives = "topics, services and actions of ROS 1"
+    return Finding("ROS 1", importlib.util.find_spec("rospy") is not None, "rospy", gives, ros.INSTALL)
 
 
 def _mqtt() -> Finding:

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from desk import Desk
 from other_side import DOMAIN, PYTHON, environment, need
 
 import morse
@@ -38,3 +39,26 @@ def test_the_node_of_the_documentation_drives_the_robot(tmp_path: Path, monkeypa
     text = (tmp_path / "said").read_text()
     assert node.returncode == 0, text
     assert "odometry 0.5 m" in text
+
+
+def test_the_scene_for_navigation_has_the_names_that_stacks_expect(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
+    desk = Desk(typesys.get_typestore(typesys.Stores.ROS2_JAZZY))
+    monkeypatch.setattr("morse.middleware.ros2.domain.make_backend", lambda options: desk)
+    (tmp_path / "default.py").write_text(next(b for b in BLOCKS if "Pioneer3DX" in b).partition("```")[0])
+    with morse.load(tmp_path / "default.py", sockets=True) as sim:
+        sim.step(12)
+        assert desk.subscriptions["/cmd_vel"][0] == "geometry_msgs/msg/Twist"
+        scan, odometry = desk.last("/scan"), desk.last("/odom")
+        assert scan.header.frame_id == "scan"
+        assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
+        parents = {
+            t.child_frame_id: t.header.frame_id for topic in ("/tf", "/tf_static") for t in desk.last(topic).transforms
+        }
+        # the chain from the scan up to odom; that from map to odom is the stack's
+        assert parents["scan"] == "base_link"
+        assert parents["base_link"] == "odom"
+        assert "odom" not in parents
+        assert any(0.2 < distance < 30.0 for distance in scan.ranges), "walls"

@@ -241,3 +241,17 @@ def test_what_can_be_left_out(start: Start, option: str) -> None:
     sim, desk = start("robot.append(Pose('pose'))", f"env.configure_stream_manager('ros2', {option}=False)")
     sim.step(2)
     assert not [topic for topic in desk.publishers if option in topic]
+
+
+@pytest.mark.parametrize("name", ["odom", "base_link", "map"])
+def test_a_sensor_with_the_name_of_a_frame_makes_no_second_parent(start: Start, name: str) -> None:
+    sim, desk = start(f"robot.append(Odometry('{name}'))")
+    sim.step(2)
+    transforms = [t for topic in ("/tf", "/tf_static") for t in desk.last(topic).transforms]
+    children = [t.child_frame_id for t in transforms]
+    assert sorted(children) == sorted(set(children))
+    assert {t.child_frame_id: t.header.frame_id for t in transforms} == {
+        "robot/odom": "map",
+        "robot/base_link": "robot/odom",
+        f"robot/{name}_link": "robot/base_link",
+    }

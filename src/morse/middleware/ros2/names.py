@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 MAP = "map"
 #: frames of components that are frames of the world in ROS
 _OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
+#: frames of REP 105
+_TAKEN = (MAP, "odom", "base_link")
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
@@ -96,7 +98,9 @@ class Names:
         """The frame of a component."""
         if component.robot_parent is None:
             return self.base(component)
-        return f"{self.prefix(component.robot_parent)}{_part(relative_name(component))}"
+        name = _part(relative_name(component))
+        # a sensor may well be called odom: a frame has one parent
+        return f"{self.prefix(component.robot_parent)}{name}{'_link' if name in _TAKEN else ''}"
 
     def part(self, owner: Any, joint: str) -> str:
         """The frame of what a joint of a robot, or of a component, moves."""
