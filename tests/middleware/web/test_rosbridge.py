@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,10 +48,11 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[
     running = []
 
     def load(
-        components: str = "", options: str = "", world: str = "empty", port: int = 0, **arguments: Any
-    ) -> tuple[Any, int]:
+        components: str = "", options: str = "", world: str = "empty", port: int = 0, extra: str = "",
+        **arguments: Any,
+    ) -> tuple[Any, int]:  # fmt: skip
         scene = tmp_path / "scene.py"
-        scene.write_text(SCENE.format(components=components, options=options, world=world, port=port))
+        scene.write_text(SCENE.format(components=components, options=options, world=world, port=port) + extra)
         running.append(morse.load(scene, sockets=True, **arguments))
         return running[-1], hub_of(running[-1].context, RosbridgeHub).server.port
 
@@ -339,6 +341,40 @@ def test_a_port_that_is_taken_is_not_waited_for(
     _, first = start()
     _, second = start(port=first)
     assert second != first
+
+
+def test_step_by_step_the_data_come_before_the_answer(start: Callable[..., tuple[Any, int]]) -> None:
+    more = "pose = Pose(); robot.append(pose)\npose.frequency(60)"
+    sim, port = start(more, extra='env.add_service("rosbridge")\n')
+    seen: list[list[int]] = []
+    problems: list[BaseException] = []
+
+    def client() -> None:
+        try:
+            with connect(f"ws://127.0.0.1:{port}", proxy=None) as socket:
+                socket.send(json.dumps({"op": "call_service", "id": 0, "service": "/simulation/pause"}))
+                while json.loads(socket.recv(timeout=50)).get("id") != 0:
+                    pass
+                socket.send(json.dumps({"op": "subscribe", "topic": "/robot/pose"}))
+                for number in range(1, 31):
+                    socket.send(json.dumps({"op": "call_service", "id": number, "service": "/simulation/step"}))
+                    stamps = []
+                    while (message := json.loads(socket.recv(timeout=50))).get("id") != number:
+                        stamps.append(round(time_of(message["msg"]) * 60))
+                    seen.append(stamps)
+                socket.send(json.dumps({"op": "call_service", "id": 99, "service": "/simulation/quit"}))
+        except BaseException as error:  # said by the thread of the test
+            problems.append(error)
+            sim.stop()
+
+    thread = threading.Thread(target=client)
+    thread.start()
+    sim.run(duration=600.0)
+    thread.join(60.0)
+    assert not problems, problems
+    (first,) = seen[0]
+    # one measurement for each step, that of the tick
+    assert seen == [[first + number] for number in range(30)]
 
 
 def test_the_example_of_the_documentation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
