@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 _MOST_BYTES = 64 << 20
 _FARTHEST = 1e6
-#: rad; URDF lets a continuous joint turn for ever
+#: rad or m, for joints without limits
 _ENDLESS = 1e4
-_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 
 
 @dataclass(slots=True)
@@ -41,10 +41,14 @@ class Shape:
 
 @dataclass(slots=True)
 class Link:
-    """A rigid body."""
+    """A rigid body.
+
+    Attributes:
+        mass: kg; None if the file does not say it.
+    """
 
     name: str
-    mass: float = 0.0
+    mass: float | None = None
     visuals: list[Shape] = field(default_factory=list)
     collisions: list[Shape] = field(default_factory=list)
 
@@ -101,9 +105,12 @@ class _Parser:
         if text is None or element is None:
             return default
         try:
-            found = tuple(float(word) for word in text.split())
+            found = tuple(float(word) for word in text.replace(",", " ").split())
         except ValueError:
             found = ()
+        if len(found) > len(default):
+            self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} numbers count")
+            found = found[: len(default)]
         if len(found) != len(default) or not all(abs(value) <= _FARTHEST for value in found):
             count = "a number" if len(default) == 1 else f"{len(default)} numbers"
             raise self.fail(f"<{element.tag} {name}={text[:60]!r}>: expected {count}")
@@ -138,7 +145,8 @@ class _Parser:
                 continue
             size = self.size(shape)
             if min(size) <= 0.0:
-                raise self.fail(f"a <{shape.tag}> of the link '{link.get('name')}' has no size")
+                self.warnings.append(f"a <{shape.tag}> of the link '{link.get('name')}' has no size; it is left out")
+                continue
             found.append(Shape(shape.tag, size, "", origin, color))
         return found
 
@@ -164,8 +172,9 @@ class _Parser:
     def link(self, element: ElementTree.Element) -> Link:
         name = self.name(element, "link")
         inertial = element.find("inertial")
-        (mass,) = self.numbers(None if inertial is None else inertial.find("mass"), "value", (0.0,))
-        if mass < 0.0:
+        given = None if inertial is None else inertial.find("mass")
+        mass = None if given is None else self.numbers(given, "value", (0.0,))[0]
+        if mass is not None and mass < 0.0:
             raise self.fail(f"the link '{name}' has the mass {mass:g} kg")
         return Link(name, mass, self.shapes(element, "visual"), self.shapes(element, "collision"))
 
@@ -173,7 +182,7 @@ class _Parser:
         name, kind = self.name(element, "joint"), element.get("type") or ""
         if kind not in _KINDS:
             raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}")
-        if kind in ("floating", "planar"):
+        if kind in ("floating", "planar", "spherical"):
             self.warnings.append(f"the joint '{name}' is {kind}; it is fixed here")
             kind = "fixed"
         x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
@@ -185,7 +194,8 @@ class _Parser:
         if kind == "continuous":
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
-            raise self.fail(f"the joint '{name}' goes from {low:g} to {high:g}")
+            self.warnings.append(f"the joint '{name}' goes from {low:g} to {high:g}; it has no limits here")
+            low, high = -_ENDLESS, _ENDLESS
         axis = (x / length, y / length, z / length) if length >= 1e-9 else (1.0, 0.0, 0.0)
         parent = self.name(element.find("parent"), "parent", "link")
         child = self.name(element.find("child"), "child", "link")
@@ -210,7 +220,7 @@ def parse(path: Path) -> Document:
         raise AssetError(path, f"it is larger than {_MOST_BYTES >> 20} MB")
     parser = _Parser(path)
     try:
-        robot = ElementTree.parse(path).getroot()
+        robot = ElementTree.fromstring(path.read_bytes().strip())
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise parser.fail(f"it is not XML: {error}") from None
     if robot.tag != "robot":

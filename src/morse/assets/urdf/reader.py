@@ -52,8 +52,9 @@ class _Reader:
 
     def library(self) -> Library:
         document = self.document
-        mass = sum(link.mass for link in document.links.values())
-        is_fixed = document.root == _WORLD
+        masses = [link.mass for link in document.links.values() if link.mass is not None]
+        mass = sum(masses)
+        is_fixed = document.root == _WORLD or (bool(masses) and not mass)
         body = BodySettings(
             type=PhysicsType.STATIC if is_fixed else PhysicsType.RIGID_BODY,
             compound=True,
