@@ -269,6 +269,18 @@ def test_a_token_has_to_be_shown(start: Callable[..., tuple[Any, int]]) -> None:
     opened(f"ws://127.0.0.1:{port}/?token=open%20sesame").close()
 
 
+def test_other_machines_need_a_token_that_is_made_up(
+    start: Callable[..., tuple[Any, int]], caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO")
+    _, port = start(host="0.0.0.0")
+    with pytest.raises(InvalidStatus):
+        opened(f"ws://127.0.0.1:{port}")
+    (token,) = [line.partition("?token=")[2] for line in caplog.messages if line.startswith("rosbridge: ws:")]
+    assert len(token) > 20
+    opened(f"ws://127.0.0.1:{port}/?token={token}").close()
+
+
 def test_there_are_not_more_clients_than_allowed(start: Callable[..., tuple[Any, int]]) -> None:
     sim, port = start(options=", most_clients=2")
     clients = [Client(sim, port) for _ in range(2)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import socket
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from urllib.parse import quote
@@ -33,6 +34,8 @@ MAX_MESSAGE = 4 << 20
 """Bytes of a message of a client."""
 
 _TRIES = 10
+#: addresses that mean all networks
+_ALL = ("0.0.0.0", "::", "")
 #: s: for the handshake, for an answer to a ping, for a farewell
 _PATIENCE, _SILENCE, _FAREWELL = 20.0, 120.0, 1.0
 
@@ -96,6 +99,8 @@ class WebServer(Generic[_C]):
     def address(self) -> str:
         """What clients connect to, with the token if there is one."""
         host = self._context.host
+        if host in _ALL:
+            host = socket.gethostname()
         shown = f"[{host}]" if ":" in host else host
         token = self._access.token
         return f"ws://{shown}:{self.port}" + (f"/?token={quote(token, safe='')}" if token else "")

@@ -131,7 +131,7 @@ class WebTopics(Backend):
         self._hub = hub
         hub.join()
         hub.topics = self
-        self.opens = hub.server.address
+        self.opens = f"port {hub.server.port}"
         self.offered: dict[str, WebTopic] = {}
         self.heard: dict[str, Heard] = {}
         self._numbers = itertools.count(1)
