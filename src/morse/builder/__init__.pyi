@@ -96,6 +96,7 @@ from morse.builder.sensors import Infrared as Infrared
 from morse.builder.sensors import LaserScanner as LaserScanner
 from morse.builder.sensors import Magnetometer as Magnetometer
 from morse.builder.sensors import Odometry as Odometry
+from morse.builder.sensors import OpticalFlowCamera as OpticalFlowCamera
 from morse.builder.sensors import PTUPosture as PTUPosture
 from morse.builder.sensors import Pose as Pose
 from morse.builder.sensors import Proximity as Proximity
@@ -218,6 +219,7 @@ __all__ = [
     "MotionVWDiff",
     "MotionXYW",
     "Odometry",
+    "OpticalFlowCamera",
     "Orientation",
     "PA10",
     "PTU",

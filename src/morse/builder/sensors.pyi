@@ -35,6 +35,7 @@ __all__ = [
     "LaserScanner",
     "Magnetometer",
     "Odometry",
+    "OpticalFlowCamera",
     "PTUPosture",
     "Pose",
     "Proximity",
@@ -284,6 +285,26 @@ class Magnetometer(SensorCreator):
 
 class Odometry(SensorCreator):
     """An odometry sensor that returns raw, partially integrated or fully integrated displacement"""
+
+class OpticalFlowCamera(CameraCreator):
+    """A camera that measures how each point moves in the picture"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        capturing: bool = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class PTUPosture(SensorCreator):
     """A sensor returning the angles of a pan-tilt unit"""

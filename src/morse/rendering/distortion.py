@@ -99,6 +99,27 @@ class DistortedLens(Lens):
         depth = np.where(ahead, found[..., 2], 1.0)[..., None]
         return np.where(ahead[..., None], found / depth, 0.0).astype(np.float32)
 
+    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., 2) where the picture shows points (..., 3); not a number for what no lens of this kind shows."""
+        if self.model == "plumb_bob":
+            return super().project(points)
+        across = np.sqrt(points[..., 0] ** 2 + points[..., 1] ** 2)
+        angle = np.arctan2(across, points[..., 2])
+        bent = angle * _fisheye(angle * angle, self.coefficients)[0]
+        share = np.where(
+            across > 1e-12, bent / np.maximum(across, 1e-12), 1 / np.maximum(np.abs(points[..., 2]), 1e-12)
+        )
+        return points[..., :2] * share[..., None] * (self.fx, self.fy) + (self.cx, self.cy)
+
+    def bend(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., 2) what the distortion ``plumb_bob`` makes of places (..., 2) at a depth of 1."""
+        k1, k2, p1, p2, k3 = self.coefficients
+        u, v = flat[..., 0], flat[..., 1]
+        r2 = u * u + v * v
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        x = u * radial + 2 * p1 * u * v + p2 * (r2 + 2 * u * u)
+        return np.stack([x, v * radial + p1 * (r2 + 2 * v * v) + 2 * p2 * u * v], axis=-1)
+
     @cached_property
     def warp(self) -> Warp:
         """The flat pictures that this one is made of."""

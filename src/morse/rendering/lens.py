@@ -91,3 +91,14 @@ class Lens:
         found[..., 0] = (np.arange(self.width) + 0.5 - self.cx) / self.fx
         found[..., 1] = ((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None]
         return found
+
+    def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., 2) where the picture shows points (..., 3), X right, Y down, Z forward; NaN for what is behind."""
+        with np.errstate(all="ignore"):
+            ahead = np.where(points[..., 2:] > 1e-9, points[..., 2:], np.nan)
+            flat = self.bend(points[..., :2] / ahead)
+        return flat * (self.fx, self.fy) + (self.cx, self.cy)
+
+    def bend(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(..., 2) what distortion makes of places (..., 2) at a depth of 1."""
+        return flat

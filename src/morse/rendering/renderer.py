@@ -86,7 +86,16 @@ class Renderer:
             flats = [_cut(made, next(rows), request.color) for _ in _views(request)]
             lens = request.lens
             drawn = lens.warp.gather(flats) if isinstance(lens, DistortedLens) else flats[0]
-            request.picture = Picture(drawn.rgb, drawn.depth, drawn.ids, contents.nodes)
+            position, rotation = request.obj.world_pose()
+            request.picture = Picture(
+                drawn.rgb,
+                drawn.depth,
+                drawn.ids,
+                contents.nodes,
+                poses.models,
+                np.array(position, np.float32),
+                np.reshape(np.array(rotation, np.float32), (3, 3)).T.copy(),
+            )
 
     def _look(self) -> None:
         """Look at all of the world anew if something has come or gone, or has another colour."""

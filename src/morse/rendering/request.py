@@ -30,12 +30,18 @@ class Picture(NamedTuple):
         depth: (H, W) float32, metres along the axis of the camera, 0 where nothing is.
         ids: (H, W) int32, index in `nodes`, -1 where nothing is.
         nodes: what the ids mean.
+        models: (I, 12) float32, where each of them was, mesh to world, 3x4 row by row; zeros for what is not visible.
+        eye: (3,) float32, where the camera was, frame of the world.
+        axes: (3, 3) float32, its right, down and forward, in rows.
     """
 
     rgb: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
     nodes: list[Node]
+    models: NDArray[np.float32]
+    eye: NDArray[np.float32]
+    axes: NDArray[np.float32]
 
 
 class CameraRequest:

@@ -1,0 +1,75 @@
+"""Measures how what it sees moves in the picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.declarations import BuilderDefaults
+from morse.helpers.components import add_data, add_kind
+from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.rendering import Picture
+
+
+def _vectors(camera: OpticalFlowCamera) -> NDArray[np.float32]:
+    """(H, W, 2), the top row first."""
+    return camera.top_first(camera.local_data["image"])
+
+
+class OpticalFlowCamera(Camera):
+    """Measures optical flow: how the picture of each point has moved since the last picture.
+
+    The flow is exact: it follows from where the camera and all things were and are. The first picture has none.
+    """
+
+    _name = "Optical flow camera"
+    _short_desc = "A camera that measures how each point moves in the picture"
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
+    add_data(
+        "image",
+        np.zeros((0, 0, 2), np.float32),
+        "buffer",
+        "By how much each pixel has moved since the last picture, to the right and down; NaN for what was not in front "
+        "of the camera",
+        unit="px",
+        frame="optical",
+        shape=(None, None, 2),
+        dtype="float32",
+        allow=("nan",),
+    )
+    add_data("intrinsic_matrix", **INTRINSIC)
+
+    add_kind("image", pixels=_vectors, encoding="32FC2", unit="px")
+    add_kind("camera_info", **CAMERA_INFO)
+
+    color = False
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        #: a `morse.rendering.flow.Moment`: where everything was
+        self._before: tuple[Any, ...] | None = None
+
+    def take(self, picture: Picture) -> None:
+        """Compare with the last picture."""
+        from morse.rendering.flow import Moment, moment_of, optical_flow
+
+        now = moment_of(picture)
+        before = now if self._before is None else Moment(*self._before)
+        flow = optical_flow(picture, self.lens, before)
+        self.local_data["image"] = self.ordered(flow)
+        self._before = tuple(now)
+
+    def noisy_fields(self) -> tuple[str, ...]:
+        """None: what moves along the edges of things is no measured vector."""
+        return ()

@@ -1,0 +1,55 @@
+"""Optical flow of cameras on robots that move."""
+
+import numpy as np
+import pytest
+
+SCENE = """
+robot = FakeRobot("robot")
+robot.translate(z=2)
+motion = MotionXYW("motion"); motion.properties(ControlType="Position")
+robot.append(motion)
+eye = OpticalFlowCamera("eye")
+eye.properties(cam_width=96, cam_height=72, cam_focal=32, cam_near=0.3)
+eye.frequency(10)
+robot.append(eye)
+wall = Cube("Wall"); wall.scale = (0.1, 20, 20); wall.location = (5.1, 0, 0)
+env = Environment("empty")
+"""
+
+
+@pytest.fixture
+def moving(simulate):
+    simulation = simulate(SCENE)
+    simulation["robot.motion"].local_data["y"] = 1.0
+    return simulation
+
+
+def upper(eye):
+    """Above the ground, away from the border."""
+    return eye.local_data["image"][5:40, 10:86]
+
+
+def test_the_wall_moves_as_the_robot_does(moving):
+    eye = moving["robot.eye"]
+    moving.run(1.0)
+    assert eye.local_data["image"].shape == (72, 96, 2)
+    # 1 m/s to the left, ten pictures a second, 5 m to the wall, f = 96 px
+    np.testing.assert_allclose(upper(eye)[..., 0], 96 * 0.1 / 5, rtol=0.02)
+    np.testing.assert_allclose(upper(eye)[..., 1], 0.0, atol=0.02)
+
+
+def test_the_first_picture_has_no_flow(simulate):
+    simulation = simulate(SCENE)
+    simulation.run(0.05)
+    assert np.abs(upper(simulation["robot.eye"])).max() < 1e-3
+
+
+def test_a_restored_run_measures_the_same(moving):
+    moving.run(0.5)
+    state = moving.simulation.save()
+    moving.run(0.3)
+    first = moving["robot.eye"].local_data["image"].copy()
+    moving.simulation.restore(state)
+    moving.run(0.3)
+    np.testing.assert_array_equal(first, moving["robot.eye"].local_data["image"])
+    assert np.abs(upper(moving["robot.eye"])[..., 0]).min() > 0.5
