@@ -12,6 +12,7 @@ from morse.builder.actuators import Drag as Drag
 from morse.builder.actuators import ExternalForce as ExternalForce
 from morse.builder.actuators import ForceTorque as ForceTorque
 from morse.builder.actuators import Gripper as Gripper
+from morse.builder.actuators import Hydrodynamics as Hydrodynamics
 from morse.builder.actuators import Keyboard as Keyboard
 from morse.builder.actuators import MotionVW as MotionVW
 from morse.builder.actuators import MotionVWDiff as MotionVWDiff
@@ -185,6 +186,7 @@ __all__ = [
     "Gyroscope",
     "Hokuyo",
     "Hummer",
+    "Hydrodynamics",
     "IMU",
     "IcoSphere",
     "Infrared",

@@ -19,6 +19,7 @@ __all__ = [
     "ExternalForce",
     "ForceTorque",
     "Gripper",
+    "Hydrodynamics",
     "Joystick",
     "Keyboard",
     "KukaLWR",
@@ -75,6 +76,20 @@ class ForceTorque(ActuatorCreator):
 class Gripper(ActuatorCreator):
     """Takes things that can be grasped and lets them go"""
     def properties(self, *, Angle: float = ..., Distance: float = ..., **kwargs: Any) -> None: ...
+
+class Hydrodynamics(ActuatorCreator):
+    """Lets water carry, slow down and take away the robot"""
+    def properties(
+        self,
+        *,
+        Surface: float = ...,
+        Density: float = ...,
+        Volume: float = ...,
+        Length: float = ...,
+        Width: float = ...,
+        Height: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class Keyboard(ActuatorCreator):
     """Drives the robot by the keyboard of the live view"""

@@ -1,0 +1,153 @@
+"""Buoyancy, drag and current."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from morse.core.actuator import Actuator
+from morse.core.limits import SPEED
+from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.water import Hull, rotated_back
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+#: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
+_COEFFICIENTS = (0.2, 1.1, 1.1)
+_SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
+
+
+class Hydrodynamics(Actuator):
+    """Lets water carry, slow down and take away a robot.
+
+    A box of eight cells stands for the robot. Each cell that is below the surface is pushed up by the weight of the
+    water in its place, rho V g / 8, and slowed down along each axis of the robot by C v |v| / 8, with the speed v of
+    the cell in the water. C = rho c A / 2 is that of the whole robot along an axis: A is the cross-section of the box,
+    and c is 0.2 along X and 1.1 along Y and Z. Turning is damped by the same forces, and a robot at the surface rights
+    itself. The mass of the water that moves along with the robot (the added mass) is left out, and its centre of mass
+    is taken to be the middle of the box. In one tick drag takes away at most half the speed, which robots feel that
+    are very light for their size.
+
+    The weight of a robot without gravity, such as the Submarine, acts as well: it falls above the water.
+    """
+
+    _name = "Hydrodynamics"
+    _short_desc = "Lets water carry, slow down and take away the robot"
+
+    add_data("current", [0.0, 0.0, 0.0], "vec3<float>", "Velocity of the water", frame="world", shape=3, **SPEED)
+    add_kind("twist", linear="current", angular=(None, None, None))
+    add_property(
+        "_surface",
+        math.inf,
+        "Surface",
+        "float",
+        "Height of the surface; inf: that of the object Water of the world, or water everywhere",
+        unit="m",
+        allow=("inf",),
+    )
+    add_property(
+        "_density", 1025.0, "Density", "float", "Of the water: 1025 in the sea", unit="kg/m^3", low=0.0, high=1e5
+    )
+    add_property(
+        "_volume", 0.0, "Volume", "float", "Of the robot; 0: such that it floats", unit="m^3", low=0.0, high=1e9
+    )
+    add_property("_length", 0.0, "Length", "float", "Of the box; 0: that of the model", **_SIZE)
+    add_property("_width", 0.0, "Width", "float", "Of the box; 0: that of the model", **_SIZE)
+    add_property("_height", 0.0, "Height", "float", "Of the box; 0: that of the model", **_SIZE)
+
+    _surface: float
+    _density: float
+    _volume: float
+    _length: float
+    _width: float
+    _height: float
+
+    not_state = ("_centre", "_measured", "_water", "_hull")  # of the model, of the world, of the properties
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        body = self.robot_parent.bge_object
+        low, high = _bounds(body)
+        self._hull: tuple[tuple[float, ...], Hull] | None = None
+        self._centre = tuple((a + b) / 2.0 for a, b in zip(low, high, strict=True))
+        self._measured = tuple(max(b - a, 1e-3) for a, b in zip(low, high, strict=True))
+        water = self.context.scene.find("Water")
+        self._water = None if water is None else float(water.world_matrix().translation[2])
+
+    def surface(self) -> float:
+        """Height of the surface, m; infinite for water everywhere."""
+        return self._surface if math.isfinite(self._surface) or self._water is None else self._water
+
+    def hull(self) -> Hull:
+        """The box, and its drag."""
+        given = (self._length, self._width, self._height, self._density)
+        if self._hull is not None and self._hull[0] == given:
+            return self._hull[1]
+        x, y, z = (own or model for own, model in zip(given[:3], self._measured, strict=True))
+        areas = (y * z, x * z, x * y)
+        drag = tuple(0.5 * self._density * c * area for c, area in zip(_COEFFICIENTS, areas, strict=True))
+        hull = Hull(self._centre, (x, y, z), drag)  # type: ignore[arg-type]
+        self._hull = given, hull
+        return hull
+
+    def default_action(self) -> None:
+        """Carry, slow down and take away."""
+        robot = self.robot_parent
+        body, hull, surface = robot.bge_object, self.hull(), self.surface()
+        g = self.context.scene.settings.gravity
+        mass = body.mass
+        volume = self._volume or (mass / self._density if self._density else 0.0)
+        (_, _, height), turn = body.world_pose()
+        linear, angular = body.velocity()
+        current = self.local_data["current"]
+        # all in the frame of the body, whose axes see "up" as
+        up = turn[6:9]
+        vx, vy, vz = rotated_back(turn, [v - c for v, c in zip(linear, current, strict=True)])
+        wx, wy, wz = rotated_back(turn, angular)
+        most = 0.5 * mass * self.frequency  # kg/s: drag takes away at most half the speed of a tick
+        lift = self._density * volume * g / 8.0
+        depth, half = surface - height, hull.size[2] / 2.0
+        (dx, dy, dz), (mx, my, mz) = hull.drag, hull.centre
+        fx = fy = fz = tx = ty = tz = 0.0
+        for x, y, z in hull.cells:
+            share = min(max((depth - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
+            u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+            part, pushed = -share / 8.0, lift * share
+            a = part * u * min(abs(u) * dx, most) + pushed * up[0]
+            b = part * v * min(abs(v) * dy, most) + pushed * up[1]
+            c = part * w * min(abs(w) * dz, most) + pushed * up[2]
+            fx, fy, fz = fx + a, fy + b, fz + c
+            # the force acts at the centre of mass, which the middle of the box stands for
+            x, y, z = x - mx, y - my, z - mz
+            tx, ty, tz = tx + y * c - z * b, ty + z * a - x * c, tz + x * b - y * a
+        if robot._no_gravity:
+            weight = mass * g
+            fx, fy, fz = fx - weight * up[0], fy - weight * up[1], fz - weight * up[2]
+        body.wrench((fx, fy, fz), (tx, ty, tz), True)
+
+
+def _bounds(body: Any) -> tuple[list[float], list[float]]:
+    """Lower and upper corner of the parts that collide, or of all where none does, in the frame of the body, m."""
+    corners = list(_corners(body, collide=True)) or list(_corners(body, collide=False)) or [(0.0, 0.0, 0.0)]
+    return [min(corner[k] for corner in corners) for k in range(3)], [
+        max(corner[k] for corner in corners) for k in range(3)
+    ]
+
+
+def _corners(body: Any, *, collide: bool) -> Iterator[tuple[float, float, float]]:
+    into = body.node.world_matrix().inverted()
+    into_rigid = [tuple(row) for row in into]
+    for node in body.node.walk():
+        if node.mesh is None or len(node.mesh.vertices) == 0 or (collide and not node.body.collides):
+            continue
+        low, high = node.mesh.vertices.min(axis=0).tolist(), node.mesh.vertices.max(axis=0).tolist()
+        place = node.world_matrix()
+        for x in (low[0], high[0]):
+            for y in (low[1], high[1]):
+                for z in (low[2], high[2]):
+                    world = [row[0] * x + row[1] * y + row[2] * z + row[3] for row in place]
+                    a, b, c = (
+                        row[0] * world[0] + row[1] * world[1] + row[2] * world[2] + row[3] for row in into_rigid[:3]
+                    )
+                    yield a, b, c
