@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseError
 from morse.core.request_manager import Outcome, RequestManager
-from morse.core.status import FAILED
+from morse.core.status import FAILED, SUCCESS
+from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.cdr import CdrError
 from morse.middleware.ros2.domain import announce, join, options_of
@@ -48,6 +49,8 @@ class Ros2RequestManager(RequestManager):
         super().__init__(context)
         self._context = context
         self._offers: dict[tuple[str, str], _Offer] = {}
+        self._typed: dict[tuple[str, str], Any] = {}
+        self._actions: dict[tuple[str, str], Any] = {}
         self._pending: dict[uuid.UUID, Callable[[Outcome], object]] = {}
         self._complaints = Complaints(logger)
         self._backend: Backend | None = None
@@ -75,6 +78,8 @@ class Ros2RequestManager(RequestManager):
         for offer in self._offers.values():
             offer.server.close()
         self._offers.clear()
+        for key in [*self._typed, *self._actions]:
+            self._withdraw(key)
         if self._simulation is not None:
             self._simulation.close()
         if self._backend is not None:
@@ -92,6 +97,8 @@ class Ros2RequestManager(RequestManager):
         super()._register(component, callback, name, is_async=is_async)
         if (component, name) not in self._services or self._backend is None:
             return
+        if self._offer_typed(component, callback, name, self._backend):
+            return
         known = self._offers.pop((component, name), None)
         call = Call(callback)
         if known is not None and known.call.type == call.type:
@@ -104,6 +111,39 @@ class Ros2RequestManager(RequestManager):
             self._offers[component, name] = _Offer(server, call)
         if component == "simulation" and name == "pause" and self._simulation is None:
             self._simulation = SimulationInterfaces(self._context, self._backend, self.call)
+
+    def _offer_typed(self, component: str, callback: Callable[..., Any], name: str, backend: Backend) -> bool:
+        """Offer a service or an action with a type of its own; False if it has none."""
+        key, path = (component, name), f"{self._base(component)}/{cleaned(name)}"
+        action, kind = getattr(callback, "_ros_action_type", None), getattr(callback, "_ros_service_type", None)
+        if action is None and kind is None:
+            return False
+        self._withdraw(key)
+
+        def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
+            return self.call(component, name, arguments, ended)
+
+        if action is not None:
+            self._actions[key] = ActionServer(backend, path, action, begin, self.abort_request)
+        else:
+            server = backend.typed_service(path, kind)
+            if server is not None:
+                self._typed[key] = server
+        return True
+
+    def _withdraw(self, key: tuple[str, str]) -> None:
+        for table in (self._actions, self._typed):
+            known = table.pop(key, None)
+            if known is not None:
+                known.close()
+
+    def _serve_typed(self) -> None:
+        for (component, service), server in list(self._typed.items()):
+            for caller, request in server.take_messages(_EACH_TICK):
+                arguments = [getattr(request, name) for name in request.get_fields_and_field_types()]
+                self.call(component, service, arguments, _typed_answer(server, caller))
+        for action in list(self._actions.values()):
+            action.act(self._context.clock)
 
     def _base(self, component: str) -> str:
         found = self._context.component(component)
@@ -118,6 +158,8 @@ class Ros2RequestManager(RequestManager):
         super().unregister(component_name)
         for key in [key for key in self._offers if key[0] == component_name]:
             self._offers.pop(key).server.close()
+        for key in [key for key in [*self._typed, *self._actions] if key[0] == component_name]:
+            self._withdraw(key)
 
     # -- the tick ----------------------------------------------------------------------------
 
@@ -126,6 +168,7 @@ class Ros2RequestManager(RequestManager):
         for (component, service), offer in list(self._offers.items()):
             for caller, request in offer.server.take(_EACH_TICK):
                 self._handle(component, service, offer, caller, request)
+        self._serve_typed()
         if self._simulation is not None:
             self._simulation.serve()
 
@@ -186,3 +229,26 @@ class Ros2RequestManager(RequestManager):
         text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
         self._complaints.log(logging.ERROR, name, text)
         return what
+
+
+def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:
+    """What a service with a type of its own answers: what it returns, or nothing if it has failed."""
+
+    def ended(outcome: Outcome) -> None:
+        state, result = outcome
+        response = server.new_response()
+        fields = list(response.get_fields_and_field_types())
+        if isinstance(result, type(response)):
+            response = result
+        elif state == SUCCESS and result is not None:
+            values = result if isinstance(result, (tuple, list)) and len(fields) > 1 else [result]
+            try:
+                for name, value in zip(fields, values, strict=False):
+                    setattr(response, name, value)
+            except (AssertionError, ValueError, TypeError) as error:
+                logger.error("ros2: a service returned what its response cannot hold: %s", error)
+        elif state != SUCCESS:
+            logger.warning("ros2: a service has failed (%s): %s", state, result)
+        server.answer_message(caller, response)
+
+    return ended

@@ -138,6 +138,14 @@ class Backend(ABC):
         """
         return None
 
+    def typed_service(self, name: str, kind: Any) -> Any:
+        """Offer a service of a class of ROS, whose messages are objects; None if this backend has no services."""
+        return None
+
+    def typed_publisher(self, topic: str, kind: Any, qos: Qos) -> Any:
+        """Offer a topic of a class of ROS, whose messages are objects; None if this backend has no services."""
+        return None
+
     def release(self) -> None:
         """Leave the domain if nobody else shares the backend."""
         self.users -= 1

@@ -118,20 +118,31 @@ class _Service(ServiceServer):
         self._node, self._service = node, service
 
     def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
+        return [(caller, plain(request)) for caller, request in self.take_messages(most)]
+
+    def take_messages(self, most: int) -> list[tuple[Any, Any]]:
+        """As `take`, with requests as objects of rclpy."""
         service = self._service
-        found: list[tuple[Any, dict[str, Any]]] = []
+        found: list[tuple[Any, Any]] = []
         with service.handle:
             while len(found) < most:
                 request, info = service.handle.service_take_request(service.srv_type.Request)
                 if info is None:
                     break
-                found.append((info.request_id, plain(request)))
+                found.append((info.request_id, request))
         return found
 
     def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
-        made = fill(self._service.srv_type.Response(), response)
+        self.answer_message(caller, fill(self.new_response(), response))
+
+    def answer_message(self, caller: Any, response: Any) -> None:
+        """As `answer`, with an object of rclpy."""
         with self._service.handle:
-            self._service.handle.service_send_response(made, caller)
+            self._service.handle.service_send_response(response, caller)
+
+    def new_response(self) -> Any:
+        """An answer without content."""
+        return self._service.srv_type.Response()
 
     def close(self) -> None:
         self._node.destroy_service(self._service)
@@ -214,9 +225,15 @@ class RclpyBackend(Backend):
     def service(self, name: str, type_name: str) -> ServiceServer | None:
         """See `Backend.service`."""
         kind = _service_class(type_name)
-        if kind is None:
-            return None
+        return None if kind is None else self.typed_service(name, kind)
+
+    def typed_service(self, name: str, kind: Any) -> _Service:
+        """See `Backend.typed_service`."""
         return _Service(self._node, self._node.create_service(kind, name, lambda request, response: response))
+
+    def typed_publisher(self, topic: str, kind: Any, qos: Qos) -> _Publisher:
+        """See `Backend.typed_publisher`."""
+        return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
     def close(self) -> None:
         """See `Backend.close`."""

@@ -1,0 +1,142 @@
+"""The server of an action: goals, cancellation, results, status and feedback as rcl_action has them.
+
+Source: design.ros2.org/articles/actions.html. Messages are those of the class that the action was declared with.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.status import PREEMPTED, SUCCESS
+from morse.middleware.ros2.backends.backend import Qos
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.clock import Clock
+    from morse.middleware.ros2.backends.backend import Backend
+
+#: of action_msgs/GoalStatus
+_UNKNOWN, _EXECUTING, _SUCCEEDED, _CANCELED, _ABORTED = 0, 2, 4, 5, 6
+#: of action_msgs/srv/CancelGoal
+_NONE, _REJECTED, _UNKNOWN_GOAL = 0, 1, 2
+#: goals whose result can still be asked for
+_KEPT = 64
+_EACH_TICK = 16
+_SECOND = 10**9
+
+
+class _Goal:
+    def __init__(self, number: bytes, stamp: int) -> None:
+        self.number, self.stamp, self.status = number, stamp, _EXECUTING
+        self.call: Any = None
+        self.result: Any = None
+        self.waiting: list[Any] = []
+
+
+class ActionServer:
+    """Serves one action.
+
+    Args:
+        backend: carries typed services.
+        path: absolute name of the action.
+        kind: class of the action, such as ``nav2_msgs.action.NavigateToPose``.
+        begin: begins the service with arguments and what is given the outcome; returns the call if it goes on.
+        abort: ends a call.
+    """
+
+    def __init__(
+        self, backend: Backend, path: str, kind: Any, begin: Callable[..., Any], abort: Callable[[Any], object]
+    ) -> None:
+        from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
+        from action_msgs.srv import CancelGoal
+
+        self._kind, self._begin, self._abort = kind, begin, abort
+        self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
+        self._goals: dict[bytes, _Goal] = {}
+        impl = kind.Impl
+        self._send = backend.typed_service(f"{path}/_action/send_goal", impl.SendGoalService)
+        self._cancel = backend.typed_service(f"{path}/_action/cancel_goal", CancelGoal)
+        self._result = backend.typed_service(f"{path}/_action/get_result", impl.GetResultService)
+        self._feedback = backend.typed_publisher(f"{path}/_action/feedback", impl.FeedbackMessage, Qos())
+        self._status = backend.typed_publisher(f"{path}/_action/status", GoalStatusArray, Qos(1, latched=True))
+
+    def close(self) -> None:
+        """End it."""
+        for one in (self._send, self._cancel, self._result, self._feedback, self._status):
+            one.close()
+
+    def act(self, clock: Clock) -> None:
+        """Begin and cancel what was asked for."""
+        stamp = clock.stamp()
+        for caller, request in self._send.take_messages(_EACH_TICK):
+            self._take(caller, request, stamp)
+        for caller, request in self._cancel.take_messages(_EACH_TICK):
+            self._give_up(caller, request)
+        for caller, request in self._result.take_messages(_EACH_TICK):
+            goal = self._goals.get(bytes(request.goal_id.uuid))
+            if goal is None:
+                self._answer(caller, _UNKNOWN, None)
+            elif goal.status == _EXECUTING:
+                goal.waiting.append(caller)
+            else:
+                self._answer(caller, goal.status, goal.result)
+
+    def _take(self, caller: Any, request: Any, stamp: int) -> None:
+        answer = self._kind.Impl.SendGoalService.Response()
+        number = bytes(request.goal_id.uuid)
+        answer.accepted = number not in self._goals
+        answer.stamp.sec, answer.stamp.nanosec = stamp // _SECOND, stamp % _SECOND
+        self._send.answer_message(caller, answer)
+        if not answer.accepted:
+            return
+        goal = self._goals[number] = _Goal(number, stamp)
+        goal.call = self._begin([request.goal], lambda outcome: self._ended(goal, outcome))
+        ended = [known for known in self._goals.values() if known.status != _EXECUTING]
+        for old in ended[: max(0, len(ended) - _KEPT)]:
+            del self._goals[old.number]
+        self._tell()
+
+    def _give_up(self, caller: Any, request: Any) -> None:
+        number, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
+        before = stamp.sec * _SECOND + stamp.nanosec
+        going = [goal for goal in self._goals.values() if goal.status == _EXECUTING and goal.call is not None]
+        everything = not any(number) and not before
+        chosen = [g for g in going if everything or g.number == number or (before and g.stamp <= before)]
+        answer = self._cancel.new_response()
+        answer.goals_canceling = [self._info_of(goal) for goal in chosen]
+        known = any(number) and number in self._goals
+        answer.return_code = _NONE if chosen or not any(number) else _REJECTED if known else _UNKNOWN_GOAL
+        self._cancel.answer_message(caller, answer)
+        for goal in chosen:
+            self._abort(goal.call)
+
+    def _info_of(self, goal: _Goal) -> Any:
+        made = self._info()
+        made.goal_id.uuid = list(goal.number)
+        made.stamp.sec, made.stamp.nanosec = goal.stamp // _SECOND, goal.stamp % _SECOND
+        return made
+
+    def _ended(self, goal: _Goal, outcome: tuple[str, Any]) -> None:
+        state, value = outcome
+        goal.status = _SUCCEEDED if state == SUCCESS else _CANCELED if state == PREEMPTED else _ABORTED
+        goal.result = value if isinstance(value, self._kind.Result) else None
+        for caller in goal.waiting:
+            self._answer(caller, goal.status, goal.result)
+        goal.waiting.clear()
+        self._tell()
+
+    def _answer(self, caller: Any, status: int, result: Any) -> None:
+        made = self._kind.Impl.GetResultService.Response()
+        made.status = status
+        if result is not None:
+            made.result = result
+        self._result.answer_message(caller, made)
+
+    def _tell(self) -> None:
+        made = self._array()
+        for goal in self._goals.values():
+            one = self._one()
+            one.goal_info, one.status = self._info_of(goal), goal.status
+            made.status_list.append(one)
+        self._status.publish(made)
