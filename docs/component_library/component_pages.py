@@ -6,7 +6,7 @@ import inspect
 from importlib import import_module
 from typing import Any
 
-from component_library import scenes
+from component_library import pictures, scenes
 from component_library.declared import data_table, kind_table, level_table, own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
 from component_library.references import SOURCES
@@ -76,6 +76,7 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
         name,
         short_description(builder),
         _more(cls),
+        pictures.of(name),
         table(["", ""], facts),
         section("Use", *use),
         section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING
 
-from component_library import scenes
+from component_library import pictures, scenes
 from component_library.declared import own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
 from component_library.sizes import extent
@@ -55,6 +55,7 @@ def _page(name: str, builder: type[Robot]) -> str:
     return page(
         name,
         prose(inspect.getdoc(builder)),
+        pictures.of(name),
         table(["", ""], _facts(name, robot)),
         section("Use", block("python", _scene(name, builder))),
         section("Properties", property_table(cls, robot.scene_node.properties)),

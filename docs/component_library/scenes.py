@@ -23,6 +23,10 @@ _HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 ARGUMENTS = {"Armature": {"armature_name": "kuka_armature", "model_name": "kuka_lwr"}}
 #: fields that follow from the model
 _OWN_FIELDS = {"morse.actuators.armature.Armature": {"kuka_2": 0.0, "kuka_4": 0.0}}
+#: components that name themselves, with the one of their parts that has data
+_OWN_NAMES = {"Kinect": "Kinect.depth"}
+#: values for fields whose defaults say too little
+_VALUES = {"LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"}, "Sound": {"mode": '"play"'}}
 #: components that need to know where on the earth they are
 _ON_THE_EARTH = ("Magnetometer",)
 
@@ -71,12 +75,13 @@ def robot_scene(name: str, *, motion: str, height: float) -> str:
 def client(name: str, cls: type, *, sensor: bool) -> str:
     """A program that reads a sensor, or commands an actuator."""
     holder = f"{variable_of(_HOLDERS[name])}." if name in _HOLDERS else ""
-    component = f"simu.robot.{holder}{variable_of(name)}"
+    component = f"simu.robot.{holder}{_OWN_NAMES.get(name, variable_of(name))}"
     if sensor:
         return f"from pymorse import Morse\n\nwith Morse() as simu:\n    print({component}.get())"
     fields = {field: value.default for field, value in data_fields(cls).items()}
     fields |= _OWN_FIELDS.get(f"{cls.__module__}.{cls.__name__}", {})
-    values = ", ".join(f'"{field}": {_example(value)}' for field, value in fields.items())
+    known = _VALUES.get(name, {})
+    values = ", ".join(f'"{field}": {known.get(field) or _example(value)}' for field, value in fields.items())
     return f"from pymorse import Morse\n\nwith Morse() as simu:\n    {component}.publish({{{values}}})"
 
 

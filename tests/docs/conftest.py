@@ -10,12 +10,13 @@ from morse.testing.fixtures import simulate
 __all__ = ["simulate"]
 
 
-@pytest.fixture
-def library(monkeypatch: pytest.MonkeyPatch):
+@pytest.fixture(scope="module")
+def library():
     """The extension that writes the component library."""
-    monkeypatch.syspath_prepend(str(DOCS))
-    import component_library
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(DOCS))
+        import component_library
 
-    yield component_library
+        yield component_library
     for name in [name for name in sys.modules if name.partition(".")[0] == "component_library"]:
         del sys.modules[name]

@@ -32,10 +32,10 @@ def _fresh_builder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     search.set_project_dirs([])
 
 
-@pytest.fixture
-def pages(library, tmp_path: Path) -> dict[str, str]:
+@pytest.fixture(scope="module")
+def pages(library, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """All pages by name."""
-    folder = tmp_path / "library"
+    folder = tmp_path_factory.mktemp("pages") / "library"
     written = library.write(folder)
     return {path.relative_to(folder).with_suffix("").as_posix(): path.read_text(encoding="utf-8") for path in written}
 
