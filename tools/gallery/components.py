@@ -22,6 +22,7 @@ sys.path.insert(0, str(DOCS))
 sys.path.insert(0, str(Path(__file__).parent))
 
 import component_library  # noqa: E402
+from component_library.sizes import extent as extent_of  # noqa: E402
 from curves import plot  # noqa: E402
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def _pictures(name: str, simulation: Simulation, clients: list[str], *, sensor: 
         path = PICTURES / f"{name}-image.webp"
         _as_image(np.asarray(image)).resize((400, 400), Image.Resampling.NEAREST).save(path, "WEBP", quality=80)
         yield path
-    elif (points := _points(component)) is not None:
+    elif (points := _points(component)) is not None and len(points):
         path = PICTURES / f"{name}-points.webp"
         _map(points).save(path, "WEBP", quality=85)
         yield path
@@ -125,10 +126,11 @@ def _command(clients: list[str], simulation: Simulation) -> Callable[[], object]
 def _view(simulation: Simulation) -> dict[str, Any]:
     """A camera that sees the robot from before, at its left."""
     robot = next(iter(simulation.context.robots.values()))
-    box = [np.asarray(part.world_pose()[0]) for part in simulation.world.objects() if part.name.startswith("robot")]
-    middle = np.asarray(robot.bge_object.world_pose()[0]) if not box else np.mean(box, axis=0)
-    size = max(1.2, *(np.ptp(np.array(box), axis=0) if len(box) > 1 else [1.2]))
-    away = np.array([0.75, 0.9, 0.55]) * size * 1.9
+    extent = extent_of(robot.bge_object.node) or [0.0, 0.0, 0.0]
+    size = max(1.2, *extent)
+    x, y, z = robot.bge_object.world_pose()[0]
+    middle = np.array([x, y, z + 0.35 * extent[2]])
+    away = np.array([0.75, 0.9, 0.55]) * size * 1.7
     eye = middle + away
     yaw = np.arctan2(away[0], -away[1])
     pitch = np.arctan2(np.hypot(away[0], away[1]), away[2])
