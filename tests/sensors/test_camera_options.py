@@ -145,3 +145,41 @@ def test_a_camera_that_took_no_picture_yet_compresses_nothing(look):
     message, file = received(eye)
     assert file == b""
     assert message["image"] == ""
+
+
+@pytest.mark.parametrize("stops", [-5.0, 0.0, 4.0])
+def test_the_automatic_exposure_makes_pictures_neither_dark_nor_bright(look, stops):
+    eye, simulation = look(f"auto_exposure=True, exposure={stops}")
+    simulation.run(2.0)
+    assert eye.local_data["image"][..., :3].mean() == pytest.approx(118, abs=8)
+
+
+def test_the_automatic_exposure_is_a_part_of_the_state(look):
+    eye, simulation = look("auto_exposure=True, exposure=-5.0")
+    state = simulation.simulation.save()
+    simulation.run(0.5)
+    first = eye.local_data["image"].copy()
+    simulation.simulation.restore(state)
+    simulation.run(0.5)
+    np.testing.assert_array_equal(simulation["robot.eye"].local_data["image"], first)
+
+
+def test_the_noise_of_depth_grows_with_its_square(look):
+    eye, _ = look("depth_noise=0.002, cam_near=0.5, cam_far=50.0, Vertical_Flip=True", "DepthVideoCamera")
+    # the wall, 6 m ahead, above the ground
+    depth = eye.local_data["image"][:30]
+    assert depth.mean() == pytest.approx(6.0, abs=0.01)
+    assert depth.std() == pytest.approx(0.002 * 36, rel=0.1)
+
+
+@pytest.mark.parametrize("kind", ["DepthVideoCamera", "RawImage"])
+def test_noise_leads_beyond_no_plane(look, kind):
+    eye, _ = look("depth_noise=100.0, cam_near=0.5, cam_far=50.0", kind)
+    depth = eye.local_data["image"]
+    assert np.isfinite(depth[depth < 1e3]).all()
+    if kind == "RawImage":
+        assert depth.min() >= 0.0
+        assert depth.max() <= 1.0
+    else:
+        assert depth.min() >= 0.5
+        assert depth[np.isfinite(depth)].max() <= 50.0

@@ -154,6 +154,7 @@ class DepthCamera(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         keep_list: str = ...,
         keep_resolution: bool = ...,
         **kwargs: Any,
@@ -180,6 +181,7 @@ class DepthCameraRotationZ(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         keep_list: str = ...,
         keep_resolution: bool = ...,
         rotation: float = ...,
@@ -203,6 +205,7 @@ class DepthVideoCamera(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -350,6 +353,7 @@ class RawImage(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         **kwargs: Any,
     ) -> None: ...
 
@@ -513,6 +517,7 @@ class Velodyne(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         keep_list: str = ...,
         keep_resolution: bool = ...,
         rotation: float = ...,
@@ -552,6 +557,7 @@ class VelodyneZB(CameraCreator):
         lens_model: Literal["plumb_bob", "equidistant"] = ...,
         distortion: str = ...,
         capturing: bool = ...,
+        depth_noise: float = ...,
         keep_list: str = ...,
         keep_resolution: bool = ...,
         rotation: float = ...,
@@ -576,6 +582,7 @@ class VideoCamera(CameraCreator):
         distortion: str = ...,
         capturing: bool = ...,
         exposure: float = ...,
+        auto_exposure: bool = ...,
         full_well: float = ...,
         read_noise: float = ...,
         stuck_pixels: float = ...,

@@ -39,8 +39,36 @@ class AbstractDepthCamera(Camera):
     add_property("far_clipping", 20.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("retrieve_depth", True, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
     add_property("vertical_flip", False, "Vertical_Flip", "bool", "The first row of the image is the top row")
+    add_property(
+        "depth_noise",
+        0.0,
+        "depth_noise",
+        "float",
+        "Standard deviation of the depth at 1 m, in m; it grows with the square of the depth",
+        low=0.0,
+        high=1e3,
+    )
 
     color = False
+    depth_noise: float
+
+    def __init__(self, obj: Any, parent: Any = None) -> None:
+        super().__init__(obj, parent)
+        self._random = self.context.random(f"{self.name()}/depth")
+
+    def depth_of(self, picture: Picture) -> NDArray[np.float32]:
+        """Return the depths (H, W) with noise, between the near and the far plane; 0 where nothing is seen.
+
+        The error of a disparity is the same at all depths. The error of the depth therefore grows with the square of
+        the depth. K. Khoshelham and S. O. Elberink (Accuracy and Resolution of Kinect Depth Data for Indoor Mapping
+        Applications, 2012) measured about 1.4 mm at 1 m.
+        """
+        depth = picture.depth
+        if not self.depth_noise:
+            return depth
+        noise = self._random.standard_normal(depth.shape, np.float32) * np.float32(self.depth_noise)
+        noisy = np.clip(depth + noise * depth * depth, np.float32(self.lens.near), np.float32(self.lens.far))
+        return np.where(depth > 0.0, noisy, np.float32(0.0))
 
 
 class DepthCamera(AbstractDepthCamera):
@@ -92,7 +120,7 @@ class DepthCamera(AbstractDepthCamera):
 
     def take(self, picture: Picture) -> None:
         """Store the points of the pixels that show a surface."""
-        depth, lens = picture.depth, self.lens
+        depth, lens = self.depth_of(picture), self.lens
         rows = self._rows_kept
         seen = depth > 0.0
         if rows is not None:
@@ -188,7 +216,7 @@ class DepthVideoCamera(AbstractDepthCamera):
 
     def take(self, picture: Picture) -> None:
         """Store the depths, which are infinite beyond the far plane."""
-        depth = picture.depth
+        depth = self.depth_of(picture)
         self.local_data["image"] = self.ordered(np.where(depth > 0.0, depth, np.float32(np.inf)))
 
 
@@ -224,7 +252,8 @@ class RawImage(AbstractDepthCamera):
     def take(self, picture: Picture) -> None:
         """Convert the depths into Z buffer values."""
         near, far = self.lens.near, self.lens.far
-        depth = np.where(picture.depth > 0.0, picture.depth.astype(np.float64), far)
+        seen = self.depth_of(picture)
+        depth = np.where(seen > 0.0, seen.astype(np.float64), far)
         buffer = np.clip(far * (depth - near) / (depth * (far - near)), 0.0, 1.0)
         self.local_data["image"] = self.ordered(buffer.astype(np.float32))
 

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     from morse.rendering import Picture
 
 
+#: the code of 18 % of the light, the grey of photographers; codes follow the light by about this power
+_MIDDLE, _GAMMA = 118.0, 2.2
+#: of the way in one picture; stops in one picture, and in all
+_SPEED, _MOST_STOPS, _FARTHEST = 0.4, 1.0, 12.0
+
+
 def _pixels(camera: VideoCamera) -> NDArray[np.uint8]:
     """(H, W, 4) RGBA, the top row first."""
     return camera.top_first(camera.local_data["image"])
@@ -50,6 +56,13 @@ class VideoCamera(Camera):
 
     add_property(
         "exposure", 0.0, "exposure", "float", "Stops: each doubles the light that is taken in", low=-20.0, high=20.0
+    )
+    add_property(
+        "auto_exposure",
+        False,
+        "auto_exposure",
+        "bool",
+        "Adjust the exposure from picture to picture, until the mean of all codes is 118: 18 % of the light",
     )
     add_property(
         "full_well",
@@ -93,6 +106,7 @@ class VideoCamera(Camera):
     add_kind("camera_info", **CAMERA_INFO)
 
     exposure: float
+    auto_exposure: bool
     full_well: float
     read_noise: float
     stuck_pixels: float
@@ -102,16 +116,20 @@ class VideoCamera(Camera):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self._random = self.context.random(f"{self.name()}/pixels")
+        #: stops that the automatic exposure adds
+        self._adjusted = 0.0
 
     def _wants(self) -> bool:
         # it may have been set while the simulation runs
-        self.request.exposure = math.exp2(self.exposure)
+        self.request.exposure = math.exp2(self.exposure + (self._adjusted if self.auto_exposure else 0.0))
         return super()._wants()
 
     def take(self, picture: Picture) -> None:
         """Store the image, with opaque alpha."""
         rgb = picture.rgb
         assert rgb is not None
+        if self.auto_exposure:
+            self._adjust(int(rgb.sum(dtype=np.int64)) / rgb.size)
         if self.full_well or self.read_noise or self.stuck_pixels:
             from morse.rendering.pixel_noise import Chip, exposed
 
@@ -120,6 +138,12 @@ class VideoCamera(Camera):
         image = np.full((*rgb.shape[:2], 4), 255, np.uint8)
         image[..., :3] = rgb
         self.local_data["image"] = self.ordered(image)
+
+    def _adjust(self, mean: float) -> None:
+        """Come nearer to the exposure that makes pictures neither dark nor bright."""
+        wanted = _GAMMA * math.log2(_MIDDLE / max(mean, 1.0))
+        step = min(max(_SPEED * wanted, -_MOST_STOPS), _MOST_STOPS)
+        self._adjusted = min(max(self._adjusted + step, -_FARTHEST), _FARTHEST)
 
     def noisy_fields(self) -> tuple[str, ...]:
         """Return no fields, because noise cannot be added to an image."""
