@@ -411,3 +411,51 @@ def test_a_scan_that_was_read_stays_as_it_was():
         simulation.step(60)
         assert np.array_equal(kept, before)
         assert not np.array_equal(named(simulation, "r0.sick").local_data["range_list"], before)
+
+
+# inertial units and satellite receivers -------------------------------------------------------------
+
+
+def travellers():
+    from morse.builder import GPS, IMU, Environment, FakeRobot, Morsy, MotionVW
+
+    for number in range(COUNT + 1):
+        robot = FakeRobot(f"r{number}") if number == COUNT else Morsy(f"r{number}")
+        robot.translate(2.0 * number, 0.3 * number, 0.0)
+        robot.append(MotionVW("motion"))
+        imu, gps = IMU("imu"), GPS("gps")
+        imu.translate(0.2 * (number % 2), 0.1, 0.3)
+        imu.rotate(0.0, 0.2, 0.1)
+        gps.translate(0.0, 0.1, 0.5)
+        robot.append(imu)
+        robot.append(gps)
+    Environment("indoors-1/boxes", fastmode=True)
+
+
+def test_inertial_units_and_receivers_act_together_with_the_same_bits(monkeypatch):
+    def seen():
+        found = []
+        with morse.load(travellers) as simulation:
+            units = {type(unit.members[0]).__name__: len(unit._group) for unit in groups(simulation)}
+            for tick in range(200):
+                drive(simulation, tick)
+                simulation.step(1)
+                if tick == 60:
+                    named(simulation, "r1.imu").set_property("GyroNoiseDensity", 0.01)
+                if tick == 120:
+                    named(simulation, "r1.imu").set_property("GyroNoiseDensity", 0.0)
+                if tick % 9 == 0:
+                    names = [f"r{number}.{kind}" for number in range(COUNT + 1) for kind in ("imu", "gps")]
+                    found += [dict(named(simulation, name).local_data) for name in names]
+                if tick % 40 == 0:
+                    found.append(simulation.state_hash())
+            after = {type(unit.members[0]).__name__: len(unit._group) for unit in groups(simulation)}
+            return units, after, found
+
+    units, after, together = seen()
+    assert units["IMU"] == after["IMU"] == COUNT
+    assert units["GPS"] == COUNT + 1
+    monkeypatch.setenv("MORSE_FLEETS", "off")
+    units, _, alone = seen()
+    assert not units
+    assert together == alone

@@ -67,6 +67,7 @@ class Group:
         self._datas: list[dict[str, Any]] = [member.local_data for member in members]
         self._fleet: Any = None
         self._snapshots = self.context.world.snapshots([member.bge_object for member in members])
+        self._velocities: Any = None
         self._written: list[tuple[tuple[str, ...], Callable[[int], Any]]] | None = None
         self._time = 0.0
         self.poses = GroupPoses(self._snapshots.now())
@@ -113,6 +114,12 @@ class Group:
             except KeyError:
                 pass
         return list(map(attrgetter(name), self.members))
+
+    def velocities(self) -> Any:
+        """Return the present velocities of the robots: ``velocity(row)``, linear and angular, and ``origin(row)``."""
+        if self._velocities is None:
+            self._velocities = self.context.world.velocity_snapshots([m.robot_parent.bge_object for m in self.members])
+        return self._velocities.now()
 
     # -- for act_together: writing ---------------------------------------------------------
 
@@ -244,6 +251,10 @@ class Group:
                 data.update(zip(fields, values(row), strict=True))
         self._attributes[row]["local_data"] = data
         return data
+
+    def row_of(self, member: Member) -> int:
+        """Return the row of a member."""
+        return self._rows[id(member)]
 
     def data_of(self, member: Member) -> dict[str, Any]:
         """Return the data of a member, filled in on demand."""

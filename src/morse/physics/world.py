@@ -29,7 +29,7 @@ from morse.physics.rescue import Recovery, Rescue
 from morse.physics.saving import Saving
 from morse.physics.scene_change import SceneChange
 from morse.physics.single_ray import cast_ray
-from morse.physics.snapshot import Snapshots
+from morse.physics.snapshot import Snapshots, VelocitySnapshots
 from morse.physics.touching import Touching
 from morse.physics.traction import Traction
 from morse.physics.transfer import Transfer
@@ -287,6 +287,10 @@ class World(ObjectWorld):
     def snapshots(self, objects: Sequence[GameObject]) -> Snapshots:
         """Create a source of snapshots of the poses of some objects."""
         return Snapshots(self, objects)
+
+    def velocity_snapshots(self, objects: Sequence[GameObject]) -> VelocitySnapshots:
+        """Return an object that takes the velocities of bodies, all in one call."""
+        return VelocitySnapshots(self, objects)
 
     def drive_fleet(self, fleet: Fleet) -> None:
         """Use the commands that were set by `Fleet.command` for the next tick."""

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
 from morse.helpers.components import add_data, add_kind, add_level
 from morse.helpers.geodesy import LocalPlane
+
+if TYPE_CHECKING:
+    from morse.core.group import Group
 
 _SIMPLE = ["simple"]
 _RAW = ["raw", "extended"]
@@ -89,6 +92,12 @@ class GPS(Sensor):
         """Measure the position in the world."""
         data = self.local_data
         data["x"], data["y"], data["z"] = self.position_3d.get_pose()[0]
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Take the positions of all members."""
+        poses = group.poses
+        group.write(("x", "y", "z"), lambda row: poses.pose(row)[0])
 
 
 class RawGPS(GPS):

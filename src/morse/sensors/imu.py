@@ -11,13 +11,18 @@ from morse.helpers.geodesy import has_place
 from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
 from morse.mathutils.rotations import turn_back
 from morse.sensors.magnetometer import field_around
-from morse.sensors.motion_sensor import MotionSensor
+from morse.sensors.motion_sensor import Motion, MotionSensor, changed
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
+
+    from morse.core.group import Group
 
 _ZERO = [0.0, 0.0, 0.0]
 _VISUAL = Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6))
+#: attributes that are errors, and all that decide who acts together
+_ERRORS = tuple(f"_{part}_{kind}" for part in ("gyro", "accel") for kind in ("density", "instability", "walk"))
+_SETTINGS = ("_computation_mode", *_ERRORS)
 #: the g of data sheets, m/s^2
 _G = 9.80665
 
@@ -159,15 +164,67 @@ class IMU(MotionSensor):
     def measure(self) -> None:
         """Measure angular velocity, specific force and magnetic field."""
         motion = self.motion()
-        position, rotation = self.position_3d.get_pose()
-        x, y, z = motion.acceleration
-        data = self.local_data
-        data["angular_velocity"] = list(turn_back(rotation, motion.angular))
-        felt = (x, y, z + self.context.scene.settings.gravity)
-        data["linear_acceleration"] = list(turn_back(rotation, felt))
+        self.local_data.update(self._felt(motion, self.position_3d.get_pose()))
         self._add_errors()
+
+    def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float]]:
+        """What an ideal sensor measures."""
+        position, rotation = pose
+        x, y, z = motion.acceleration
+        felt = {
+            "angular_velocity": list(turn_back(rotation, motion.angular)),
+            "linear_acceleration": list(turn_back(rotation, (x, y, z + self.context.scene.settings.gravity))),
+        }
         if self._field is not None:
-            data["magnetic_field"] = list(turn_back(rotation, self._field.at(position)))
+            felt["magnetic_field"] = list(turn_back(rotation, self._field.at(position)))
+        return felt
+
+    # -- many of them ----------------------------------------------------------------------
+
+    def may_act_together(self) -> bool:
+        """Only without errors, and with the velocity of the body."""
+        dynamic = self._computation_mode == "Velocity" or self.robot_parent.bge_object.is_dynamic
+        return self._computation_mode != "Position" and dynamic and not any(getattr(self, name) for name in _ERRORS)
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Measure for all members; the numbers are worked out for those that are read."""
+        members: Any = group.members
+        memory, poses, clock = group.memory, group.poses, group.context.clock
+        settings = [group.attributes(name) for name in _SETTINGS]
+        if memory.setdefault("settings", settings) != settings:
+            # somebody has got errors, perhaps: who acts together is to be found out anew
+            group.is_changed = True
+            return
+        before, here = memory.get("moment"), (clock.time, poses, group.velocities())
+        memory["moment"] = here
+        names = ["angular_velocity", "linear_acceleration"]
+        if members[0].has_magnetometer:
+            names.append("magnetic_field")
+
+        def measured(row: int) -> list[list[float]]:
+            member, (time, _, velocities) = members[row], here
+            then, moved = member._time, (member._linear, member._angular)
+            if before is not None:
+                then, moved = before[0], before[2].velocity(row)
+            passed = time - then if time > then else clock.period
+            pose = poses.pose(row)
+            motion = changed(moved, velocities.velocity(row), passed, pose[0], velocities.origin(row))
+            felt = member._felt(motion, pose)
+            return [felt[name] for name in names]
+
+        group.write(names, measured)
+
+    def settle(self) -> None:
+        """The next accelerations begin where the last measurement was."""
+        moment = self.group.memory.get("moment") if self.group is not None else None
+        if self.group is None or moment is None:
+            return
+        row = self.group.row_of(self)
+        time, poses, velocities = moment
+        (vx, vy, vz), (wx, wy, wz) = velocities.velocity(row)
+        self._time = self._measured = time
+        self._pose, self._linear, self._angular = poses.pose(row), (vx, vy, vz), (wx, wy, wz)
 
     def _add_errors(self) -> None:
         now, data = self.clock.time, self.local_data

@@ -82,24 +82,49 @@ class MotionSensor(Sensor):
             linear = ((x - x0) / passed, (y - y0) / passed, (z - z0) / passed)
             rx, ry, rz = turn(pose[1], rotation_vector(self._pose[1], pose[1]))
             angular = (rx / passed, ry / passed, rz / passed)
-        acceleration = _rate(self._linear, linear, passed)
-        angular_acceleration = _rate(self._angular, angular, passed)
-        if by_velocity:
-            acceleration = self._at_lever_arm(acceleration, angular, angular_acceleration, pose[0])
+        before = (self._linear, self._angular)
         self._time, self._pose, self._linear, self._angular = now, pose, linear, angular
-        return Motion(linear, angular, acceleration, angular_acceleration)
+        origin = self.robot_parent.bge_object.world_pose()[0] if by_velocity else None
+        return changed(before, (linear, angular), passed, pose[0], origin)
 
-    def _at_lever_arm(
-        self, acceleration: Triple, angular: Triple, angular_acceleration: Triple, position: Sequence[float]
-    ) -> Triple:
-        (x, y, z), (ox, oy, oz) = position, self.robot_parent.bge_object.world_pose()[0]
-        arm = (x - ox, y - oy, z - oz)
-        if arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2 <= _LEVER_ARM**2:
-            return acceleration
-        tx, ty, tz = cross(angular_acceleration, arm)
-        cx, cy, cz = cross(angular, cross(angular, arm))
-        ax, ay, az = acceleration
-        return ax + tx + cx, ay + ty + cy, az + tz + cz
+
+def changed(
+    before: tuple[Triple, Triple],
+    after: tuple[Triple, Triple],
+    passed: float,
+    position: Sequence[float],
+    origin: Sequence[float] | None,
+) -> Motion:
+    """Return the motion of a sensor from two linear and angular velocities.
+
+    Args:
+        before, after: m/s and rad/s, in the axes of the world.
+        passed: seconds between them.
+        position: of the sensor, m.
+        origin: of the body that has these velocities; None if they are those of the sensor itself.
+    """
+    linear, angular = after
+    acceleration, angular_acceleration = _rate(before[0], linear, passed), _rate(before[1], angular, passed)
+    if origin is not None:
+        acceleration = _at_lever_arm(acceleration, angular, angular_acceleration, position, origin)
+    return Motion(linear, angular, acceleration, angular_acceleration)
+
+
+def _at_lever_arm(
+    acceleration: Triple,
+    angular: Triple,
+    angular_acceleration: Triple,
+    position: Sequence[float],
+    origin: Sequence[float],
+) -> Triple:
+    (x, y, z), (ox, oy, oz) = position, origin
+    arm = (x - ox, y - oy, z - oz)
+    if arm[0] ** 2 + arm[1] ** 2 + arm[2] ** 2 <= _LEVER_ARM**2:
+        return acceleration
+    tx, ty, tz = cross(angular_acceleration, arm)
+    cx, cy, cz = cross(angular, cross(angular, arm))
+    ax, ay, az = acceleration
+    return ax + tx + cx, ay + ty + cy, az + tz + cz
 
 
 def _rate(before: Triple, after: Triple, passed: float) -> Triple:

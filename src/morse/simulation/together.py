@@ -149,7 +149,7 @@ class Together:
 
     def _measure(self, group: Group) -> bool:
         held = group.begin_measurement()
-        if group.is_changed or not self._together(group):
+        if group.is_changed or not self._together(group) or group.is_changed:
             group.undo()
             return False
         for row in held:
