@@ -43,9 +43,11 @@ class JointServices(JointMotion):
         low=0.0,
     )
     add_property(
-        "_rotation_speed", 0.8, "RotationSpeed", "float", "Of revolute joints", unit="rad/s", low=0.0, high=1e4
+        "_rotation_speed", 0.8, "RotationSpeed", "float", "Speed of revolute joints", unit="rad/s", low=0.0, high=1e4
     )
-    add_property("_linear_speed", 0.05, "LinearSpeed", "float", "Of prismatic joints", unit="m/s", low=0.0, high=1e4)
+    add_property(
+        "_linear_speed", 0.05, "LinearSpeed", "float", "Speed of prismatic joints", unit="m/s", low=0.0, high=1e4
+    )
 
     _distance_tolerance: float
     _angle_tolerance: float

@@ -60,9 +60,12 @@ def carried(stand: Stand) -> Iterator[Fault]:
     direction = "IN" if isinstance(component, Actuator) else "OUT"
     place = stand.places.of_class(cls)
     for name, middleware in registry.installed().items():
-        # text files take no commands
+        # text files take no commands, and leave out pictures
         usual = middleware.default_reader if direction == "IN" else middleware.default_publisher
-        if middleware.stream_manager is not None and usual is not None and middleware.stream_of(cls, direction) is None:
+        is_left_out = any(base.__name__ in middleware.not_carried for base in cls.__mro__)
+        if middleware.stream_manager is None or usual is None or is_left_out:
+            continue
+        if middleware.stream_of(cls, direction) is None:
             yield Fault(CARRIED, f"'{name}' has no stream for it", place)
     listener = Listener({}, stand.simulation.context)
     try:
