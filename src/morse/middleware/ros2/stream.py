@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from typing import TYPE_CHECKING, Any, NamedTuple
+from zlib import crc32
 
 import numpy as np
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.backends.backend import Publisher, Subscription
     from morse.middleware.ros2.outlets import Inlet, Outlet
 
+#: actions without a message after which a stream looks whether somebody sends one of another type
+_PATIENCE = 120
 _UNFIT = (ValueError, TypeError, OverflowError, struct.error, RecursionError)
 
 
@@ -52,6 +55,8 @@ class Ros2Stream(KindStream):
         super().initialize()
         self.robot = robot_of(self.component_instance)
         self._frame_ids: dict[str, str] = {}
+        # not all streams look around in the same tick
+        self._silence = crc32(self.component_name.encode()) % _PATIENCE
         self._sending: list[tuple[BoundKind, list[_Sending]]] = []
         self._hearing: list[_Hearing] = []
         for bound in self.kinds:
@@ -140,9 +145,13 @@ class Ros2Stream(KindStream):
     def default(self, ci: Object | None = None) -> bool:
         """Publish; or take what has arrived, True if something did."""
         if self.direction == "IN":
+            silent = True
             for hearing in self._hearing:
                 for data in hearing.subscription.take():
                     self._read(hearing, data)
+                    silent = False
+            if silent:
+                self._look_for_others()
             return super().default(ci)
         for bound, lines in self._sending:
             wanted = [line for line in lines if line.publisher.wanted()]
@@ -191,6 +200,20 @@ class Ros2Stream(KindStream):
         }
 
     # -- what comes in -----------------------------------------------------------------------
+
+    def _look_for_others(self) -> None:
+        """Nothing comes: say so if somebody sends messages of another type, which never arrive."""
+        self._silence += 1
+        if self._silence % _PATIENCE:
+            return
+        for hearing in self._hearing:
+            for other in sorted(hearing.subscription.other_types()):
+                stamped = "TwistStamped" in other and not self.kwargs["stamped"]
+                mend = "; say stamped=True" if stamped else ""
+                self.complain(
+                    f"type {hearing.topic}",
+                    f"somebody sends {other} on {hearing.topic}, which takes {hearing.inlet.type}{mend}",
+                )
 
     def _read(self, hearing: _Hearing, data: bytes) -> None:
         try:

@@ -52,6 +52,10 @@ class Subscription(ABC):
     def take(self) -> list[bytes]:
         """What has arrived, oldest first; never waits."""
 
+    def other_types(self) -> set[str]:
+        """Types such as ``geometry_msgs/msg/Twist`` that others publish on the topic, and that do not arrive."""
+        return set()
+
     @abstractmethod
     def close(self) -> None:
         """Take nothing more."""

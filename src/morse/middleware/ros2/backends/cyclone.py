@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.core import DDSException
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 _NO_TIME = 0.0
 #: messages that are taken in one tick
 _MOST = 64
+#: publishers of a domain that are looked at
+_ENDPOINTS = 1000
 _LOOPBACK = """<CycloneDDS><Domain><General>
 <Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast>
 </General><Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>
@@ -130,8 +133,13 @@ class _Writer(Publisher):
 
 
 class _Reader(Subscription):
-    def __init__(self, participant: DomainParticipant, topic: Any, qos: Qos) -> None:
-        self._reader = DataReader(participant, topic, qos=_qos(qos))
+    def __init__(self, backend: CycloneBackend, topic: Any, qos: Qos) -> None:
+        self._backend, self._topic = backend, topic
+        self._reader = DataReader(backend.participant, topic, qos=_qos(qos))
+
+    def other_types(self) -> set[str]:
+        names = self._backend.published(self._topic.name) - {self._topic.typename}
+        return {name.replace("::msg::dds_::", "/msg/").removesuffix("_") for name in names}
 
     def take(self) -> list[bytes]:
         # a writer that ends leaves a sample without data
@@ -148,26 +156,35 @@ class CycloneBackend(Backend):
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         self._domain = domain = options["domain_id"]
-        self._participant, place = _join(domain, options["interface"])
+        self.participant, place = _join(domain, options["interface"])
         self.opens = f"domain {domain}, UDP {place}"
         self._topics: dict[tuple[str, str], Any] = {}
+        self._endpoints: Any = None
 
     def _topic(self, topic: str, type_name: str) -> Any:
         key = (topic, type_name)
         if key not in self._topics:
-            self._topics[key] = Topic(self._participant, f"rt{topic}", sample_type(type_name))
+            self._topics[key] = Topic(self.participant, f"rt{topic}", sample_type(type_name))
         return self._topics[key]
+
+    def published(self, topic: str) -> set[str]:
+        """Types with which a topic, as DDS calls it, is published by anybody."""
+        if self._endpoints is None:
+            self._endpoints = BuiltinDataReader(self.participant, BuiltinTopicDcpsPublication)
+        found = [one for one in self._endpoints.read(_ENDPOINTS) if one.sample_info.valid_data]
+        return {one.type_name for one in found if one.topic_name == topic}
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """See `Backend.publisher`."""
-        return _Writer(self._participant, self._topic(topic, type_name), qos)
+        return _Writer(self.participant, self._topic(topic, type_name), qos)
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription:
         """See `Backend.subscription`."""
-        return _Reader(self._participant, self._topic(topic, type_name), qos)
+        return _Reader(self, self._topic(topic, type_name), qos)
 
     def close(self) -> None:
         """See `Backend.close`."""
+        self._endpoints = None
         self._topics.clear()
-        del self._participant
+        del self.participant
         _leave(self._domain)

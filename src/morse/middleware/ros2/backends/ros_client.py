@@ -95,8 +95,12 @@ class _Publisher(Publisher):
 
 
 class _Subscription(Subscription):
-    def __init__(self, node: Any, subscription: Any) -> None:
-        self._node, self._subscription = node, subscription
+    def __init__(self, node: Any, subscription: Any, type_name: str) -> None:
+        self._node, self._subscription, self._type = node, subscription, type_name
+
+    def other_types(self) -> set[str]:
+        found = self._node.get_publishers_info_by_topic(self._subscription.topic_name)
+        return {one.topic_type for one in found} - {self._type}
 
     def take(self) -> list[bytes]:
         subscription = self._subscription
@@ -220,7 +224,7 @@ class RclpyBackend(Backend):
         if kind is None:
             return None
         made = self._node.create_subscription(kind, topic, lambda _: None, _profile(qos), raw=True)
-        return _Subscription(self._node, made)
+        return _Subscription(self._node, made, type_name)
 
     def service(self, name: str, type_name: str) -> ServiceServer | None:
         """See `Backend.service`."""
