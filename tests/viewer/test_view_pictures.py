@@ -81,7 +81,18 @@ def test_distances_are_bright_where_they_are_near() -> None:
     assert as_pixels(np.full((2, 2), np.inf, np.float32)).max() == 0
 
 
-@pytest.mark.parametrize("image", [None, b"bytes", np.zeros((0, 0, 4), np.uint8), np.zeros(5)])
+@pytest.mark.parametrize(
+    "image",
+    [
+        None,
+        b"bytes",
+        np.zeros((0, 0, 4), np.uint8),
+        np.zeros(5),
+        np.zeros((4, 4, 7)),
+        np.zeros((4, 4, 2), np.uint8),
+        np.array([["a"]]),
+    ],
+)
 def test_what_is_no_picture_is_not_sent(image: Any) -> None:
     pictures, server = feed(Camera(image))
     server.wishes = Wishes(images=frozenset({"eye"}))
@@ -109,3 +120,21 @@ def test_boxes_of_things_are_drawn_where_they_are():
     assert not drawn[:5].any()
     assert not drawn[35:].any()
     assert not plain.any()
+
+
+def test_vectors_have_colours_by_their_directions():
+    flow = np.zeros((2, 3, 2), np.float32)
+    flow[0, 0], flow[0, 1], flow[1, 0], flow[1, 1] = (4, 0), (-4, 0), (2, 0), (np.nan, 0)
+    colors = as_pixels(flow).astype(int)
+    assert colors.shape == (2, 3, 3)
+    assert colors[0, 2].tolist() == [255, 255, 255]
+    assert colors[1, 1].tolist() == [0, 0, 0]
+    # to the right is red, to the left is not
+    assert colors[0, 0, 0] == 255
+    assert colors[0, 0, 1:].max() < 80
+    assert colors[0, 1, 0] == 0
+    assert colors[1, 0, 1] > colors[0, 0, 1]
+
+
+def test_vectors_that_are_not_numbers_are_black():
+    assert not as_pixels(np.full((2, 2, 2), np.nan, np.float32)).any()

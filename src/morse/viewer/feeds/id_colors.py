@@ -1,4 +1,4 @@
-"""Ids as colours, and boxes around things."""
+"""Ids and directions as colours, and boxes around things."""
 
 from __future__ import annotations
 
@@ -32,6 +32,23 @@ def as_colors(ids: NDArray[np.integer]) -> NDArray[np.uint8]:
     """(H, W, 3) a colour for each id, black for 0."""
     size = 1 << int(ids.max(initial=0)).bit_length()
     return np.asarray(_palette(size)[ids], np.uint8)
+
+
+def as_directions(flow: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """(H, W, 3) of vectors (H, W, 2): the hue is the direction, and the longest are the most colourful.
+
+    What has no vector is black, what does not move is white.
+    """
+    known = np.isfinite(flow).all(axis=2)
+    x, y = (np.where(known, flow[..., axis], 0.0).astype(np.float64) for axis in range(2))
+    length = np.hypot(x, y)
+    share = length / max(float(length.max(initial=0.0)), 1e-9)
+    hue = np.arctan2(y, x)
+    # three cosines, a third of a turn apart
+    colors = [1.0 - share * (0.5 - 0.5 * np.cos(hue - third)) for third in (0.0, 2.0944, 4.1888)]
+    pixels = np.round(np.stack(colors, axis=-1) * 255).astype(np.uint8)
+    pixels[~known] = 0
+    return pixels
 
 
 def draw_boxes(pixels: NDArray[np.uint8], objects: Iterable[Any]) -> NDArray[np.uint8]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
-from morse.viewer.feeds.id_colors import as_colors, draw_boxes
+from morse.viewer.feeds.id_colors import as_colors, as_directions, draw_boxes
 from morse.viewer.view_messages import Picture
 
 if TYPE_CHECKING:
@@ -47,18 +47,24 @@ class PicturesFeed:
 
 
 def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
-    return isinstance(image, np.ndarray) and image.ndim in (2, 3) and image.size > 0
+    if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiub" or not image.size:
+        return False
+    channels = (3, 4) if image.dtype == np.uint8 else (2, 3)
+    return image.ndim == 2 or (image.ndim == 3 and image.shape[2] in channels)
 
 
 def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
     """Pixels (H, W) or (H, W, 3) to look at.
 
     Colours stay as they are, ids (H, W) uint16 get a colour each, distances go from white, which is near, to black.
+    Vectors (H, W, 2) have colours by their directions.
     """
     if image.dtype == np.uint8:
         return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
     if image.dtype == np.uint16 and image.ndim == 2:
         return as_colors(image)
+    if image.ndim == 3 and image.shape[2] == 2:
+        return as_directions(image)
     values = np.asarray(image, dtype=np.float64)
     known = values[np.isfinite(values)]
     if not known.size:
