@@ -128,3 +128,4 @@ def test_extreme_values_break_nothing(run: Any) -> None:
     sim.robot.water.publish({"current": [1e4, -1e4, 1e4]})
     sim.step(120)
     assert all(math.isfinite(value) for value in sim.robot.pose.get().values())
+    assert sim.context.component("robot.water").active

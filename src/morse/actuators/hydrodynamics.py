@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
+_THINNEST = 1e-3  # m
+#: N and N·m; what the engine takes
+_MOST = 1e8
 _SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
 
 
@@ -71,7 +74,7 @@ class Hydrodynamics(Actuator):
         low, high = _bounds(body)
         self._hull: tuple[tuple[float, ...], Hull] | None = None
         self._centre = tuple((a + b) / 2.0 for a, b in zip(low, high, strict=True))
-        self._measured = tuple(max(b - a, 1e-3) for a, b in zip(low, high, strict=True))
+        self._measured = tuple(b - a for a, b in zip(low, high, strict=True))
         water = self.context.scene.find("Water")
         self._water = None if water is None else float(water.world_matrix().translation[2])
 
@@ -84,7 +87,7 @@ class Hydrodynamics(Actuator):
         given = (self._length, self._width, self._height, self._density)
         if self._hull is not None and self._hull[0] == given:
             return self._hull[1]
-        x, y, z = (own or model for own, model in zip(given[:3], self._measured, strict=True))
+        x, y, z = (max(own or model, _THINNEST) for own, model in zip(given[:3], self._measured, strict=True))
         areas = (y * z, x * z, x * y)
         drag = tuple(0.5 * self._density * c * area for c, area in zip(_COEFFICIENTS, areas, strict=True))
         hull = Hull(self._centre, (x, y, z), drag)  # type: ignore[arg-type]
@@ -97,7 +100,7 @@ class Hydrodynamics(Actuator):
         body, hull, surface = robot.bge_object, self.hull(), self.surface()
         g = self.context.scene.settings.gravity
         mass = body.mass
-        volume = self._volume or (mass / self._density if self._density else 0.0)
+        carried = self._density * self._volume if self._volume else mass
         (_, _, height), turn = body.world_pose()
         linear, angular = body.velocity()
         current = self.local_data["current"]
@@ -106,7 +109,7 @@ class Hydrodynamics(Actuator):
         vx, vy, vz = rotated_back(turn, [v - c for v, c in zip(linear, current, strict=True)])
         wx, wy, wz = rotated_back(turn, angular)
         most = 0.5 * mass * self.frequency  # kg/s: drag takes away at most half the speed of a tick
-        lift = self._density * volume * g / 8.0
+        lift = carried * g / 8.0
         depth, half = surface - height, hull.size[2] / 2.0
         (dx, dy, dz), (mx, my, mz) = hull.drag, hull.centre
         fx = fy = fz = tx = ty = tz = 0.0
@@ -124,7 +127,8 @@ class Hydrodynamics(Actuator):
         if robot._no_gravity:
             weight = mass * g
             fx, fy, fz = fx - weight * up[0], fy - weight * up[1], fz - weight * up[2]
-        body.wrench((fx, fy, fz), (tx, ty, tz), True)
+        force, torque = ([min(max(part, -_MOST), _MOST) for part in parts] for parts in ((fx, fy, fz), (tx, ty, tz)))
+        body.wrench(force, torque, True)
 
 
 def _bounds(body: Any) -> tuple[list[float], list[float]]:

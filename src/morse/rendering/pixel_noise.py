@@ -43,7 +43,7 @@ def exposed(
         light = LIGHT[rgb]
         spread = np.full(light.shape, np.float32(chip.read_noise) ** 2, np.float32)
         if chip.full_well:
-            spread += light * np.float32(1.0 / chip.full_well)
+            spread += light * np.float32(1.0 / max(chip.full_well, 1.0))  # at least one electron
         noise = random.standard_normal(light.shape, np.float32)
         rgb = encoded((light + np.sqrt(spread) * noise).astype(np.float32))
     if chip.stuck:
