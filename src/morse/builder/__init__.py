@@ -1,8 +1,7 @@
-"""What a scene script sees: ``from morse.builder import *``.
+"""The names for scene scripts: ``from morse.builder import *``.
 
-A script makes robots, gives them sensors and actuators, and makes an `Environment` at its end. The
-names of the classes are those of the components; there is one for each file in ``morse/sensors``
-and ``morse/actuators``.
+A script creates robots, appends sensors and actuators to them, and finally creates an `Environment`. There is one class
+for each component in ``morse/sensors`` and ``morse/actuators``, with the name of the component.
 """
 
 # every name of this module is meant for scripts

@@ -1,4 +1,4 @@
-"""What everything in a scene has in common."""
+"""The base class of everything in a scene."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ __all__ = ["AbstractComponent", "Configuration", "timer"]
 
 logger = logging.getLogger(__name__)
 
-#: Hz; the tick of the simulation is at least as frequent as its fastest component
+#: default frequency, Hz; the frequency of the simulation is at least that of its fastest component
 HIGHEST_FREQUENCY = 10_000.0
 
 
 class AbstractComponent(Placement, Interfaces, Models, Part):
-    """A robot, a sensor, an actuator or a thing of the scene.
+    """A robot, a sensor, an actuator or another object of the scene.
 
     Attributes:
-        parent: the component that it is part of, or None.
-        children: the components that are part of it.
-        basename: its name without those of its parents, or None until it has one.
-        name_strength: where ``basename`` came from.
-        _where: the line of the script that made it.
+        parent: the component to which it is attached, or None.
+        children: the components attached to it.
+        basename: its name without the names of its parents, or None until it has a name.
+        name_strength: source of ``basename``.
+        _where: the line of the script that created it.
     """
 
-    #: ``robot``, ``sensor``, ``actuator``, or empty for a thing that does nothing
+    #: ``robot``, ``sensor``, ``actuator``, or empty for an object without behaviour
     _kind = ""
 
     def __init__(self, obj: SceneObject | None = None, filename: str = "", category: str = "") -> None:
@@ -65,11 +65,11 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         if obj is not None:
             self.set_blender_object(obj)
 
-    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+    if not TYPE_CHECKING:  # hidden from type checkers, which then find misspelt names
 
         def __getattr__(self, name: str) -> NoReturn:
             if not self.is_complete:
-                # properties end up here, too, if the object that they look at is not there
+                # also called for properties whose object does not exist
                 raise AttributeError(
                     f"this {type(self).__name__} is not complete (no {name}): its __init__ has to call the __init__ of "
                     f"its base class, {type(self).__mro__[1].__name__}, first",
@@ -87,12 +87,12 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     @property
     def is_complete(self) -> bool:
-        """True once it has an object of the scene."""
+        """Whether it has an object of the scene."""
         return "_bpy_object" in self.__dict__
 
     @property
     def is_robot(self) -> bool:
-        """True for what carries sensors and actuators."""
+        """Whether it can carry sensors and actuators."""
         return self._kind == "robot"
 
     @property
@@ -110,14 +110,14 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self._bpy_object = obj
 
     def select(self) -> None:
-        """Make its object the selected one (see `morse.builder.bpymorse`)."""
+        """Select its object (see `morse.builder.bpymorse`)."""
         workspace.current().selected = self.scene_node
 
     # --- names ------------------------------------------------------------------------------
 
     @property
     def name(self) -> str:
-        """The name in the scene; fully qualified (``robot.arm.pose``) once the environment is made."""
+        """The name in the scene; fully qualified (``robot.arm.pose``) after the environment is created."""
         return self._bpy_object.name
 
     @name.setter
@@ -131,13 +131,13 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
 
     @staticmethod
     def close_context(level: int = 1) -> None:
-        """Name the components after the variables that hold them now.
+        """Name the components after the variables that refer to them now.
 
-        Call it at the end of the body of a loop or function that makes components, before the next
-        round gives other values to the variables.
+        Call it at the end of the body of a loop or function that creates components, before the variables get other
+        values.
 
         Args:
-            level: whose variables: 1 is the function that calls, 2 the one that called that, ...
+            level: stack level of the variables: 1 for the calling function, 2 for its caller, ...
         """
         frame = frames.frame_above(checks.integer(level, "close_context(level)", minimum=1))
         if frame is not None:
@@ -146,16 +146,16 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
     # --- the tree ---------------------------------------------------------------------------
 
     def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
-        """Make a component part of this one; it is named after the variable or attribute that holds it.
+        """Attach a component to this one; it is named after the variable or attribute that refers to it.
 
         Args:
-            obj: the component; its pose is from now on in the frame of this one. An object of the scene that is below
-                this one already, such as an armature of the model of a robot, stays where it is.
-            child: name of one of the objects below this one, to fix it on that instead.
-            level: whose variables are searched for the name: 1 for those of the caller.
+            obj: the component; its pose becomes relative to this one. An object that is already below this one, such as
+                an armature of the model of a robot, keeps its pose.
+            child: name of an object below this one, to which the component is attached instead.
+            level: stack level of the variables that are searched for the name: 1 for the caller.
 
         Raises:
-            MorseBuilderError: there is no such child, or the component would be part of itself.
+            MorseBuilderError: there is no such child, or the component would be its own ancestor.
         """
         if not isinstance(obj, AbstractComponent):
             raise TypeError(f"{type(self).__name__}.append takes a component such as Pose(), got {checks.shown(obj)}")
@@ -187,12 +187,12 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
     def get_child(
         self, name: str, objects: Iterable[SceneObject] | None = None, recursive: bool = True
     ) -> SceneObject | None:
-        """The object of that name below this one, else that with the shortest name that begins so, else None.
+        """Return the object of that name below this one, else the object with the shortest matching prefix, else None.
 
         Args:
             name: without the copy suffix that Blender adds (``left_eye`` for ``left_eye.001``).
-            objects: search these instead of the children.
-            recursive: search the children of the children, too.
+            objects: objects to search instead of the children.
+            recursive: whether to search the whole tree.
         """
         pool = list(self._bpy_object.children if objects is None else objects)
         if recursive:
@@ -205,7 +205,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         return next(itertools.chain(exact, plain, prefixed), None)
 
     def _walk(self) -> Iterator[AbstractComponent]:
-        """This component and all that are part of it."""
+        """Return this component and all components below it."""
         yield self
         for child in self.children:
             yield from child._walk()
@@ -213,7 +213,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
     # --- properties -------------------------------------------------------------------------
 
     def properties(self, **kwargs: Any) -> None:
-        """Set properties: parameters of the component, or tags that others look for.
+        """Set properties: parameters of the component, or tags that other components use.
 
         A property that the component does not declare is kept, with a warning.
         """
@@ -227,17 +227,17 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             check_declared(cls, kwargs)
 
     def property_value(self, name: str) -> Any:
-        """The value of a property, or None if it is not set."""
+        """Return the value of a property, or None if it is not set."""
         return self.scene_node.properties.get(name)
 
     def frequency(self, frequency: float) -> None:
-        """Act that many times per simulated second."""
+        """Set the frequency, Hz (per simulated second)."""
         what = f"{type(self).__name__}.frequency(hz)"
         self._frequency = checks.number(frequency, what, above=0.0, maximum=HIGHEST_FREQUENCY)
         self.scene_node.properties["frequency"] = self._frequency
 
     def profile(self) -> None:
-        """Show the share of time that a sensor takes, while the simulation runs."""
+        """Show the share of time that a sensor uses while the simulation runs."""
         if self._kind != "sensor":
             logger.warning("%s is not a sensor: profile() has no effect on it", self.name)
             return
@@ -251,7 +251,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
                 node.color = (*rgb, 1.0)
 
     def own_nodes(self) -> Iterator[Node]:
-        """Its node and those of its model, without those of the components on it."""
+        """Return the nodes of its model, without those of attached components."""
         others = {component.scene_node for component in self._walk() if component is not self}
         stack = [self.scene_node]
         while stack:
@@ -259,11 +259,11 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             yield node
             stack.extend(child for child in reversed(node.children) if child not in others)
 
-    # --- what runs --------------------------------------------------------------------------
+    # --- the component class ----------------------------------------------------------------
 
     @property
     def classpath(self) -> str | None:
-        """The class that runs in the simulation, or None for a thing that does nothing."""
+        """Class path of the component class, or None for an object without behaviour."""
         found = self.scene_node.properties.get("classpath")
         return None if found is None else str(found)
 
@@ -272,7 +272,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self.scene_node.properties["classpath"] = checks.text(value, "classpath")
 
     def component_class(self) -> type[Any] | None:
-        """The class behind `classpath`, loaded.
+        """Load the class of `classpath`.
 
         Raises:
             MorseBuilderNoComponentError: it cannot be loaded.
@@ -280,14 +280,14 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         return None if self.classpath is None else load_class(self.classpath)
 
     def is_morseable(self) -> bool:
-        """True if it does something in the simulation."""
+        """Whether it has a component class."""
         return self.classpath is not None
 
     def morseable(self, calling_module: str | None = None) -> None:
-        """Make it a component that runs.
+        """Assign a component class.
 
         Args:
-            calling_module: class path of the class that runs, if the builder class does not say it.
+            calling_module: class path of the component class, if the builder class does not define it.
         """
         classpath = calling_module or getattr(type(self), "_classpath", None)
         if classpath is None:
@@ -299,15 +299,15 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         self.scene_node.properties["classpath"] = checks.text(classpath, "morseable(calling_module)")
 
     def is_exportable(self) -> bool:
-        """True if it has data that can be streamed."""
+        """Whether it has data that can be streamed."""
         return self._exportable
 
     def mark_unexportable(self) -> None:
-        """Say that it has no data to stream."""
+        """Declare that it has no data to stream."""
         self._exportable = False
 
     def _declaration(self, robot: AbstractComponent) -> ComponentDeclaration:
-        """The declaration of this component, which ``robot`` carries, for the simulation."""
+        """Return the declaration of this component on ``robot`` for the simulation."""
         return ComponentDeclaration(
             node=self.scene_node,
             kind=self._scene_kind(),

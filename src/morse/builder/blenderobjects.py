@@ -1,4 +1,4 @@
-"""Simple things to look at: bodies, lamps, cameras. Nothing collides with them unless told to."""
+"""Simple visual objects: bodies, lamps, cameras. By default they do not collide."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LAMPS = ("POINT", "SUN", "SPOT", "AREA", "HEMI")
 
 
 class BlenderObject(AbstractComponent):
-    """A thing that does nothing.
+    """An object without behaviour.
 
     Args:
         name: its name, if not that of the variable that holds it.
@@ -37,7 +37,7 @@ class BlenderObject(AbstractComponent):
             self.name = name
 
     def _furnish(self, node: Node) -> None:
-        """Give the node what makes this kind of thing."""
+        """Fill the node for this kind of object."""
 
 
 class Empty(BlenderObject):

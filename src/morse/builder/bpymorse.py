@@ -1,6 +1,6 @@
 """Functions on the objects of the scene, under the names of MORSE 1.4.
 
-There is no Blender behind them: objects are `morse.builder.objects.SceneObject`.
+They do not use Blender: objects are `morse.builder.objects.SceneObject`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def get_objects() -> NamedList[SceneObject]:
 
 
 def get_material(name: str) -> ObjectMaterial:
-    """The material of that name, as the first object that shows it has it.
+    """Return the material of that name from the first object that uses it.
 
     Raises:
         MorseBuilderNoComponentError: there is none.
@@ -83,7 +83,7 @@ def get_properties(obj: SceneObject) -> dict[str, object]:
 
 
 def select_only(obj: SceneObject) -> None:
-    """Make an object the selected one."""
+    """Select an object."""
     workspace.current().selected = _object(obj, "bpymorse.select_only(obj)").node
 
 
@@ -94,7 +94,7 @@ def get_context_object() -> SceneObject | None:
 
 
 def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
-    """Take objects, given by themselves or by their names, out of the scene; their children stay.
+    """Remove objects, given as objects or by name, from the scene; their children stay.
 
     Raises:
         MorseBuilderNoComponentError: there is no object of such a name.
@@ -112,7 +112,7 @@ def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
 
 
 def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) -> None:
-    """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also before there is an env."""
+    """Set the frequency of the simulation: old name of ``env.simulator_frequency``, also valid before it exists."""
     logger.warning("%s: bpymorse.set_speed is an old name, write env.simulator_frequency", frames.source_line())
     scene = workspace.current()
     speed = (fps or 60, logic_step_max or 20, physics_step_max or 20)
@@ -123,12 +123,12 @@ def set_speed(fps: int = 0, logic_step_max: int = 0, physics_step_max: int = 0) 
 
 
 def fullscreen(fullscreen: bool = True) -> None:
-    """Let the view fill the screen (``env.fullscreen``)."""
+    """Use the full screen for the view (``env.fullscreen``)."""
     _environment("fullscreen").fullscreen(fullscreen)
 
 
 def set_viewport(viewport_shade: str = "WIREFRAME", clip_end: float = 1000.0) -> None:
-    """Choose how the scene is drawn (``env.set_viewport``)."""
+    """Set the rendering mode (``env.set_viewport``)."""
     _environment("set_viewport").set_viewport(viewport_shade, clip_end)
 
 

@@ -32,12 +32,12 @@ class ComponentCreator(Component):
             ``LINK_EXISTING_OBJECT`` takes an object that is in the scene already.
         blendfile: name of the model for ``USE_BLEND``.
         blendobject: name of the object in the model, or of the existing object.
-        make_morseable: let it run.
+        make_morseable: assign its component class.
 
     Attributes:
-        _classpath: the class that runs; subclasses set it.
+        _classpath: class path of the component class; subclasses set it.
         _blendname: the name of the model, if ``blendfile`` is not given; subclasses may set it.
-        _product: which of the products that the class simulates this is, or None for the class itself.
+        _product: name of the product that this class represents, or None for the component class itself.
     """
 
     APPEND_EMPTY = "APPEND_EMPTY"
@@ -122,7 +122,7 @@ class ComponentCreator(Component):
 
 
 class SensorCreator(RealisticSensor, ComponentCreator):
-    """A sensor; subclasses say which class runs (``_classpath``)."""
+    """A sensor; subclasses set the component class (``_classpath``)."""
 
     _kind = "sensor"
 
@@ -138,7 +138,7 @@ class SensorCreator(RealisticSensor, ComponentCreator):
 
 
 class ActuatorCreator(ComponentCreator):
-    """An actuator; subclasses say which class runs (``_classpath``)."""
+    """An actuator; subclasses set the component class (``_classpath``)."""
 
     _kind = "actuator"
 

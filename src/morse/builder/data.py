@@ -1,4 +1,4 @@
-"""Tables of what there is, for scripts that look names up."""
+"""Tables of available names, for scripts that look names up."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ MORSE_DATASTREAM_DICT = MappingProxyType(
 
 
 class Configuration:
-    """What the script has said about the components so far, by their names."""
+    """The declarations of the script so far, by name of the component."""
 
     @staticmethod
     def datastreams() -> dict[str, list[tuple[str, str, str, dict[str, object]]]]:

@@ -1,4 +1,4 @@
-"""Builder classes that follow from what components declare."""
+"""Builder classes that are derived from the declarations of components."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ logger = logging.getLogger(__name__)
 
 _CREATORS: dict[str, type[Component]] = {"sensors": SensorCreator, "actuators": ActuatorCreator}
 
-#: the base classes of components; by their names, as scripts should not wait until they are imported
+#: the base classes of components, by name, so that they are imported on demand
 _BASES = {
     "morse.core.sensor.Sensor": "sensors",
     "morse.core.actuator.Actuator": "actuators",
     "morse.core.robot.Robot": "robots",
 }
 
-#: builder classes with methods or a body of their own, by the class that runs
+#: builder classes with additional methods or their own body, by component class
 _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.bumper.Bumper": ContactSensor,
     "morse.sensors.collision.Collision": ContactSensor,
@@ -54,7 +54,7 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
 }
 
-#: builder classes that are written by hand; the name of a product follows the class that runs
+#: builder classes that are written by hand; products are named after the component class
 _BY_HAND: Mapping[str, type[Component]] = {
     "morse.actuators.armature.Armature": armatures.Armature,
     "morse.actuators.armature.Armature KukaLWR": armatures.KukaLWR,
@@ -71,11 +71,11 @@ _BY_HAND: Mapping[str, type[Component]] = {
 
 
 def derived_classes(package: str, module: str) -> dict[str, type[Component]]:
-    """A builder class for each component of a package.
+    """Return a builder class for each component of a package.
 
     Args:
-        package: e.g. ``morse.sensors``: its last word says what is in it.
-        module: where the classes will live.
+        package: e.g. ``morse.sensors``; its last part is the kind of component.
+        module: module of the new classes.
     """
     kind = package.rpartition(".")[2]
     return {
@@ -90,7 +90,7 @@ def installed_classes(module: str) -> dict[str, type[Component]]:
     """A builder class for each component of the packages that the entry points ``morse.components`` name.
 
     Args:
-        module: where the classes will live.
+        module: module of the new classes.
     """
     found: dict[str, type[Component]] = {}
     for point in entry_points("morse.components"):

@@ -1,4 +1,4 @@
-"""Keeps the files of a user from hiding libraries."""
+"""Prevents files of a user from hiding libraries."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 class LibrariesFirst:
-    """Finds libraries although the folder of the scene script comes first on the path.
+    """Finds libraries although the directory of the scene script comes first on the path.
 
-    A script ``random.py`` or ``rich.py`` would else be run again, in place of the library, wherever one is imported.
+    Otherwise, a script ``random.py`` or ``rich.py`` would be executed again instead of the library at each import.
 
     Args:
         script: name of the scene script, without suffix; it is never imported.
-        directories: whose files give way to the standard library, too.
+        directories: directories whose files do not hide the standard library either.
     """
 
     def __init__(self, script: str, directories: Iterable[str]) -> None:

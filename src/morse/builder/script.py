@@ -28,24 +28,24 @@ if TYPE_CHECKING:
 
 __all__ = ["ScriptError", "build", "is_loading", "load_scene"]
 
-#: scenes are described one at a time: the builder knows one that is being described
+#: lock for the builder, which can describe one scene at a time
 _describing = threading.RLock()
 _loading = False
 
 
 def is_loading() -> bool:
-    """True while a scene script runs: a program that is also a scene script can ask for it."""
+    """Whether a scene script is running, for programs that are also scene scripts."""
     return _loading
 
 
 def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
     """Run a scene script and return the scene that it describes.
 
-    The script, and the components that it names, have a ``sys.path``, a ``sys.argv`` and modules of their own: see
-    `morse.core.project_imports`. They go with the scene, as its attribute ``project``.
+    The script and its components have a separate ``sys.path``, ``sys.argv`` and modules: see
+    `morse.core.project_imports`. They are stored in the attribute ``project`` of the scene.
 
     Args:
-        anew: the files may have been saved a moment ago: compiled ones are not believed.
+        anew: ignore cached compiled files, because the sources may have been saved a moment ago.
 
     Raises:
         ScriptError: the script has an error.
@@ -75,12 +75,12 @@ def build(
     resource_paths: list[str] | None = None,
     interfaces: Sequence[str] = (),
 ) -> Scene:
-    """The scene that a function describes in terms of `morse.builder`.
+    """Return the scene that a function describes with `morse.builder`.
 
     Args:
-        script: named in errors.
+        script: name in error messages.
         resource_paths: searched for models before ``MORSE_RESOURCE_PATH``.
-        interfaces: middlewares to which everything is connected, besides what the scene says.
+        interfaces: middlewares to which all components are connected, in addition to those of the scene.
 
     Raises:
         ScriptError: the script has an error.
@@ -107,13 +107,13 @@ def build(
 
 @contextmanager
 def describing(resource_paths: list[str]) -> Iterator[None]:
-    """Within the block, a part of a scene may be described, with the models of a project."""
+    """Within the block, a part of a scene can be described, with the models of a project."""
     with _describing, search.project_dirs(resource_paths):
         yield
 
 
 def _lacks_mathutils() -> bool:
-    """Scripts and components of 1.4 import ``mathutils``, which came with the Blender that ran them."""
+    """Whether ``mathutils`` is missing, which scripts of 1.4 import because Blender contained it."""
     spec = importlib.util.find_spec("mathutils")
     # a folder of that name on the path is not a module
     return spec is None or spec.origin is None

@@ -25,8 +25,8 @@ class Workspace:
         components: robots, sensors, things, ... in the order in which they were made.
         models: the model files that nodes came from.
         environment: the environment, once the script has made it.
-        selected: the node that was selected last.
-        speed: what ``bpymorse.set_speed`` asked the environment for before there was one.
+        selected: the last selected node.
+        speed: frequency that ``bpymorse.set_speed`` has set before the environment exists.
         script: the script itself, kept so that its functions still find their names.
     """
 
@@ -42,20 +42,20 @@ class Workspace:
         self._counters: dict[str, int] = {}
 
     def add(self, root: Node) -> None:
-        """Put a node and all below it into the scene; names that are taken get ``.001``, ``.002``, ..."""
+        """Add a node and all nodes below it to the scene; ``.001``, ``.002``, ... is appended to existing names."""
         for node in root.walk():
             node.name = self._unique(node.name)
             self._nodes[node.name] = node
         self.roots.append(root)
 
     def add_model(self, roots: Iterable[Node], use: ModelUse) -> None:
-        """Put nodes of a model file into the scene."""
+        """Add nodes of a model file to the scene."""
         for root in roots:
             self.add(root)
         self.models.append(use)
 
     def reserve(self, nodes: Iterable[Node]) -> None:
-        """Let no node get the name of one of these, which are not part of this scene."""
+        """Reserve the names of nodes that are not part of this scene."""
         for node in nodes:
             self._nodes[node.name] = node
 
@@ -71,13 +71,13 @@ class Workspace:
             self.roots.remove(child)
 
     def detach(self, child: Node) -> None:
-        """Make a node one without a parent."""
+        """Remove the parent of a node."""
         if child.parent is not None:
             child.detach()
             self.roots.append(child)
 
     def delete(self, node: Node) -> None:
-        """Take a node out of the scene; its children become roots and keep their place in the world."""
+        """Remove a node from the scene; its children become roots and keep their world poses."""
         for child in list(node.children):
             above = node.world_matrix()
             inverse = above if child.parent_inverse is None else above @ child.parent_inverse
@@ -101,14 +101,14 @@ class Workspace:
         return list(self._nodes)
 
     def rename(self, node: Node, name: str) -> None:
-        """Give a node a name, made unique by ``.001``, ``.002``, ... if another node has it."""
+        """Set the name of a node, made unique by ``.001``, ``.002``, ... if another node has it."""
         if node.name != name:
             del self._nodes[node.name]
             node.name = self._unique(name)
             self._nodes[node.name] = node
 
     def claim(self, node: Node, name: str) -> None:
-        """Give a node a name; a node that has it gets another one."""
+        """Set the name of a node; another node with that name is renamed."""
         holder = self._nodes.get(name)
         if holder is not None and holder is not node:
             del self._nodes[node.name]
@@ -162,5 +162,5 @@ def described() -> Iterator[Workspace]:
 
 
 def is_being_described() -> bool:
-    """True while a scene script runs."""
+    """Whether a scene script is running."""
     return _described > 0

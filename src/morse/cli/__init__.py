@@ -29,9 +29,9 @@ def run_and_exit(arguments: Sequence[str]) -> NoReturn:
 
 
 def _open_closed_streams() -> None:
-    """A process may be started with standard streams closed (``morse run scene.py >&-``): they lead nowhere then.
+    """Replace closed standard streams (``morse run scene.py >&-``) by the null device.
 
-    Else a file or socket that is opened later would take the place of the standard output.
+    Otherwise a file or socket that is opened later would get the descriptor of the standard output.
     """
     closed = sys.stdout is None
     for descriptor in (0, 1, 2):

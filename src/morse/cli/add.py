@@ -1,4 +1,4 @@
-"""``morse add``: start a robot, a sensor or an actuator of one's own."""
+"""``morse add``: create a robot, a sensor or an actuator from a template."""
 
 from __future__ import annotations
 

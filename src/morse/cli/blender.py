@@ -23,7 +23,7 @@ def find() -> tuple[str | None, str]:
 
 
 def version(program: str) -> str:
-    """What ``blender --version`` says in its first line, or why it says nothing."""
+    """Return the first line of ``blender --version``, or the reason why it failed."""
     try:
         output = subprocess.run(
             [program, "--version"], capture_output=True, encoding="utf-8", errors="replace", timeout=20, check=True

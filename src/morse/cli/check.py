@@ -1,4 +1,4 @@
-"""``morse check``: what is there, what is missing and what it would give."""
+"""``morse check``: report installed and missing requirements."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def command(
         ),
     ] = None,
 ) -> int:
-    """Check that MORSE has all it needs, and say what else it could use; or check components.
+    """Check the requirements of MORSE and optional programs; or check components.
 
-    `morse check component NAME` runs a component in small simulations and says which rules of the contract it breaks.
+    `morse check component NAME` runs a component in small simulations and reports violated rules of the contract.
     """
     if what:
         if what[0] != "component":
@@ -81,7 +81,7 @@ def _mark(result: Finding) -> Text:
 
 
 def _say_places() -> None:
-    """Print the folders that users look for, each in a line of its own, to be copied."""
+    """Print the directories of data, each on a separate line, for copying."""
     own, *others = search.component_dirs()
     say(f"MORSE data directory: {own}")
     for name, directories in (("MORSE_ROOT", others), ("MORSE_RESOURCE_PATH", search.resource_dirs())):

@@ -1,4 +1,4 @@
-"""``morse check component``: does a component keep the contract?"""
+"""``morse check component``: check a component against the contract."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
     """
     if not names:
         raise CommandError(f"Which component? {_USAGE}", status=2)
-    # imported only now: it loads the simulator
+    # imported on demand, because it loads the simulator
     from morse.verification.contract import SubjectError, check_component
 
     passed = True

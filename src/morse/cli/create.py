@@ -1,4 +1,4 @@
-"""``morse create``: make a new simulation environment."""
+"""``morse create``: create a new simulation environment."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def command(
     env: Annotated[str, typer.Argument(help="Name of the new environment: letters, digits and underscores.")],
     force: Annotated[bool, typer.Option("-f", "--force", help="Replace what is there.")] = False,
 ) -> None:
-    """Make a new simulation environment in the current directory, with a scene that runs."""
+    """Create a new simulation environment in the current directory, with an example scene."""
     name = environment_name(env)
     sites = Sites()
     directory = Path.cwd() / name

@@ -60,7 +60,7 @@ def command(
         speed=parse_speed(speed),
     )
     log.setup()
-    # imported only now: the list should not wait for the simulator to load
+    # imported on demand, so that the list does not load the simulator
     from morse.launch.run import run
 
     own = _Client(chosen, ends_the_simulation=headless)
@@ -89,7 +89,7 @@ def _copy(chosen: Example, folder: Path) -> None:
 
 
 class _Client:
-    """The program that belongs to an example, in a process of its own.
+    """The client program of an example, in a separate process.
 
     Attributes:
         status: 1 if it failed, else 0.
@@ -103,7 +103,7 @@ class _Client:
         self.status = 0
 
     def start(self, simulation: Simulation) -> None:
-        """Start it; it finds the simulation by its port."""
+        """Start the program, which finds the simulation by its port."""
         managers: list[Any] = list(simulation.context.services.request_managers().values())
         port = next(manager.port for manager in managers if hasattr(manager, "port"))
         environment = {**os.environ, "MORSE_SOCKET_PORT": str(port), "PYTHONUNBUFFERED": "1"}
@@ -127,7 +127,7 @@ class _Client:
             say(f"The client has ended. Run it again: python3 {self._file}. Ctrl+C ends the simulation.")
 
     def end(self) -> None:
-        """End it, if it still runs."""
+        """Terminate the program, if it is still running."""
         self._ended = True
         if self._process is None or self._process.poll() is not None:
             return

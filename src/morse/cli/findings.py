@@ -1,4 +1,4 @@
-"""What this machine has that MORSE needs or can use."""
+"""Detects required and optional software on this machine."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ _REQUIRED_MODULES = {
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked for.
+    """The result of one check.
 
     Attributes:
         name: as the user knows it.
-        found: whether it is there and works.
+        found: whether it is installed and works.
         detail: version or location, or a description of the problem.
         gives: its purpose.
         install: how to get it; empty if it would be of no use.
-        required: MORSE does not run without it.
+        required: whether MORSE requires it.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Finding:
 
 
 def findings() -> Iterator[Finding]:
-    """Look for everything, the required things first."""
+    """Run all checks, required software first."""
     yield _python()
     for module, (distribution, purpose) in _REQUIRED_MODULES.items():
         yield _module(module, distribution, purpose, f"pip install {distribution}", required=True)

@@ -1,4 +1,4 @@
-"""Files that one process at a time may change."""
+"""File locks between processes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Wait until no other process holds the lock file, and hold it; it is let go with the process at the latest.
+    """Acquire the lock file, waiting for other processes; it is released at the latest when the process ends.
 
     Raises:
         OSError: the file cannot be made or locked.
@@ -32,7 +32,7 @@ if sys.platform == "win32":
     def _lock(descriptor: int) -> None:
         import msvcrt
 
-        # it gives up after ten attempts, a second apart
+        # the system call gives up after ten attempts, one second apart
         msvcrt.locking(descriptor, msvcrt.LK_LOCK, 1)
 
 else:

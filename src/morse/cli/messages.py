@@ -1,4 +1,4 @@
-"""What the command line says: one line a message, each after ``* ``."""
+"""Messages of the command line: one line per message, with the prefix ``* ``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class CommandError(Exception):
-    """A command cannot do what was asked; the message says why and how to mend it.
+    """A command failed; the message contains the reason and the correction.
 
     Args:
         message: shown to the user.

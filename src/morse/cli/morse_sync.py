@@ -1,7 +1,6 @@
-"""``morse_sync``: paces a simulation that was started with ``time_sync=True``, one tick a period.
+"""``morse_sync``: paces a simulation that was started with ``time_sync=True``, one tick per period.
 
-While it runs, it takes commands from its standard input, one a line: ``set_period SECONDS`` and
-``quit``.
+While it runs, it reads commands from its standard input, one per line: ``set_period SECONDS`` and ``quit``.
 """
 
 from __future__ import annotations
@@ -28,10 +27,10 @@ _RETRY = 0.1
 
 
 class Pace:
-    """How long to sleep so that one round takes one period.
+    """Computes the sleep time so that one round takes one period.
 
-    Every five rounds the sleep is corrected by half of what a round took too long or too short, so
-    that the work between two sleeps does not count.
+    Every five rounds the sleep time is corrected by half of the error of a round, which compensates for the work
+    between two sleeps.
 
     Args:
         period: wanted duration of a round, s.

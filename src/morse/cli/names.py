@@ -13,7 +13,7 @@ _OWN_PACKAGES = {"morse", "pymorse", "numpy", "mujoco", "msgspec", "websockets",
 
 
 def environment_name(text: str) -> str:
-    """The name of an environment, which is also that of its directory and of its Python package.
+    """Validate the name of an environment, which is also the name of its directory and of its Python package.
 
     Raises:
         CommandError: for a path, for what Python could not import, and for the names of modules that
@@ -68,7 +68,7 @@ def class_name(name: str) -> str:
 
 def _identifier(text: str, keep: str, replace: str) -> str:
     """A form of the text that can be the name of a Python module, of a class and of a file."""
-    # Python compares identifiers in this normal form, file systems do not
+    # Python normalises identifiers to this form, but file systems do not
     normal = unicodedata.normalize("NFKC", text)
     name = "".join(c if c in keep or (c.isalnum() and ("a" + c).isidentifier()) else replace for c in normal)
     if not name:

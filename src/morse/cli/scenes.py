@@ -1,4 +1,4 @@
-"""Which file ``morse run`` and ``morse edit`` mean, and which folders belong to it."""
+"""Finds the scene file for ``morse run`` and ``morse edit``, and the directories of its project."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class ResolvedScene:
 
 
 def resolve(words: Sequence[str]) -> ResolvedScene:
-    """Find the scene that a command line asks for.
+    """Find the scene of a command line.
 
     Args:
         words: ``[ENVIRONMENT [FILE]]`` or ``[PATH]``, then the arguments of the script.
@@ -84,7 +84,7 @@ def _scene_here(sites: Sites) -> ResolvedScene:
 
 
 def _scene_of_environment(directory: Path, name: str, rest: list[str]) -> ResolvedScene:
-    # as on every command line, what begins with a dash is not a file
+    # arguments that begin with a dash are not files
     if rest and not rest[0].startswith("-"):
         return ResolvedScene(_file_of_environment(directory, name, rest[0]), rest[1:], directory)
     default = directory / _DEFAULT_SCENE

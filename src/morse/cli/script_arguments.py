@@ -1,4 +1,4 @@
-"""What follows the scene on the command line of ``morse run``: arguments of the script, or misplaced options."""
+"""Arguments after the scene on the command line of ``morse run``: arguments of the script, or misplaced options."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from morse.cli.messages import CommandError, warn
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-#: names by which programs get at their command line
+#: names by which programs access their command line
 _READERS = frozenset(
     {"argv", "orig_argv", "argparse", "getopt", "optparse", "absl", "click", "docopt", "fire", "typer", "tyro"}
 )
@@ -21,7 +21,7 @@ _READERS = frozenset(
 def check_arguments(
     scene: Sequence[str], arguments: Sequence[str], script: Path, source_paths: Iterable[str], parameters: Iterable[Any]
 ) -> None:
-    """Refuse options of ``morse run`` that stand after the scene, unless the script may read them itself.
+    """Raise an error for options of ``morse run`` after the scene, unless the script may read them itself.
 
     Args:
         scene: the words that name the scene.
@@ -31,7 +31,7 @@ def check_arguments(
         parameters: those of ``morse run``.
 
     Raises:
-        CommandError: the script would not see them, and the simulation would run without them.
+        CommandError: the script does not read its arguments, so that the options would have no effect.
     """
     takes_value = {name: not parameter.is_flag for parameter in parameters for name in _options_of(parameter)}
     options = [word for word in arguments if word.startswith("-")]
@@ -74,7 +74,7 @@ def _sorted(arguments: Sequence[str], takes_value: dict[str, bool]) -> tuple[lis
 
 
 def _reads_arguments(script: Path, directories: list[str]) -> bool:
-    """Whether a script, or what it imports from its project, names something that reads the command line."""
+    """Whether a script, or a module that it imports from its project, may read the command line."""
     seen: set[Path] = set()
     waiting = [script]
     while waiting:
@@ -86,7 +86,7 @@ def _reads_arguments(script: Path, directories: list[str]) -> bool:
             tree = ast.parse(file.read_bytes())
         except (OSError, SyntaxError, ValueError):
             if file == script and file.suffix != ".blend":
-                return True  # the error is said when it is run
+                return True  # the error is reported when the script is executed
             continue
         for node in ast.walk(tree):
             if _READERS.intersection(_names(node)):

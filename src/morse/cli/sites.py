@@ -46,7 +46,7 @@ class Sites:
 
     @classmethod
     def or_none_registered(cls) -> tuple[Sites, CommandError | None]:
-        """The registered environments; if the configuration file is broken none, and what is wrong with it."""
+        """Return the registered environments; if the configuration file is broken, none and the error."""
         try:
             return cls(), None
         except CommandError as error:
@@ -76,7 +76,7 @@ class Sites:
         return sorted(self._config.options(_SECTION))
 
     def find(self, name: str) -> Path | None:
-        """The directory of an environment (which may have vanished), or None if it is not registered."""
+        """Return the directory of an environment (which may not exist any more), or None if it is not registered."""
         return Path(self._config.get(_SECTION, name)) if name in self else None
 
     def directory(self, name: str) -> Path:
@@ -120,14 +120,14 @@ class Sites:
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
-        """No other process changes the file meanwhile, and what others have registered is known."""
+        """Lock the file for the block, and read the registrations of other processes."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with exclusive(self.path.with_name("config.lock")):
             self._config = self._read()
             yield
 
     def _save(self) -> None:
-        # written beside and moved into place: an interrupted command must not lose the other environments
+        # written to a temporary file and renamed, so that an interrupted command does not lose the other environments
         descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="config-")
         try:
             with os.fdopen(descriptor, "w", encoding="utf-8") as file:

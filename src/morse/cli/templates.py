@@ -65,7 +65,7 @@ class Values:
             "classname": self.classname,
             "shortdesc": _inside_quotes(self.shortdesc),
         }
-        # in one pass: a description may itself hold a placeholder
+        # in one pass, because a description may itself contain a placeholder
         return _PLACEHOLDER.sub(lambda match: values[match[1]], text)
 
 

@@ -1,4 +1,4 @@
-"""``morse verify``: does a scene give the same bits again?"""
+"""``morse verify``: check that a scene is repeatable bit for bit."""
 
 from __future__ import annotations
 

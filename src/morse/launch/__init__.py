@@ -1,1 +1,1 @@
-"""From a scene script to a running simulation, with a live view if asked for."""
+"""Starts simulations from scene scripts, optionally with a live view."""

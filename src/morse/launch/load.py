@@ -1,4 +1,4 @@
-"""``morse.load``: from a scene to a simulation, in this process."""
+"""``morse.load``: loads a simulation in this process."""
 
 from __future__ import annotations
 
@@ -36,31 +36,31 @@ def load(
     view_token: str | None = None,
     watch: bool = False,
 ) -> Simulation:
-    """Load a scene. Time passes when `Simulation.step` or `Simulation.run` is called.
+    """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
 
-    Nothing of the process is changed: the modules of the scene's project, ``sys.path`` and ``sys.argv`` are private to
-    the simulation. Without ``sockets`` and ``view`` there is neither a thread nor a socket.
+    The process is not modified: the modules of the project of the scene, ``sys.path`` and ``sys.argv`` are private to
+    the simulation. Without ``sockets`` and ``view``, no thread or socket is created.
 
     Args:
         scene: path of a scene script or of a model of an environment, a function that builds a scene, or a `Scene`.
-        seed: of all random numbers; None for what the scene says.
-        sockets: open the middlewares that the scene names, and the services on the socket.
+        seed: seed of all random numbers; None for the seed of the scene.
+        sockets: whether to open the middlewares of the scene, and the services on the socket.
         interfaces: names of middlewares to which everything on all robots is connected, as if the scene said
             ``env.add_default_interface``; ``sockets`` follows from it. Not for a `Scene`, which says it itself.
         view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for neither.
-        strict: an unknown or ill-typed field in a message of a client is an error.
+        strict: whether an unknown or ill-typed field in a message of a client is an error.
         arguments: ``sys.argv[1:]`` of a scene script.
-        speed: of `Simulation.run`, simulated seconds a second; ``math.inf`` for as fast as possible.
+        speed: speed of `Simulation.run`, simulated seconds per second; ``math.inf`` for as fast as possible.
         host: address on which every server listens.
-        view_port: of the live view; 0 for any free port.
-        view_token: what a browser on another host has to show.
-        watch: follow the models and the components of the project that are saved while the simulation runs; this
-            takes a thread.
+        view_port: port of the live view; 0 for any free port.
+        view_token: token that a browser on another host has to send.
+        watch: whether to reload models and components of the project that are saved while the simulation runs; this
+            starts a thread.
 
     Raises:
         FileNotFoundError: there is no such file.
-        ScriptError: whatever is wrong with the scene script; the message names the line.
-        LoadError: a component cannot be made.
+        ScriptError: any error in the scene script; the message names the line.
+        LoadError: a component cannot be created.
         ValueError: the physics of the scene cannot be compiled, or an option has another value than is said above.
         TypeError: an option has a value of another type.
     """
@@ -132,7 +132,7 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
     """A simulation of a scene, ready to run.
 
     Raises:
-        LoadError: a component cannot be made.
+        LoadError: a component cannot be created.
         ValueError: the physics of the scene cannot be compiled.
         OSError: a port cannot be had.
     """
@@ -149,7 +149,7 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
 
 
 def resolve(scene: Scene) -> None:
-    """Work out the shapes with which the objects of a scene collide; what cannot be done is logged."""
+    """Compute the collision shapes of a scene, and log warnings."""
     from morse.assets.collision import resolve_shapes
 
     for warning in resolve_shapes(scene):
@@ -157,10 +157,10 @@ def resolve(scene: Scene) -> None:
 
 
 def complete(simulation: Simulation) -> None:
-    """Make the components, open the live view, watch the files and record, as the options ask for.
+    """Create the components, and start the live view, file watching and recording according to the options.
 
     Raises:
-        LoadError: a component cannot be made.
+        LoadError: a component cannot be created.
         RecordingError: the recording cannot be written.
         OSError: the live view cannot be opened.
     """
@@ -186,12 +186,12 @@ def complete(simulation: Simulation) -> None:
         simulation.observers.append(simulation.flight_recorder)
     if options.record is not None:
         simulation.record(options.record, options.record_only or None)
-        # an edited scene that takes the place of this one has a recording of its own
+        # an edited scene that replaces this one has a separate recording
         options.record = next_name(options.record)
 
 
 def next_name(path: str) -> str:
-    """The path with a number that no file there has yet: ``run-2.mcap`` for ``run.mcap``."""
+    """Return the path with the first free number: ``run-2.mcap`` for ``run.mcap``."""
     stem, suffix = os.path.splitext(path)
     number = 2
     while os.path.exists(f"{stem}-{number}{suffix}"):

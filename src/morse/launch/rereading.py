@@ -1,4 +1,4 @@
-"""Reads an edited scene script again when a person starts the simulation anew (F11)."""
+"""Reloads an edited scene script when the user restarts the simulation (F11)."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Rereading:
         logger.info("read again: %s", ", ".join(edited))
         options = self._options
         if simulation.view is not None and options.view == "web":
-            # the pages that are open come back to the same address
+            # open pages reconnect to the same address
             port, token = simulation.view.address
             options = replace(options, view_port=port, view_token=token, open_browser=False)
         self.successor = scene, options

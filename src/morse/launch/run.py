@@ -1,4 +1,4 @@
-"""``morse run``: from a script to an exit status."""
+"""``morse run``: loads and runs a scene, and returns the exit status."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.main")
 
-#: where `--profile` writes its trace
+#: file to which `--profile` writes its trace
 _TRACE = Path("morse-profile.json")
 
 
 def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None) -> int:
-    """Load a scene and run it to its end.
+    """Load a scene and run it until it ends.
 
     Args:
         ready: called before the first tick.
 
     Returns:
-        The exit status: 0, or 1 if the scene could not be loaded or the run broke off.
+        The exit status: 0, or 1 if the scene could not be loaded or the run failed.
     """
     section("PRE-INITIALIZATION")
     logger.info("MORSE %s, Python %s", __version__, platform.python_version())
@@ -90,7 +90,7 @@ def _load_scene(options: RunOptions) -> Scene | None:
         _error(str(error))
     else:
         if isinstance(scene.project, ProjectImports):
-            # the process runs this simulation alone
+            # this process runs only this simulation
             scene.project.stay()
         return scene
     return None
@@ -155,7 +155,7 @@ def _failed(error: Exception) -> None:
 
 
 def _listen_for_signals(simulation: Simulation) -> None:
-    """From now on Ctrl+C and a request to terminate end the simulation after its tick."""
+    """Install signal handlers: Ctrl+C and SIGTERM end the simulation after its tick."""
 
     def stop(_signal: int, _frame: Any) -> None:
         simulation.stop()
@@ -180,7 +180,7 @@ def _loop(simulation: Simulation) -> int:
     from morse.simulation.profile_table import LiveProfile
 
     live = LiveProfile(simulation.profile) if simulation.profile is not None else None
-    # what exists now stays to the end: the garbage collector need not look through it again and again
+    # present objects live until the end, so they are excluded from garbage collection
     gc.collect()
     gc.freeze()
     try:

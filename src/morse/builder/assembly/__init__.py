@@ -1,1 +1,1 @@
-"""From what a script has made to the scene that is simulated."""
+"""Converts the objects of a script into the scene for the simulation."""

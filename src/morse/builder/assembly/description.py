@@ -1,4 +1,4 @@
-"""The environment as the script has described it."""
+"""The environment as described by the script."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ if TYPE_CHECKING:
 
 
 class EnvironmentDescription:
-    """What `Environment` hands on to the scene.
+    """The data that `Environment` passes to the scene.
 
     Attributes:
-        where: the line of the script that made it.
+        where: the line of the script that created it.
         filename: name of its model.
-        settings: of time, physics and view.
+        settings: settings of time, physics and view.
         environment_properties: position on the Earth, temperature, ...
     """
 
@@ -32,5 +32,5 @@ class EnvironmentDescription:
     _log_levels: dict[str, str]
 
     def add_default_interface(self, interface: str) -> None:
-        """Connect everything that all robots carry to a middleware."""
+        """Connect all components of all robots to a middleware."""
         raise NotImplementedError

@@ -1,4 +1,4 @@
-"""From what a script has made to the scene that is simulated."""
+"""Converts the objects of a script into the scene for the simulation."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 def build_scene(workspace: Workspace) -> Scene:
-    """The scene that a script has described.
+    """Return the scene that a script has described.
 
     Raises:
-        ScriptError: there is no environment, or a component cannot run.
+        ScriptError: there is no environment, or a component cannot be used.
     """
     environment = workspace.environment
     if environment is None:

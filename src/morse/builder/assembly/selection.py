@@ -1,4 +1,4 @@
-"""Which objects of a model file go into the scene, as copies with their physics settled."""
+"""Selects objects of a model file for the scene, and copies them with resolved physics settings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.scene import Library, Node, Role
 
 
-#: the camera in the file of a world that says from where the live view shows the world first
+#: the camera in the file of a world with the initial viewpoint of the live view
 _VIEWPOINT = "CameraFP"
 
 
@@ -26,7 +26,7 @@ def viewpoint_of(library: Library) -> Node | None:
 
 
 def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
-    """Copies of objects of a library, and the record of where they came from.
+    """Return copies of objects of a library, and the record of their origin.
 
     Returns:
         The copies without a parent, empty if nothing matches; and their `ModelUse`.
@@ -44,7 +44,7 @@ def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
 
 
 def whole_component(library: Library, role: Role = "component") -> Node:
-    """All objects of a file as one: the root of a robot, sensor or actuator.
+    """Return all objects of a file as one: the root of a robot, sensor or actuator.
 
     Raises:
         AssetError: there is no object in the file.
@@ -74,13 +74,13 @@ def pick(
     names: Sequence[str] | None = None,
     prefix: str | None = None,
 ) -> list[Node]:
-    """Copies of objects of a library, each with all below it.
+    """Return copies of objects of a library, each with all objects below it.
 
     Objects whose names begin with ``_`` are left out, with all below them.
 
     Args:
-        library: the content of the file; it stays as it is.
-        role: what they will be.
+        library: the content of the file; it is not modified.
+        role: role of the objects in the scene.
         names: only these.
         prefix: only those whose names begin so; if there are none, those in the collection of
             that name.
@@ -110,7 +110,7 @@ def _topmost(nodes: Iterable[Node]) -> list[Node]:
 def _copy(original: Node) -> Node:
     copy = instantiate(original)
     if original.parent is not None:
-        # the part stays where it was in the file
+        # the part keeps its pose in the file
         copy.parent_inverse = original.parent.world_matrix() @ parent_inverse_of(original)
     for node in list(copy.walk()):
         if node.name.startswith("_"):

@@ -1,4 +1,4 @@
-"""Describes a robot or a thing that comes into a scene which runs already."""
+"""Describes a robot or an object that is spawned in a running scene."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Newcomer:
-    """What comes into a scene.
+    """The content of a spawned robot or object.
 
     Attributes:
         roots: its nodes without a parent.
-        components: what runs of it: a robot and what the robot carries.
+        components: its declarations: a robot and its components.
         models: the model files that the nodes came from.
     """
 
@@ -44,17 +44,17 @@ def describe_newcomer(
     taken: Iterable[Node],
     interfaces: Iterable[str],
 ) -> Newcomer:
-    """What a function of the builder describes, under a name and at a place.
+    """Return the robot or object that a function of the builder describes, with a name and a pose.
 
     Args:
-        make: returns a robot or a thing, e.g. a class of the builder.
-        position: metres in the world.
-        rotation: roll, pitch, yaw, radians.
-        taken: nodes of the scene that runs; those that come get other names.
-        interfaces: names of the middlewares by which a robot is reached.
+        make: function that returns a robot or an object, e.g. a class of the builder.
+        position: x, y, z in the world, m.
+        rotation: roll, pitch, yaw, rad.
+        taken: nodes of the running scene; new nodes get other names.
+        interfaces: names of the middlewares to which a robot is connected.
 
     Raises:
-        MorseBuilderError: it returns nothing that can come into a scene, or the name is taken.
+        MorseBuilderError: the function does not return a robot or an object, or the name exists already.
     """
     with workspace.described() as described:
         described.reserve(taken)
@@ -80,7 +80,7 @@ def describe_newcomer(
 
 
 def maker_of(kind: str) -> Callable[[], Any]:
-    """What makes a thing of a kind: the name of a class of `morse.builder`, or the name of a model.
+    """Return the function that creates a kind: the name of a class of `morse.builder`, or the name of a model.
 
     Raises:
         MorseBuilderNoComponentError: there is neither.

@@ -21,7 +21,7 @@ _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.
 
 logger = logging.getLogger(__name__)
 
-#: settings of Blender's game engine that the physics of MORSE has no use for
+#: settings of Blender's game engine that the physics of MORSE does not use
 _WITHOUT_EFFECT = (
     "collision_group",
     "collision_margin",
@@ -61,7 +61,7 @@ def property_type(value: object) -> str:
 
 
 def checked_property(name: str, value: Any) -> object:
-    """The value of a property as it is stored; the scalars of numpy become those of Python.
+    """Return the value of a property as it is stored; numpy scalars are converted to Python scalars.
 
     Raises:
         ValueError: NaN.
@@ -98,7 +98,7 @@ class GameProperty:
 
 
 class _Number:
-    """A number of the body settings."""
+    """A numeric field of the body settings."""
 
     def __init__(self, field: str, *, above: float | None = None, maximum: float | None = None) -> None:
         self._field, self._above, self._maximum = field, above, maximum
@@ -117,7 +117,7 @@ class _Number:
 
 
 class _Flag:
-    """A switch of the body settings."""
+    """A boolean field of the body settings."""
 
     def __init__(self, field: str) -> None:
         self._field = field
@@ -133,7 +133,7 @@ class _Flag:
 
 
 class _AxisFlag:
-    """A switch of the body settings for one axis."""
+    """A boolean field of the body settings for one axis."""
 
     def __init__(self, field: str, axis: int) -> None:
         self._field, self._axis = field, axis
@@ -155,11 +155,11 @@ class GameSettings:
 
     Attributes:
         mass: kg.
-        radius: metres, of the sphere that stands for a body without a mesh.
+        radius: radius of the sphere that represents a body without a mesh, m.
         damping: share of the linear velocity lost each second, 0..1.
         rotation_damping: share of the angular velocity lost each second, 0..1.
-        use_actor: seen by sensors.
-        use_ghost: contacts are reported but exert no force.
+        use_actor: whether sensors detect it.
+        use_ghost: whether contacts are reported without forces.
         use_collision_compound: the shapes of the children belong to this body.
         lock_location_x: the body cannot move along the X axis of the world (and so on).
         lock_rotation_x: the body cannot turn about the X axis of the world (and so on).
@@ -209,7 +209,7 @@ class GameSettings:
 
     @property
     def use_collision_bounds(self) -> bool:
-        """A chosen shape is used for collisions; False detects one from the mesh."""
+        """Whether a chosen shape is used for collisions; False detects a shape from the mesh."""
         return self.node.body.bounds is not None
 
     @use_collision_bounds.setter

@@ -1,4 +1,4 @@
-"""Lists of things that have names, as Blender's collections are."""
+"""Lists of named items, like Blender's collections."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Named(Protocol):
-    """What has a name."""
+    """An item with a name."""
 
     @property
     def name(self) -> str:
@@ -22,11 +22,11 @@ _T = TypeVar("_T", bound=Named)
 
 
 class NamedList(list[_T]):
-    """A list whose items can also be asked for by their names; going through it gives the items.
+    """A list whose items can also be accessed by name; iteration yields the items.
 
     Args:
-        items: what is in it.
-        kind: what an item is called, in messages.
+        items: the items.
+        kind: name for an item in messages.
     """
 
     def __init__(self, items: Iterable[_T], kind: str) -> None:
@@ -49,7 +49,7 @@ class NamedList(list[_T]):
         return self.get(item) is not None if isinstance(item, str) else super().__contains__(item)
 
     def get(self, name: str, default: Any = None) -> Any:
-        """The item of that name, or ``default``."""
+        """Return the item of that name, or ``default``."""
         return next((item for item in self if item.name == name), default)
 
     def keys(self) -> list[str]:

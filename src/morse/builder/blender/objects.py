@@ -1,7 +1,7 @@
 """The nodes of a scene under the names of Blender's objects, for scripts that know them.
 
-``robot._bpy_object`` and ``bpymorse.get_object(name)`` are such objects. They hold nothing of their
-own: what is read and written is the node.
+``robot._bpy_object`` and ``bpymorse.get_object(name)`` are such objects. They have no data of their own: the node is
+read and written.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class SceneObject:
     """A node of the scene.
 
-    Two objects are equal if they stand for the same node.
+    Two objects are equal if they refer to the same node.
     """
 
     __slots__ = ("node",)
@@ -50,7 +50,7 @@ class SceneObject:
 
     @property
     def name(self) -> str:
-        """The name, unique in the scene: a name that is taken gets ``.001``, ``.002``, ..."""
+        """The name, unique in the scene: ``.001``, ``.002``, ... is appended to an existing name."""
         return self.node.name
 
     @name.setter
@@ -88,7 +88,7 @@ class SceneObject:
 
     @property
     def parent(self) -> SceneObject | None:
-        """The object whose frame it lives in, or None for the world."""
+        """The parent object, or None for the world."""
         return None if self.node.parent is None else SceneObject(self.node.parent)
 
     @parent.setter
@@ -102,7 +102,7 @@ class SceneObject:
 
     @property
     def children(self) -> NamedList[SceneObject]:
-        """The objects whose parent it is."""
+        """The child objects."""
         return NamedList([SceneObject(child) for child in self.node.children], "child")
 
     @property
@@ -117,7 +117,7 @@ class SceneObject:
 
 
 def material_slots(node: Node) -> list[Material | None]:
-    """The materials that a node shows: those of its mesh, where it has none of its own."""
+    """Return the materials of a node: its own, else those of its mesh."""
     defaults = list(node.mesh.materials) if node.mesh is not None else []
     slots = [*node.materials, *defaults[len(node.materials) :]]
     return [own if own is not None else defaults[i] if i < len(defaults) else None for i, own in enumerate(slots)]

@@ -1,1 +1,1 @@
-"""What users call: robots, sensors, actuators and things, and their methods."""
+"""The public builder classes: robots, sensors, actuators and other objects."""

@@ -21,7 +21,7 @@ _PREFIX, _BONE = "ik_target", "IK_Bone"
 
 
 class Armature(ActuatorCreator):
-    """An armature whose joints move; `morse.actuators.armature.Armature` runs.
+    """An armature with movable joints; its component class is `morse.actuators.armature.Armature`.
 
     Args:
         name: its name, if not that of the variable that holds it.
@@ -51,7 +51,7 @@ class Armature(ActuatorCreator):
             super().__init__(name, self.LINK_EXISTING_OBJECT, blendobject=armature_name)
         if not self.scene_node.bones:
             raise MorseBuilderError(f"{what}: '{self.scene_node.plain_name}' has no bones, it is not an armature")
-        # its fields follow from its bones
+        # its fields depend on its bones
         self._exportable = True
         self.ik_targets: dict[str, Node] = {}
 
@@ -64,7 +64,7 @@ class Armature(ActuatorCreator):
         return found[0]
 
     def create_ik_targets(self, bones: Iterable[str]) -> None:
-        """Give bones targets, which they follow: ``ik_target.<name of the component>.<bone>``.
+        """Create targets for bones, which follow them: ``ik_target.<name of the component>.<bone>``.
 
         Args:
             bones: names of bones.
@@ -94,14 +94,14 @@ class Armature(ActuatorCreator):
             self.ik_targets[bone] = target
 
     def _scene_options(self) -> dict[str, object]:
-        # the full name is known now
+        # the full name is known at this point
         for bone, target in self.ik_targets.items():
             workspace.current().rename(target, f"{_PREFIX}.{self.name}.{bone}")
         return super()._scene_options()
 
 
 class KukaLWR(Armature):
-    """A KUKA LWR arm; `morse.actuators.armature.Armature` runs.
+    """A KUKA LWR arm; its component class is `morse.actuators.armature.Armature`.
 
     Its last bone, ``kuka_7``, has a target for inverse kinematics.
     """
@@ -114,13 +114,13 @@ class KukaLWR(Armature):
         self.create_ik_targets(["kuka_7"])
 
     def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
-        """Put a component on the end effector.
+        """Attach a component to the end effector.
 
         Args:
-            obj: the component. Its pose is given in the frame of the arm while that is stretched upward; without a
-                translation of its own it sits at the tip.
-            child: name of another part to put it on; its pose is then in the frame of that part.
-            level: whose variables are searched for the name: 1 for those of the caller.
+            obj: the component. Its pose is given in the frame of the arm while the arm is stretched upward; without a
+                translation it is at the tip.
+            child: name of another part to which it is attached; its pose is then in the frame of that part.
+            level: stack level of the variables that are searched for the name: 1 for the caller.
         """
         if child is not None:
             super().append(obj, child, level + 1)

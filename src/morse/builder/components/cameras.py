@@ -1,4 +1,4 @@
-"""Cameras: their axes are those of pictures, not those of the robot."""
+"""Cameras, whose axes are image axes, not those of the robot."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
 
 
 class CameraCreator(SensorCreator):
-    """A camera that looks along the X axis of what carries it.
+    """A camera that looks along the X axis of its parent.
 
-    Its own axes are those of a picture: X to the right, Y down, Z forward.
+    Its own axes are image axes: X right, Y down, Z forward.
     """
 
     def __init__(
@@ -42,8 +42,8 @@ class CameraCreator(SensorCreator):
     def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
         """Add radians to its direction.
 
-        As in MORSE 1.4, the angles do not belong to the axes of their names: x turns it about the vertical axis, to
-        the left, y turns it up, and z turns it about the direction in which it looks, clockwise.
+        As in MORSE 1.4, the angles do not match the axes of their names: x rotates the camera to the left about the
+        vertical axis, y rotates it up, and z rotates it clockwise about its viewing direction.
         """
         super().rotate(x=y, y=z, z=x)
 
@@ -61,7 +61,7 @@ class _Clouds(CameraCreator):
 
 
 class VLP16_180(SensorCreator):  # noqa: N801 (its name in MORSE 1.4)
-    """Three depth cameras ``cam1``, ``cam2`` and ``cam3`` side by side, of whose pictures 16 rows are kept."""
+    """Three depth cameras ``cam1``, ``cam2`` and ``cam3`` side by side, of whose images 16 rows are used."""
 
     _classpath = "morse.sensors.vlp16.VLP16_180"
     _ROWS = (1, 17, 34, 51, 68, 85, 102, 120, 137, 154, 171, 188, 205, 222, 239, 255)
@@ -78,7 +78,7 @@ class VLP16_180(SensorCreator):  # noqa: N801 (its name in MORSE 1.4)
         self.frequency(10.0)
 
     def frequency(self, frequency: float) -> None:
-        """Take that many clouds per simulated second, with all cameras."""
+        """Set the frequency of all cameras, Hz (per simulated second)."""
         super().frequency(frequency)
         for camera in self.children:
             camera.frequency(frequency)
@@ -111,17 +111,17 @@ class Kinect(SensorCreator):
         return camera
 
     def add_stream(self, *args: Any, **kwargs: Any) -> None:
-        """Give both cameras a stream; see `morse.builder.components.interfaces.Interfaces`."""
+        """Add a stream to both cameras; see `morse.builder.components.interfaces.Interfaces`."""
         self.video_camera.add_stream(*args, **kwargs)
         self.depth_camera.add_stream(*args, **kwargs)
 
     def frequency(self, frequency: float) -> None:
-        """Take that many pictures per simulated second, with both cameras."""
+        """Set the frequency of both cameras, Hz (per simulated second)."""
         super().frequency(frequency)
         for camera in self.children:
             camera.frequency(frequency)
 
     def profile(self) -> None:
-        """Show the share of time that both cameras take."""
+        """Show the share of time that both cameras use."""
         self.video_camera.profile()
         self.depth_camera.profile()

@@ -1,4 +1,4 @@
-"""Components that come from a model file."""
+"""Components with a model file."""
 
 from __future__ import annotations
 
@@ -22,9 +22,8 @@ class Component(AbstractComponent):
     Args:
         category: folder of the model: ``robots``, ``sensors``, ``actuators``, ``props`` ...
         filename: name of the model (see `morse.assets.find`); empty for an object without a body.
-        blender_object_name: the object of the file that is the root; None for the one without a
-            parent.
-        make_morseable: let a robot, sensor or actuator run, if its class is known.
+        blender_object_name: the root object in the file; None for the object without a parent.
+        make_morseable: assign the component class of a robot, sensor or actuator, if it is known.
 
     Raises:
         FileNotFoundError: there is no such model.

@@ -1,4 +1,4 @@
-"""A sensor that is made of others."""
+"""A sensor that combines other sensors."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 class CompoundSensor(SensorCreator):
-    """Several sensors as one; `morse.sensors.compound.CompoundSensor` runs."""
+    """Several sensors combined; the component class is `morse.sensors.compound.CompoundSensor`."""
 
     _classpath = "morse.sensors.compound.CompoundSensor"
 
     def __init__(self, sensors: Iterable[Any], name: str | None = None) -> None:
-        """Make a sensor of others.
+        """Combine sensors.
 
         Args:
             sensors: the other sensors.
@@ -30,6 +30,6 @@ class CompoundSensor(SensorCreator):
                 raise TypeError(f"CompoundSensor(sensors) takes a list of sensors, got {checks.shown(sensor)} in it")
 
     def _scene_options(self) -> dict[str, object]:
-        # the names of the others are known now
+        # the names of the other sensors are known at this point
         self.properties(sensors=",".join(sensor.name for sensor in self.sensors))
         return super()._scene_options()

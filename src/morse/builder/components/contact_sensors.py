@@ -1,4 +1,4 @@
-"""Sensors that feel what touches them: their marker is what they feel with."""
+"""Contact sensors, whose marker is the contact shape."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class ContactSensor(SensorCreator):
-    """A sensor that feels with its own body, which stops nothing.
+    """A sensor that detects contacts with its own body, which does not collide.
 
     ``scale`` is half the size of that body along each axis, m.
     """

@@ -1,4 +1,4 @@
-"""Robots that are made as their class declares."""
+"""Robots that are created from the declarations of their class."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from morse.core.builder_defaults import RobotDefaults
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: what ``RobotDefaults.drive`` says to the class that knows how
+#: ``RobotDefaults.drive`` to the builder class that implements it
 DRIVES: Mapping[str, type[Robot]] = {"free": Robot, "ground": GroundRobot, "wheels": WheeledRobot}
 
 
 def robot_defaults(cls: type) -> RobotDefaults:
-    """What a robot class declares for its builder class; else a ground robot with the model of the same name."""
+    """Return the declaration of a robot class; the default is a ground robot with the model of the same name."""
     declared = getattr(cls, "_builder", None)
     if isinstance(declared, RobotDefaults):
         return declared
@@ -32,7 +32,7 @@ def robot_defaults(cls: type) -> RobotDefaults:
 
 
 class DeclaredRobot(Robot):
-    """A robot whose model and properties come from the `RobotDefaults` of the class that runs.
+    """A robot whose model and properties come from the `RobotDefaults` of its component class.
 
     Args:
         name: its name, if not that of the variable that holds it.

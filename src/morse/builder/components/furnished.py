@@ -1,4 +1,4 @@
-"""Actuators with parts or arguments of their own."""
+"""Actuators with specific parts or arguments."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_LEDS = 4096
 
 
 class Light(ActuatorCreator):
-    """A lamp along the X axis; `morse.actuators.light.Light` runs."""
+    """A lamp along the X axis; its component class is `morse.actuators.light.Light`."""
 
     _classpath = "morse.actuators.light.Light"
 
@@ -35,15 +35,15 @@ class Light(ActuatorCreator):
 
 
 class Sound(ActuatorCreator):
-    """A loudspeaker; `morse.actuators.sound.Sound` runs."""
+    """A loudspeaker; its component class is `morse.actuators.sound.Sound`."""
 
     _classpath = "morse.actuators.sound.Sound"
 
     def open(self, path: str) -> None:
-        """Take a sound from a file.
+        """Set the sound file.
 
         Args:
-            path: of the file; relative to the folder in which the simulation starts.
+            path: path of the file, relative to the directory in which the simulation is started.
 
         Raises:
             MorseBuilderError: there is no such file.
@@ -55,29 +55,29 @@ class Sound(ActuatorCreator):
 
 
 class PTU(ActuatorCreator):
-    """A pan-tilt unit; `morse.actuators.ptu.PTU` runs."""
+    """A pan-tilt unit; its component class is `morse.actuators.ptu.PTU`."""
 
     _classpath = "morse.actuators.ptu.PTU"
 
     def append(self, obj: AbstractComponent, child: str | None = None, level: int = 1) -> None:
-        """Put a component on the part that pans and tilts.
+        """Attach a component to the part that pans and tilts.
 
         Args:
-            obj: the component; its pose is from now on in the frame of that part.
-            child: name of another part to put it on.
-            level: whose variables are searched for the name: 1 for those of the caller.
+            obj: the component; its pose becomes relative to that part.
+            child: name of another part to which it is attached.
+            level: stack level of the variables that are searched for the name: 1 for the caller.
         """
         super().append(obj, "TiltBase" if child is None else child, level + 1)
 
 
 class LedArray(ActuatorCreator):
-    """Rows of lights, in the YZ plane, seen from before; `morse.actuators.led_array.LedArray` runs.
+    """Rows of lights in the YZ plane, seen from the front; component class `morse.actuators.led_array.LedArray`.
 
     Args:
         name: its name, if not that of the variable that holds it.
         rows: number of rows, the first one at the top.
-        columns: number of lights in a row, the first one at the left of who looks at it.
-        pitch: distance of two lights, m.
+        columns: number of lights in a row, the first one at the left for a viewer in front.
+        pitch: distance between two lights, m.
     """
 
     _classpath = "morse.actuators.led_array.LedArray"
@@ -94,7 +94,7 @@ class LedArray(ActuatorCreator):
         for row in range(rows):
             for column in range(columns):
                 led = Node("Led", kind=NodeKind.MESH, mesh=body, materials=[material])
-                # who looks at it sees the Y axis point to the right
+                # for a viewer in front, the Y axis points to the right
                 led.location = [0.0, (column - 0.5 * (columns - 1)) * pitch, (0.5 * (rows - 1) - row) * pitch]
                 led.scale = [0.2 * pitch, 0.4 * pitch, 0.4 * pitch]
                 led.properties.update(LedRow=row, LedColumn=column)

@@ -1,4 +1,4 @@
-"""How a component is reached: streams, services, overlays, modifiers, levels."""
+"""Interfaces of a component: streams, services, overlays, modifiers, levels."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DIRECTIONS = ("IN", "OUT")
 
 
 class Interfaces:
-    """The part of `AbstractComponent` that connects it with the world outside."""
+    """The part of `AbstractComponent` for streams, services, overlays, modifiers and levels."""
 
     _kind: str
     _exportable: bool
@@ -34,7 +34,7 @@ class Interfaces:
         self._overlays: list[OverlayDeclaration] = []
 
     def component_class(self) -> type[Any] | None:
-        """The class that runs."""
+        """Class path of the component class."""
         raise NotImplementedError
 
     # --- data -------------------------------------------------------------------------------
@@ -52,8 +52,8 @@ class Interfaces:
 
         Args:
             datastream: name of a middleware, or class path of a stream manager.
-            method: class that publishes or reads, if not the default one of the middleware.
-            path: module of that class, if ``method`` is its name alone.
+            method: class that publishes or reads, if it is not the default class of the middleware.
+            path: module of that class, if ``method`` contains only its name.
             classpath: class path of that class, instead of ``method`` and ``path``.
             direction: ``OUT`` (default for sensors) or ``IN`` (default for actuators).
             **kwargs: options of the stream: ``topic``, ``port``, ``frame_id``, ...
@@ -62,7 +62,7 @@ class Interfaces:
             MorseMiddlewareError: unknown middleware.
             MorseBuilderUnexportableError: the component has no data, or the middleware cannot
                 carry it.
-            OptionError: the middleware has no such option, or the option takes another value.
+            OptionError: the middleware has no such option, or the value is not valid.
         """
         manager = registry.stream_manager(checks.text(datastream, "add_stream(datastream)"))
         if not self._exportable:
@@ -75,7 +75,7 @@ class Interfaces:
         if chosen is None:
             chosen = self._default_stream(manager, datastream, way)
         if chosen.startswith("morse."):
-            # a class of the user's own may take options of its own
+            # a class of the user may have its own options
             options = stream_options(manager, kwargs)
         stream = StreamDeclaration(manager, chosen, way, options, frames.source_line())
         self._streams.append(stream)
@@ -119,7 +119,7 @@ class Interfaces:
 
         Args:
             interface: name of a middleware, or class path of a request manager.
-            component: offer those of this component instead.
+            component: the component whose services are offered instead.
             config: accepted for old scripts; no request manager has options.
 
         Raises:
@@ -157,7 +157,7 @@ class Interfaces:
         return middleware.stream_of(cls, self._direction(None)) is not None
 
     def _add_missing_interface(self, interface: str) -> None:
-        """Offer the services on a middleware, and stream the data unless the script has said how."""
+        """Offer the services on a middleware, and stream the data unless the script has added a stream."""
         middleware = registry.middleware(interface)
         if any(stream.manager == middleware.stream_manager for stream in self._streams):
             if middleware.request_manager is not None:
@@ -166,7 +166,7 @@ class Interfaces:
             self.add_interface(interface)
 
     def add_overlay(self, datastream: str, overlay: str, config: dict[str, Any] | None = None, **kwargs: Any) -> None:
-        """Offer services of another form than those of the component.
+        """Offer the services of an overlay instead of those of the component.
 
         Args:
             datastream: name of a middleware, or class path of a request manager.
@@ -182,7 +182,7 @@ class Interfaces:
         options = {**(config or {}), **kwargs}
         self._overlays.append(OverlayDeclaration(manager, classpath, options, frames.source_line()))
 
-    # --- what the data are like ---------------------------------------------------------------
+    # --- data -----------------------------------------------------------------------------
 
     def alter(
         self,
@@ -191,17 +191,17 @@ class Interfaces:
         direction: str | None = None,
         **kwargs: Any,
     ) -> None:
-        """Change the data: after a sensor has measured, before an actuator acts.
+        """Add a modifier, which changes the data after a measurement or before an actuator acts.
 
         Args:
             modifier_name: e.g. ``NED`` or ``Noise``.
             classpath: class of a modifier, instead of a name.
-            direction: accepted for old scripts; it follows from the component.
+            direction: accepted for old scripts; it depends on the component.
             **kwargs: options of the modifier.
 
         Raises:
             MorseBuilderError: no such modifier for this component.
-            OptionError: the modifier has no such option, or the option takes another value.
+            OptionError: the modifier has no such option, or the value is not valid.
         """
         if direction is not None:
             checks.choice(direction, _DIRECTIONS, "alter(direction)")
@@ -213,10 +213,10 @@ class Interfaces:
         self._modifiers.append(ModifierDeclaration(classpath, options, frames.source_line()))
 
     def level(self, level: str) -> None:
-        """Choose how realistic the component is.
+        """Set the abstraction level.
 
         Args:
-            level: one of the abstraction levels that it declares, or ``default``.
+            level: one of the declared abstraction levels, or ``default``.
 
         Raises:
             MorseBuilderError: it declares no such level.

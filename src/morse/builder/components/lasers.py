@@ -1,4 +1,4 @@
-"""Laser scanners, whose rays a script may create again."""
+"""Laser scanners."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ _SHAPE = ("scan_window", "resolution", "layers", "layer_separation", "layer_offs
 
 
 class LaserSensorWithArc(SensorCreator):
-    """A laser scanner; `morse.sensors.laserscanner.LaserScanner` runs."""
+    """A laser scanner; its component class is `morse.sensors.laserscanner.LaserScanner`."""
 
     _classpath = "morse.sensors.laserscanner.LaserScanner"
 
     def create_laser_arc(self) -> None:
-        """Check the properties that say where the rays go.
+        """Validate the properties that determine the rays.
 
-        The rays are made from these properties when the simulation starts, whether this is called or not.
+        The rays are created from these properties when the simulation starts, even if this method is not called.
 
         Raises:
-            MorseBuilderError: no fan of rays has such properties.
+            MorseBuilderError: the properties are not valid for a fan of rays.
         """
-        # scripts that make no arcs themselves should not wait for numpy
+        # imported on demand, because importing numpy takes time
         from morse.helpers.fans import fan
 
         cls = self.component_class()

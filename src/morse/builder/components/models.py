@@ -36,17 +36,17 @@ class Models:
             component: its name (see `morse.assets.find`), if not that of this component.
 
         Raises:
-            FileNotFoundError: there is no such model; the message says where it was looked for.
+            FileNotFoundError: there is no such model; the message lists the searched directories.
         """
         return load(find(component or self._blendname, self._category))
 
     def append_meshes(
         self, objects: Iterable[str] | None = None, component: str | None = None, prefix: str | None = None
     ) -> list[SceneObject]:
-        """Put objects of a model file into the scene, and return those without a parent.
+        """Add objects of a model file to the scene, and return those without a parent.
 
         Args:
-            objects: names of objects, each with all below it; None for every object.
+            objects: names of objects, each with all objects below it; None for all objects.
             component: name of the model, if not that of this component.
             prefix: only objects whose names begin so, or that are in the collection of that name.
 
@@ -65,7 +65,7 @@ class Models:
         return [SceneObject(root) for root in roots]
 
     def append_scenes(self, filename: str | None = None) -> list[SceneObject]:
-        """Put all objects of a model file into the scene, and return those without a parent.
+        """Add all objects of a model file to the scene, and return those without a parent.
 
         Raises:
             FileNotFoundError: there is no such model.
@@ -74,7 +74,7 @@ class Models:
         return [SceneObject(root) for root in roots]
 
     def append_model(self, component: str | None = None) -> SceneObject:
-        """Put a whole model file into the scene as one object, the root, with all else below it.
+        """Add a whole model file to the scene as one object, the root, with all other objects below it.
 
         Raises:
             FileNotFoundError: there is no such model.
@@ -84,10 +84,10 @@ class Models:
         return SceneObject(root)
 
     def append_collada(self, component: str | None = None) -> list[SceneObject]:
-        """Refuse: COLLADA files cannot be read.
+        """Raise an error, because COLLADA files are not supported.
 
         Raises:
-            UnsupportedFormatError: always; the message says what to do.
+            UnsupportedFormatError: always; with the alternative.
         """
         name = component or self._blendname
         raise UnsupportedFormatError(f"'{name}': COLLADA files are not read; open it in Blender and save it as .blend")

@@ -1,4 +1,4 @@
-"""Morsy can be painted."""
+"""The robot Morsy."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Morsy(DeclaredRobot, GroundRobot):
     def set_color(
         self, color: Iterable[float] | float | None = None, g: float | None = None, b: float | None = None
     ) -> None:
-        """Paint its body.
+        """Set the colour of its body.
 
         Args:
             color: red, green and blue, 0..1, as one sequence; None for one that depends on how many

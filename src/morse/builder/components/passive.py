@@ -1,4 +1,4 @@
-"""Things that robots meet, and zones that mean something."""
+"""Passive objects and zones."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ logger = logging.getLogger(__name__)
 
 
 class PassiveObject(AbstractComponent):
-    """Things from a model file.
+    """Objects from a model file.
 
     Args:
         filename: name of the model, e.g. ``props/objects`` (see `morse.assets.find`).
         prefix: only the objects whose names begin so, or the collection of that name; None for all.
-        keep_pose: leave the first object where it is in the file; else it goes to the origin.
+        keep_pose: keep the pose of the first object in the file; else it is moved to the origin.
 
     Raises:
         FileNotFoundError: there is no such model.
@@ -42,15 +42,15 @@ class PassiveObject(AbstractComponent):
             self.rotation_euler = (0.0, 0.0, 0.0)
 
     def setgraspable(self) -> None:
-        """Let robots grasp it, and cameras recognise it, under its present name."""
+        """Allow robots to grasp it, and cameras to recognise it, under its present name."""
         self.properties(Object=True, Graspable=True, Label=self.name)
 
 
 class Zone(AbstractComponent):
-    """An invisible box with a meaning, e.g. a place to charge batteries; its sides follow the axes of the world.
+    """An invisible axis-aligned box with a type, e.g. for charging batteries.
 
     Args:
-        type: what it means, e.g. ``Charging``.
+        type: type of the zone, e.g. ``Charging``.
     """
 
     def __init__(self, type: str) -> None:
@@ -62,7 +62,7 @@ class Zone(AbstractComponent):
 
     @property
     def size(self) -> LiveVector:
-        """Half of its extent along each axis, m."""
+        """Half extent along each axis, m."""
         return self.scale
 
     @size.setter
@@ -73,7 +73,7 @@ class Zone(AbstractComponent):
         self.scale = extents
 
     def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> NoReturn:
-        """Refuse: zones follow the axes of the world.
+        """Raise an error, because zones are axis-aligned.
 
         Raises:
             MorseBuilderError: always.

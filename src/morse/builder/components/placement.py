@@ -1,4 +1,4 @@
-"""Where a component is."""
+"""The pose of a component."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 
 
 class Placement:
-    """The part of `AbstractComponent` that is about its pose."""
+    """The part of `AbstractComponent` for its pose."""
 
     _bpy_object: SceneObject
 
     @property
     def location(self) -> LiveVector:
-        """Metres, in the frame of what it is part of; can be changed in place."""
+        """Position in the frame of the parent, m; can be changed in place."""
         return self._bpy_object.location
 
     @location.setter
@@ -30,7 +30,7 @@ class Placement:
 
     @property
     def rotation_euler(self) -> LiveEuler:
-        """Radians, XYZ order; can be changed in place."""
+        """Euler angles, rad, XYZ order; can be changed in place."""
         return self._bpy_object.rotation_euler
 
     @rotation_euler.setter
@@ -39,7 +39,7 @@ class Placement:
 
     @property
     def scale(self) -> LiveVector:
-        """Factor along each axis; can be changed in place."""
+        """Scale along each axis; can be changed in place."""
         return self._bpy_object.scale
 
     @scale.setter
@@ -47,11 +47,11 @@ class Placement:
         self._bpy_object.scale = value
 
     def translate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
-        """Move it by metres along the axes of what it is part of."""
+        """Translate it along the axes of the parent, m."""
         self._add(self._bpy_object.node.location, (x, y, z), "translate")
 
     def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
-        """Add radians to its roll, pitch and yaw."""
+        """Add angles to its roll, pitch and yaw, rad."""
         hint_at_radians(f"{type(self).__name__}.rotate", (x, y, z))
         self._add(self._bpy_object.node.rotation_euler, (x, y, z), "rotate")
 

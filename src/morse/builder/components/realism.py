@@ -1,4 +1,4 @@
-"""What makes a sensor as late and as wrong as a real one."""
+"""Phase, delay and noise of sensors."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from morse.scene.realism import NoiseModel, RealismModel, is_numeric
 
 
 class RealisticSensor:
-    """The part of a sensor's builder class that sets phase, delay and noise.
+    """The part of the builder class of a sensor that sets phase, delay and noise.
 
-    All errors are drawn from numbers that depend on the seed of the scene and the name of the sensor alone:
-    another robot in the scene does not change them.
+    All errors depend only on the seed of the scene and the name of the sensor: other robots in the scene do not change
+    them.
     """
 
     _realism = RealismModel()
@@ -26,14 +26,14 @@ class RealisticSensor:
             """The class that runs."""
 
     def phase(self, seconds: float) -> None:
-        """Measure for the first time that many simulated seconds after the start."""
+        """Set the time of the first measurement after the start, simulated seconds."""
         what = f"{type(self).__name__}.phase(seconds)"
         self._realism = replace(self._realism, phase=checks.number(seconds, what, minimum=0.0))
 
     def delay(self, seconds: float) -> None:
-        """Show each measurement that many simulated seconds after it was taken.
+        """Set the time from a measurement until its data are published, simulated seconds.
 
-        Its time stamp remains that of the measurement.
+        The time stamp is the time of the measurement.
         """
         what = f"{type(self).__name__}.delay(seconds)"
         self._realism = replace(self._realism, delay=checks.number(seconds, what, minimum=0.0))
@@ -46,15 +46,16 @@ class RealisticSensor:
         dropout: float = 0.0,
         field: str | None = None,
     ) -> None:
-        """Measure with errors; call it again for other fields.
+        """Add noise; call it again for other fields.
 
         Args:
             gaussian: standard deviation of white noise, in the unit of the field.
-            bias_walk: standard deviation that the bias gathers within a second.
-            quantization: the value is a multiple of that.
-            dropout: probability, 0..1, that a value is lost: it stays as it was; a beam of a scanner has no echo.
-            field: a data field; None for all that are numbers or vectors (of a scanner: the distances, which the
-                points follow).
+            bias_walk: standard deviation of the bias after one second.
+            quantization: step of the values.
+            dropout: probability, 0..1, that a value is lost: the previous value is kept; a beam of a scanner has no
+                echo.
+            field: a data field; None for all fields that are numbers or vectors (for a scanner, the distances, from
+                which the points are computed).
 
         Raises:
             TypeError: a value is not a number.

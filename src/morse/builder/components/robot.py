@@ -46,7 +46,7 @@ class Robot(Component):
             self.name = name
 
     def add_default_interface(self, stream: str) -> None:
-        """Connect everything that the robot carries; data that are streamed over it already stay as they are.
+        """Connect all components of the robot to a middleware; existing streams are not changed.
 
         Args:
             stream: name of a middleware.
@@ -61,7 +61,7 @@ class Robot(Component):
     # --- physics ----------------------------------------------------------------------------
 
     def set_friction(self, friction: float = 0.0) -> None:
-        """Set the Coulomb friction coefficient of all that the robot touches things with."""
+        """Set the Coulomb friction coefficient of the robot."""
         coefficient = checks.number(friction, "set_friction(friction)", minimum=0.0)
         for node in self.own_nodes():
             node.body.friction = coefficient
@@ -71,37 +71,37 @@ class Robot(Component):
         self.scene_node.body.mass = checks.number(mass, "set_mass(mass)", above=0.0)
 
     def set_physics_type(self, physics_type: str = "STATIC") -> None:
-        """Set how the body takes part in the physics.
+        """Set the physics type of the body.
 
         Args:
-            physics_type: ``STATIC`` (stops others, never moves by itself), ``RIGID_BODY``,
-                ``DYNAMIC`` (does not turn), ``NO_COLLISION``, ``SENSOR``, ...
+            physics_type: ``STATIC`` (fixed, others collide with it), ``RIGID_BODY``,
+                ``DYNAMIC`` (does not rotate), ``NO_COLLISION``, ``SENSOR``, ...
         """
         word = checks.choice(physics_type, _PHYSICS_TYPES, "set_physics_type(physics_type)")
         self.scene_node.body.type = PhysicsType(word)
 
     def set_rigid_body(self) -> None:
-        """Let the robot move and turn as forces say."""
+        """Make the robot a rigid body that moves and rotates under forces."""
         self.set_physics_type("RIGID_BODY")
         self.scene_node.body.actor = True
 
     def set_dynamic(self) -> None:
-        """Let forces move the robot, but not turn it."""
+        """Make the robot a dynamic body that forces move, but do not rotate."""
         self.set_physics_type("DYNAMIC")
         self.scene_node.body.actor = True
 
     def set_no_collision(self) -> None:
-        """Let nothing touch the robot, and no force move it."""
+        """Disable collisions and forces for the robot."""
         for node in self.own_nodes():
             node.body.type = PhysicsType.NO_COLLISION
 
     def set_collision_bounds(self) -> None:
-        """Collide as the convex hulls of all parts of the model, in one body."""
+        """Use the convex hulls of all parts of the model as collision shapes of one body."""
         self.scene_node.body.bounds = Bounds.CONVEX_HULL
         self.scene_node.body.compound = True
 
     def make_ghost(self, alpha: float = 0.3) -> None:
-        """Make the robot transparent, and let nothing touch it.
+        """Make the robot transparent, and disable its collisions.
 
         Args:
             alpha: opacity from 0 (invisible) to 1.
@@ -117,7 +117,7 @@ class Robot(Component):
     # --- roles ------------------------------------------------------------------------------
 
     def make_external(self) -> None:
-        """Leave the behaviour of the robot to another simulation node."""
+        """Let another simulation node control the robot."""
         self.is_external = True
         self.scene_node.properties.pop("Robot_Tag", None)
         self.scene_node.properties["External_Robot_Tag"] = True
@@ -127,7 +127,7 @@ class Robot(Component):
         self.records_animation = checks.boolean(record, "set_use_record_animation(record)")
 
     def make_grasper(self, obj_name: str) -> None:
-        """Let a part of the robot grasp things.
+        """Let a part of the robot grasp objects.
 
         Args:
             obj_name: name of the object below the robot: its hand.
@@ -149,7 +149,7 @@ class Robot(Component):
 
 
 class GroundRobot(Robot):
-    """A robot on the ground: commands leave its vertical speed, roll and pitch to the physics."""
+    """A ground robot: commands leave its vertical speed, roll and pitch to the physics."""
 
     _classpath = "morse.robots.groundrobot.GroundRobot"
 
@@ -158,12 +158,12 @@ class GroundRobot(Robot):
         self.scene_node.properties["GroundRobot"] = True
 
 
-#: parts with these words in their names stay on the ground when the body is raised
+#: parts with these words in their names are not raised with the body
 _BELOW_THE_BODY = ("wheel", "caster", "swivel")
 
 
 class WheeledRobot(Robot):
-    """A robot whose wheels turn by themselves.
+    """A robot with physical wheels.
 
     Wheels are the objects below the body whose names contain ``wheel``, but not ``caster``, and that collide.
     """
@@ -175,7 +175,7 @@ class WheeledRobot(Robot):
         self._has_free_wheels = False
 
     def unparent_wheels(self) -> None:
-        """Let the wheels turn on their axles, and raise the body by its ``RideHeight``; the environment calls it."""
+        """Prepare the wheels, and raise the body by its ``RideHeight``; called by the environment."""
         self._has_free_wheels = True
         height = self.property_value("RideHeight") or 0.0
         if isinstance(height, (int, float)) and math.isfinite(height):
@@ -213,7 +213,7 @@ def _set_opacity(node: Node, alpha: float, copies: dict[Material, Material]) -> 
 
 
 def connect(robot: Robot, interface: str) -> None:
-    """Connect what a robot carries to a middleware, except what is connected already."""
+    """Connect the components of a robot to a middleware, except those that are already connected."""
     for component in robot._walk():
         if component.is_morseable() and not component.is_robot:
             component._add_missing_interface(interface)

@@ -1,4 +1,4 @@
-"""The world around the robots: the last thing that a scene script makes."""
+"""The environment, which a scene script creates last."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 class Environment(ViewMethods, TimeMethods):
     """The world around the robots, and the settings of the simulation.
 
-    Make it after everything else: it gives every component its name.
+    Create it after all other objects, because it assigns the names of components.
 
     Args:
         filename: name of the model in ``environments`` (see `morse.assets.find`).
@@ -85,7 +85,7 @@ class Environment(ViewMethods, TimeMethods):
 
     def _name_components(self) -> None:
         frame: FrameType | None = sys._getframe(1)
-        # a subclass of Environment is not the script that holds the variables
+        # the variables belong to the script, not to a subclass of Environment
         while frame is not None and frame.f_locals.get("self") is self:
             frame = frame.f_back
         if frame is not None:
@@ -108,7 +108,7 @@ class Environment(ViewMethods, TimeMethods):
         if isinstance(mist, Mist):
             view.mist = replace(mist)
         if isinstance(gravity, float):
-            # files hold single precision: 9.81 reads as 9.8100004
+            # files contain single precision: 9.81 is read as 9.8100004
             self.settings.gravity = round(gravity, 5)
 
     def _look_from(self, node: Node, lens: Camera) -> None:
@@ -118,10 +118,10 @@ class Environment(ViewMethods, TimeMethods):
         view.camera_location, view.camera_rotation = (x, y, z), (turn_x, turn_y, turn_z)
         view.camera_focal_length = lens.focal_length
 
-    # --- the script's end -------------------------------------------------------------------
+    # --- end of the script ------------------------------------------------------------------
 
     def create(self, name: str | None = None) -> None:
-        """Say that the scene is complete; may be left out. Settings can still be changed.
+        """Declare that the scene is complete; optional. Settings can still be changed.
 
         Args:
             name: of this simulation node.
@@ -142,7 +142,7 @@ class Environment(ViewMethods, TimeMethods):
     # --- accepted for old scripts -----------------------------------------------------------
 
     def set_background_scene(self, scene: Any = None) -> None:
-        """Do nothing: there is one scene."""
+        """Accepted for old scripts, without effect, because there is one scene."""
         _without_effect("set_background_scene")
 
     def set_debug(self, debug: bool = True) -> None:
@@ -151,17 +151,17 @@ class Environment(ViewMethods, TimeMethods):
             logging.getLogger("morse").setLevel(logging.DEBUG)
 
     def set_animation_record(self, record: bool = True) -> None:
-        """Do nothing: motion is not recorded into model files."""
+        """Accepted for old scripts, without effect, because motion is not recorded in model files."""
         if checks.boolean(record, "env.set_animation_record(record)"):
             _without_effect("set_animation_record")
 
     def save(self, filepath: str | None = None, check_existing: bool = False) -> None:
-        """Do nothing: scenes are not written to model files."""
+        """Accepted for old scripts, without effect, because scenes are not written to model files."""
         _without_effect("save")
 
 
 def connect_by_default(robot: Robot) -> None:
-    """Connect what a robot carries to its default interfaces, except what is connected already."""
+    """Connect the components of a robot to its default interfaces, except those that are already connected."""
     for interface in robot.default_interfaces:
         connect(robot, interface)
 

@@ -27,15 +27,15 @@ _PROTOCOLS = ("socket", "hla")
 
 
 class TimeMethods(EnvironmentDescription):
-    """The part of `Environment` that is about time and physics."""
+    """The part of `Environment` for time and physics."""
 
     def set_gravity(self, gravity: float = 9.81) -> None:
-        """Set how fast things fall, m/s^2, along -Z."""
+        """Set the gravity along -Z, m/s^2."""
         self.settings.gravity = checks.number(gravity, "env.set_gravity(gravity)", above=0.0)
         self._gravity_given = True
 
     def set_physics_step_sub(self, step_sub: int = 2) -> None:
-        """Take at least that many physics steps in each tick."""
+        """Set the minimum number of physics steps per tick."""
         self.settings.physics_steps = checks.integer(step_sub, "env.set_physics_step_sub(step_sub)", minimum=1)
 
     def set_time_strategy(self, strategy: TimeStrategies) -> None:
@@ -43,7 +43,7 @@ class TimeMethods(EnvironmentDescription):
 
         Args:
             strategy: ``TimeStrategies.BestEffort`` or ``TimeStrategies.FixedSimulationStep``; the
-                latter keeps the frequency of the scene as it is.
+                latter does not change the frequency of the scene.
         """
         if isinstance(strategy, bool) or strategy not in list(TimeStrategies):
             names = ", ".join(f"TimeStrategies.{s.name}" for s in TimeStrategies)
@@ -54,7 +54,7 @@ class TimeMethods(EnvironmentDescription):
         """Run slower or faster than the wall clock: give one of the two factors.
 
         Raises:
-            ValueError: none or both are given, or time would hardly pass.
+            ValueError: none or both are given, or the scale is too small.
         """
         if (slowdown_by is None) == (accelerate_by is None):
             raise ValueError("env.set_time_scale takes either slowdown_by=... or accelerate_by=..., one of the two")
@@ -77,38 +77,38 @@ class TimeMethods(EnvironmentDescription):
             physics_step_max: accepted for old scripts.
         """
         what = "env.simulator_frequency(base_frequency)"
-        # each tick of a slower simulation would take minutes: the steps of the physics stay short
+        # with a lower frequency a tick would take minutes, because the physics steps stay short
         self.settings.frequency = checks.number(base_frequency, what, minimum=0.1, maximum=HIGHEST_FREQUENCY)
         checks.integer(logic_step_max, "env.simulator_frequency(logic_step_max)", minimum=1)
         checks.integer(physics_step_max, "env.simulator_frequency(physics_step_max)", minimum=1)
         self._auto_tune = False
 
     def use_internal_syncer(self) -> None:
-        """Let an own clock set the pace instead of the screen."""
+        """Accepted for old scripts."""
         self.settings.internal_syncer = True
 
     def use_vsync(self, vsync: str) -> None:
-        """Check the word and do nothing more: no screen sets the pace of the simulation."""
+        """Validate the argument, without further effect."""
         checks.choice(vsync, _VSYNC, "env.use_vsync(vsync)")
 
     def use_relative_time(self, value: bool = True) -> None:
-        """Let simulated time begin at 0 instead of the time of day."""
+        """Set whether simulated time begins at 0 instead of the present time."""
         self.settings.relative_time = checks.boolean(value, "env.use_relative_time(value)")
 
     def set_seed(self, seed: int) -> None:
-        """Set the seed of all random numbers: the same seed gives the same run."""
+        """Set the seed of all random numbers; the same seed gives the same run."""
         self.settings.seed = checks.integer(seed, "env.set_seed(seed)", minimum=0)
 
     def set_auto_start(self, value: bool = True) -> None:
-        """Start at once, or wait until a client or the live view starts the simulation."""
+        """Set whether the simulation starts immediately, or waits for a client or the live view."""
         self.settings.auto_start = checks.boolean(value, "env.set_auto_start(value)")
 
     # --- middlewares ------------------------------------------------------------------------
 
     def add_default_interface(self, interface: str) -> None:
-        """Connect everything that all robots carry, and the services of the simulation, to a middleware.
+        """Connect all components of all robots, and the services of the simulation, to a middleware.
 
-        Data that the script streams over it already stay as they are. Robots that come later are connected as well.
+        Existing streams of the script are not changed. Robots that are spawned later are connected as well.
 
         Args:
             interface: name of a middleware.
@@ -123,7 +123,7 @@ class TimeMethods(EnvironmentDescription):
             self._default_interfaces.append(found.name)
 
     def add_service(self, datastream: str) -> None:
-        """Offer the services of the simulation on another middleware, too (the socket is always there).
+        """Offer the services of the simulation on an additional middleware; the socket always offers them.
 
         Raises:
             MorseMiddlewareError: unknown middleware.
@@ -147,7 +147,7 @@ class TimeMethods(EnvironmentDescription):
 
         Raises:
             MorseMiddlewareError: unknown middleware.
-            OptionError: the middleware has no such option, or the option takes another value.
+            OptionError: the middleware has no such option, or the value is not valid.
         """
         manager = registry.stream_manager(checks.text(stream_manager, "env.configure_stream_manager(stream_manager)"))
         self._manager_options.setdefault(manager, {}).update(manager_options(manager, kwargs))
@@ -159,11 +159,11 @@ class TimeMethods(EnvironmentDescription):
         server_port: str | int = "65000",
         distribution: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
-        """Share the work between several simulation nodes.
+        """Distribute the simulation over several nodes.
 
         Args:
             protocol: ``socket`` or ``hla``.
-            server_address: where the multi-node server runs.
+            server_address: address of the multi-node server.
             server_port: its TCP port.
             distribution: name of a node to the names of the robots that it simulates.
         """
@@ -187,7 +187,7 @@ class TimeMethods(EnvironmentDescription):
         }
 
     def set_log_level(self, component: str, level: str) -> None:
-        """Set what is logged by ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
+        """Set the log level of ``morse.<component>``: ``DEBUG``, ``INFO``, ``WARNING``, ``ERROR`` or ``CRITICAL``."""
         name = checks.text(component, "env.set_log_level(component)")
         word = checks.text(level, "env.set_log_level(level)").upper()
         self._log_levels[name] = checks.choice(word, _LOG_LEVELS, "env.set_log_level(level)")

@@ -1,4 +1,4 @@
-"""What the live view of a scene starts with."""
+"""Initial settings of the live view."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ class ViewMethods(EnvironmentDescription):
     # --- camera -----------------------------------------------------------------------------
 
     def set_camera_location(self, camera_location: Iterable[float] = (5.0, -5.0, 5.0)) -> None:
-        """Put the camera somewhere: metres in the world."""
+        """Set the position of the camera in the world, m."""
         self.settings.view.camera_location = checks.triple(camera_location, "env.set_camera_location([x, y, z])")
 
     def set_camera_rotation(self, camera_rotation: Iterable[float] = (0.7854, 0.0, 0.7854)) -> None:
-        """Turn the camera, which looks along its -Z axis: radians, XYZ order."""
+        """Set the rotation of the camera, which looks along its -Z axis: Euler angles, rad, XYZ order."""
         angles = checks.triple(camera_rotation, "env.set_camera_rotation([rx, ry, rz])")
         hint_at_radians("env.set_camera_rotation", angles)
         self.settings.view.camera_rotation = angles
@@ -59,13 +59,13 @@ class ViewMethods(EnvironmentDescription):
         self.set_camera_rotation(camera_rotation)
 
     def set_camera_clip(self, clip_start: float = 0.1, clip_end: float = 100.0) -> None:
-        """Show what is between these distances, m."""
+        """Set the near and far clipping distances, m."""
         near = checks.number(clip_start, "env.set_camera_clip(clip_start)", above=0.0)
         far = checks.number(clip_end, "env.set_camera_clip(clip_end)", above=near)
         self.settings.view.camera_clip = (near, far)
 
     def set_camera_speed(self, speed: float = 2.0) -> None:
-        """Set how fast the keys move the camera, m/s."""
+        """Set the speed of the camera, m/s."""
         self.settings.view.camera_speed = checks.number(speed, "env.set_camera_speed(speed)", above=0.0)
 
     def set_camera_focal_length(self, focal_length: float = 20.0) -> None:
@@ -74,7 +74,7 @@ class ViewMethods(EnvironmentDescription):
         self.settings.view.camera_focal_length = length
 
     def select_display_camera(self, robot_camera: AbstractComponent) -> None:
-        """Show the picture of a robot's camera in the view."""
+        """Show the image of a camera of a robot in the view."""
         if not isinstance(robot_camera, AbstractComponent):
             raise TypeError(f"env.select_display_camera takes a camera of a robot, got {checks.shown(robot_camera)}")
         self._display_camera = robot_camera
@@ -86,7 +86,7 @@ class ViewMethods(EnvironmentDescription):
         self.settings.view.horizon_color = checks.color(color, "env.set_horizon_color(color)")
 
     def set_ambient_color(self, color: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
-        """Set the colour of the light that comes from everywhere: red, green, blue, 0..1."""
+        """Set the colour of the ambient light: red, green, blue, 0..1."""
         self.settings.view.ambient_color = checks.color(color, "env.set_ambient_color(color)")
 
     def enable_mist(self, enable: bool = True) -> None:
@@ -101,13 +101,13 @@ class ViewMethods(EnvironmentDescription):
         depth: float | None = None,
         falloff: str | None = None,
     ) -> None:
-        """Describe the mist; settings that are not given stay unchanged.
+        """Set the mist; settings that are not given stay unchanged.
 
         Args:
             enable: show it.
-            intensity: of its thinnest part, 0..1.
+            intensity: minimum intensity, 0..1.
             start: distance at which it begins, m.
-            depth: after that much more it hides all, m.
+            depth: distance from the start to full intensity, m.
             falloff: ``QUADRATIC``, ``LINEAR`` or ``INVERSE_QUADRATIC``.
         """
         mist = replace(self.settings.view.mist or Mist())
@@ -121,12 +121,12 @@ class ViewMethods(EnvironmentDescription):
         self.settings.view.mist = mist
 
     def set_material_mode(self, material_mode: str = "GLSL") -> None:
-        """Choose how surfaces are drawn: ``GLSL``, ``MULTITEXTURE`` or ``SINGLETEXTURE``."""
+        """Set the material mode: ``GLSL``, ``MULTITEXTURE`` or ``SINGLETEXTURE``."""
         mode = checks.choice(material_mode, _MATERIAL_MODES, "env.set_material_mode(material_mode)")
         self.settings.view.material_mode = mode
 
     def set_viewport(self, viewport_shade: str = "WIREFRAME", clip_end: float = 1000.0) -> None:
-        """Choose how the scene is drawn, e.g. ``WIREFRAME`` or ``SOLID``, and up to which distance, m."""
+        """Set the rendering mode, e.g. ``WIREFRAME`` or ``SOLID``, and the far clipping distance, m."""
         shade = checks.choice(viewport_shade, _VIEWPORTS, "env.set_viewport(viewport_shade)")
         near = self.settings.view.camera_clip[0]
         far = checks.number(clip_end, "env.set_viewport(clip_end)", above=near)
@@ -134,7 +134,7 @@ class ViewMethods(EnvironmentDescription):
         self.settings.view.camera_clip = (near, far)
 
     def set_stereo(self, mode: str = "ANAGLYPH", eye_separation: float = 0.1, stereo: str = "STEREO") -> None:
-        """Draw one picture for each eye; ``eye_separation`` in metres."""
+        """Set stereo rendering; ``eye_separation`` in metres."""
         self.settings.view.stereo = {
             "mode": checks.choice(mode, _STEREO_MODES, "env.set_stereo(mode)"),
             "eye_separation": checks.number(eye_separation, "env.set_stereo(eye_separation)", minimum=0.0),
@@ -144,11 +144,11 @@ class ViewMethods(EnvironmentDescription):
     # --- overlays ---------------------------------------------------------------------------
 
     def show_debug_properties(self, value: bool = True) -> None:
-        """Show the properties that components set while the simulation runs, and those marked in the model files."""
+        """Show the properties that components set at run time, and those marked in the model files."""
         self.settings.view.show_debug_properties = checks.boolean(value, "env.show_debug_properties(value)")
 
     def show_framerate(self, value: bool = True) -> None:
-        """Show how many pictures a second the live view draws."""
+        """Show the frame rate of the live view."""
         self.settings.view.show_framerate = checks.boolean(value, "env.show_framerate(value)")
 
     def show_physics(self, value: bool = True) -> None:
@@ -156,7 +156,7 @@ class ViewMethods(EnvironmentDescription):
         self.settings.view.show_physics = checks.boolean(value, "env.show_physics(value)")
 
     def fullscreen(self, fullscreen: bool = True) -> None:
-        """Let the view fill the screen."""
+        """Use the full screen for the view."""
         self.settings.view.fullscreen = checks.boolean(fullscreen, "env.fullscreen(fullscreen)")
 
 

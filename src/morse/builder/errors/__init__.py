@@ -1,4 +1,4 @@
-"""What is said of mistakes in scene scripts."""
+"""Error messages for scene scripts."""
 
 from morse.builder.errors.script_error import ScriptError, Step
 

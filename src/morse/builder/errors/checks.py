@@ -1,4 +1,4 @@
-"""Checks of what a scene script gives: they raise errors that name the argument and the mend."""
+"""Validation of arguments in scene scripts, with errors that name the argument and the correction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def shown(value: object) -> str:
-    """A value as error messages show it: its representation, shortened."""
+    """Return the shortened representation of a value for error messages."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -36,10 +36,10 @@ def number(
     """A finite number as a float.
 
     Args:
-        value: what the script gave.
-        what: names the argument in messages, e.g. ``set_gravity(gravity)``.
+        value: the argument of the script.
+        what: name of the argument in messages, e.g. ``set_gravity(gravity)``.
         minimum: smallest value allowed.
-        above: the value has to be greater.
+        above: exclusive lower bound.
         maximum: largest value allowed.
         infinite: allow infinities.
 
@@ -62,7 +62,7 @@ def number(
 
 
 def integer(value: Any, what: str, *, minimum: int | None = None) -> int:
-    """A whole number (``2.0`` is one).
+    """Return an integer (``2.0`` is accepted).
 
     Raises:
         TypeError: not a number.
@@ -104,7 +104,7 @@ def color(value: Any, what: str) -> tuple[float, float, float]:
 
 
 def boolean(value: Any, what: str) -> bool:
-    """True or False (1 and 0 will do).
+    """Return a boolean (1 and 0 are accepted).
 
     Raises:
         TypeError: anything else.

@@ -1,4 +1,4 @@
-"""Turns any exception of a scene script into a `ScriptError` that its author understands."""
+"""Converts exceptions of a scene script into a `ScriptError` with a clear message."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _CALL = re.compile(r"^([\w.<>]+)\(\) (.*)$", re.DOTALL)
 _KEYWORD = re.compile(r"unexpected keyword argument '(\w+)'")
 _IMPORTED = re.compile(r"^cannot import name '([^']+)'")
 
-#: what our own code raises with a message that says everything
+#: exceptions of MORSE whose messages are complete
 _OURS = (TypeError, ValueError, AttributeError, KeyError, OSError, SyntaxError, MorseError)
 
 
@@ -51,7 +51,7 @@ def _frames(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
 
 
 def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tuple[str, str]:
-    """What happened, and the mend."""
+    """Return the description of the error, and the correction."""
     match error:
         case SyntaxError() if error.lineno is not None:
             return f"{type(error).__name__}: {error.msg}", ""
@@ -118,7 +118,7 @@ def _no_member(name: str, error: ImportError) -> tuple[str, str]:
 
 
 def _bad_call(qualified: str, problem: str) -> tuple[str, str]:
-    """A call with arguments that a function does not take."""
+    """Describe a call with arguments that a function does not accept."""
     name = qualified.removesuffix(".__init__")
     function = _function(qualified)
     if function is None:

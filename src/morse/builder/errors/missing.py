@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: what scripts of 1.4 may ask for, by kind; what has come meanwhile may stay here
+#: components of 1.4 by kind; names that are available meanwhile have no effect here
 _OF_1_4: Mapping[str, tuple[str, ...]] = {
     "sensor": (
         *("Accelerometer", "Airspeed", "ArmaturePose", "Attitude", "Barometer", "Battery", "Clock", "Collision"),
@@ -25,7 +25,7 @@ _OF_1_4: Mapping[str, tuple[str, ...]] = {
 
 
 def missing_component(name: str) -> tuple[str, str] | None:
-    """What to say of a name that is a component of 1.4 and not one of this version: what is wrong, and the mend.
+    """Return the error and the correction for a component of 1.4 that this version does not have.
 
     Returns:
         None for any other name.

@@ -1,4 +1,4 @@
-"""Options that a script gives by keyword, against those that middlewares and modifiers declare."""
+"""Validation of options in scripts against the declarations of middlewares and modifiers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: options of one middleware or another: a script that changes the middleware may leave them
+#: options of any middleware, which a script may keep when it changes the middleware
 _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
 
 
@@ -62,7 +62,7 @@ def manager_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The options of a modifier; a class that declares no ``_options`` takes any.
+    """Return the options of a modifier; a class without ``_options`` accepts any option.
 
     Args:
         classpath: of the modifier.
@@ -76,6 +76,6 @@ def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]
     try:
         cls = load_class(classpath)
     except MorseBuilderNoComponentError:
-        return dict(given)  # said when the scene is loaded, as of a modifier without options
+        return dict(given)  # the error is reported when the scene is loaded
     declared: Mapping[str, Option] | None = getattr(cls, "_options", None)
     return dict(given) if declared is None else checked_options(f"the modifier {cls.__name__}", declared, given)

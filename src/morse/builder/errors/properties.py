@@ -1,4 +1,4 @@
-"""Properties that a script sets, against those that the component declares."""
+"""Validation of properties in scripts against the declarations of the component."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_
 
 
 def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
-    """Warn about properties that a component does not declare; refuse values that it cannot take.
+    """Warn about properties that a component does not declare, and raise an error for invalid values.
 
     Raises:
         PropertyError: a value of another type, or outside the range or the choices that are declared.

@@ -1,4 +1,4 @@
-"""What is wrong with a scene script."""
+"""Errors of scene scripts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _MAX_CALLERS = 8
 
 @dataclass(slots=True)
 class Step:
-    """One line of the user's code on the way to an error.
+    """One line of user code in the traceback of an error.
 
     Attributes:
         function: the function the line belongs to, or ``<module>``.
@@ -40,9 +40,9 @@ class ScriptError(MorseBuilderError):
     """A scene script cannot be built.
 
     Attributes:
-        message: one sentence: what was given and what was expected.
-        steps: the lines of the user's code that led there, outermost first; our own code is left out.
-        mend: what to write instead, or an empty string.
+        message: one sentence with the given and the expected value.
+        steps: the lines of user code in the traceback, outermost first, without code of MORSE.
+        mend: the correction, or an empty string.
         script: the script that was run.
     """
 
@@ -56,7 +56,7 @@ class ScriptError(MorseBuilderError):
 
     @property
     def where(self) -> SourceLine | None:
-        """The line at fault."""
+        """The line with the error."""
         return self.steps[-1].where if self.steps else None
 
     def __str__(self) -> str:
@@ -64,7 +64,7 @@ class ScriptError(MorseBuilderError):
         return self.message if where is None else f"{where}: {self.message}"
 
     def report(self) -> str:
-        """Several lines for the user: place and message, the source line, the mend, the way there."""
+        """Return several lines for the user: location and message, source line, correction, callers."""
         lines = [f"{self.where or self.script or 'scene script'}: {self.message}"]
         if self.steps and (source := self.steps[-1].source):
             lines.append(f"    {source}")

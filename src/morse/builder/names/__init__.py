@@ -1,1 +1,1 @@
-"""How names are found: of components after variables, of classes after files."""
+"""Names of components from variables, and names of classes from files."""

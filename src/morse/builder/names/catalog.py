@@ -1,7 +1,7 @@
-"""Which components and modifiers MORSE has, read from their files without running them.
+"""The catalogue of components and modifiers, read from their files without executing them.
 
-A scene that uses three sensors should not wait until forty are loaded, nor fail because one of
-those is broken. A class counts if its body sets ``_name`` (components) or ``_names`` (modifiers).
+A scene with three sensors should not load forty sensors, nor fail because another one is broken. A class is included if
+its body sets ``_name`` (components) or ``_names`` (modifiers).
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Entry:
     """A class of the catalogue, or a product that such a class simulates.
 
     Attributes:
-        name: as scene scripts know it.
-        classpath: where it is.
-        doc: one sentence on what it is.
+        name: name in scene scripts.
+        classpath: class path.
+        doc: one-sentence description.
         attributes: the class attributes whose values are plain literals.
         defaults: the plain literals among the arguments of its `BuilderDefaults` or `RobotDefaults`, or None if it
             declares none.
@@ -56,12 +56,12 @@ def components(package: str) -> dict[str, Entry]:
 
 
 def entries(module: str, definition: ast.ClassDef, *, named: bool = False) -> Iterator[Entry]:
-    """What scene scripts can make of a class: itself, and the products that it simulates.
+    """Return the entries of a class: the class itself, and the products that it simulates.
 
     Args:
-        module: where the class is.
+        module: module of the class.
         definition: the class.
-        named: it is a component, whether its body sets ``_name`` or not.
+        named: include the class even if its body does not set ``_name``.
     """
     attributes = sources.literals(definition)
     if not isinstance(attributes.get("_name"), str) and not named:

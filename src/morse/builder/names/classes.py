@@ -1,4 +1,4 @@
-"""The component classes behind class paths."""
+"""Loads component classes from class paths."""
 
 from __future__ import annotations
 

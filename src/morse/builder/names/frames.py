@@ -1,4 +1,4 @@
-"""The lines of the user's code that are being run."""
+"""The currently executed lines of user code."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ _PACKAGE = os.path.dirname(os.path.abspath(morse.__file__)) + os.sep
 
 
 def is_users(code: CodeType) -> bool:
-    """True for code that is neither ours nor Python's import machinery."""
+    """Whether code belongs neither to MORSE nor to Python's import system."""
     return not code.co_filename.startswith((_PACKAGE, "<frozen"))
 
 
 def is_library(code: CodeType) -> bool:
-    """True for code of Python's library and of installed packages."""
+    """Whether code belongs to the standard library or to an installed package."""
     return code.co_filename.startswith(_LIBRARIES)
 
 
 def user_frames() -> Iterator[FrameType]:
-    """The frames of the script that called us, innermost first, up to that of the script itself."""
+    """Return the frames of user code in the call stack, innermost first, up to the script itself."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         if is_users(frame.f_code):
@@ -40,10 +40,10 @@ def user_frames() -> Iterator[FrameType]:
 
 
 def source_line(made: object = None) -> SourceLine | None:
-    """The line of the script that is being run.
+    """Return the currently executed line of the script.
 
     Args:
-        made: an object that is being made: its own ``__init__`` methods do not count.
+        made: an object that is being created, whose ``__init__`` methods are skipped.
     """
     frames = user_frames()
     frame = next((f for f in frames if made is None or f.f_locals.get("self") is not made), None)

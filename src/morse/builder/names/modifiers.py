@@ -1,7 +1,6 @@
 """Modifiers by the names that scene scripts use.
 
-A modifier class says in its body which names it goes by and which components it suits, both as
-plain tuples of strings::
+The body of a modifier class contains its names and the components for which it is suitable, as tuples of strings::
 
     class CoordinatesToNED(AbstractModifier):
         _names = ("NED",)

@@ -1,10 +1,10 @@
-"""Components are named after the variables of the script that hold them.
+"""Names components after the variables of the script that refer to them.
 
-Names come from several places; a stronger one replaces a weaker one, never the other way round:
+Names have several sources; a stronger source replaces a weaker one:
 
-1. a variable that held the component when it was used (`Strength.GUESSED`),
-2. a variable or attribute that holds it when it is appended, when `close_context` is called or
-   when the environment is made (`Strength.VARIABLE`),
+1. a variable that referred to the component when it was used (`Strength.GUESSED`),
+2. a variable or attribute that refers to it when it is appended, when `close_context` is called or when the environment
+   is created (`Strength.VARIABLE`),
 3. a name that the script gave (`Strength.GIVEN`).
 """
 
@@ -42,10 +42,10 @@ def check_given_name(name: Any) -> str:
 
 
 def check_address(name: str) -> None:
-    """Check that clients can write the name of a robot, sensor or actuator.
+    """Validate the name of a robot, sensor or actuator for use by clients.
 
     Raises:
-        ValueError: blanks in it, which part the words of a request.
+        ValueError: the name contains a space, which separates the words of a request.
     """
     if any(character.isspace() or not character.isprintable() for character in name):
         written = "_".join("".join(c if c.isprintable() else " " for c in name).split())
@@ -53,7 +53,7 @@ def check_address(name: str) -> None:
 
 
 def name_in_frame(component: Part, parent: Part, frame: FrameType) -> str | None:
-    """The name under which a component is known where it is appended to a parent.
+    """Return the name of a component at the place where it is appended to a parent.
 
     That is an attribute of ``self``, else a variable, else an attribute of the parent.
     """
@@ -72,14 +72,14 @@ def _usable(name: str) -> bool:
 
 
 def name_unparented(variables: Mapping[str, Any], strength: Strength) -> None:
-    """Name the components among these variables that are part of no other one."""
+    """Name the components among these variables that have no parent."""
     for name, value in list(variables.items()):
         if isinstance(value, Part) and _usable(name) and value.is_complete and value.parent is None:
             value.suggest_name(name, strength)
 
 
 def guess_names() -> None:
-    """Note which variables hold which components, before a loop or a function forgets it."""
+    """Record which variables refer to which components, before the variables change."""
     frame = next(user_frames(), None)
     if frame is not None:
         name_unparented(frame.f_locals, Strength.GUESSED)
@@ -95,7 +95,7 @@ def rename_all() -> None:
 
 def _rename_tree(component: Part, prefix: tuple[str, ...], used: set[str], on_robot: bool) -> None:
     path = (*prefix, component.plain_name)
-    # a thing keeps the name it has in its file, unless a variable still holds it
+    # an object keeps its name in the file, unless a variable still refers to it
     if not on_robot and component.name_strength < Strength.VARIABLE:
         name = component.name
     else:

@@ -1,4 +1,4 @@
-"""What a scene is made of, as far as names go."""
+"""The part of scene objects that the naming needs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _COPY_SUFFIX = re.compile(r"\.\d{3,}$")
 
 
 class Strength(IntEnum):
-    """Where a name came from, weakest first."""
+    """The source of a name, weakest first."""
 
     NONE = 0
     GUESSED = 1
@@ -66,7 +66,7 @@ class Part:
         return self.basename or without_copy_suffix(self.scene_node.name)
 
     def suggest_name(self, name: str, strength: Strength) -> None:
-        """Take a name, unless it has got one from a stronger source."""
+        """Set the name, unless it has a name from a stronger source."""
         if strength > self.name_strength:
             self.basename = name
             self.name_strength = strength

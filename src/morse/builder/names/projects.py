@@ -1,8 +1,8 @@
-"""Components of a user's own project, from their files alone.
+"""Builder classes for the components of a project, derived from their files.
 
 ``from ranger_sim.builder.sensors import Sonar`` works as soon as a file in ``src/ranger_sim/sensors/`` has a class
 ``Sonar``: the class for scene scripts is derived from it. A file in ``src/ranger_sim/builder/sensors/`` with a class
-of that name goes before.
+of that name takes precedence.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class ProjectFinder:
     """Finds ``<project>.builder`` and ``<project>.builder.<kind>``, whether they have files or not."""
 
     def install(self) -> None:
-        """Ask this finder before the one that follows the path; there is one in a process."""
+        """Install this finder before the path finder, once per process."""
         describing.describe = describe
         if not any(isinstance(finder, ProjectFinder) for finder in sys.meta_path):
             sys.meta_path.insert(0, self)
@@ -63,7 +63,7 @@ class ProjectFinder:
             return None
         found = PathFinder.find_spec(name, path)
         if kind == "builder":
-            # a project without a file for its builder classes is still asked for them
+            # also used for projects without a file for builder classes
             return found or (ModuleSpec(name, None, is_package=True) if any(_files(project)) else None)
         if found is None or found.loader is None or found.origin is None:
             if not any(True for _ in sources.files(package)):
@@ -81,7 +81,7 @@ def _files(project: str) -> Iterator[str]:
 
 
 class _Derived:
-    """Makes a module of builder classes that has no file."""
+    """Creates a module of builder classes without a file."""
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
         """See `importlib.abc.Loader`."""
@@ -95,7 +95,7 @@ class _Derived:
 
 
 class _Completed(SourceFileLoader):
-    """Runs the file of a package of builder classes, and offers those that the file does not have."""
+    """Executes the file of a package of builder classes, and adds the classes that are missing in the file."""
 
     def exec_module(self, module: ModuleType) -> None:
         """See `importlib.abc.Loader`."""

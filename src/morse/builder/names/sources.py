@@ -1,4 +1,4 @@
-"""What classes say of themselves, read from their files without running them."""
+"""Reads class definitions from files without executing them."""
 
 from __future__ import annotations
 
