@@ -159,6 +159,12 @@ def test_lenses_that_do_not_exist_are_refused(degrees, model, text):
         lens_of(64, 64, 35.0, degrees, 0.1, 10.0, model, text)
 
 
+def test_large_images_with_distortion_are_refused_before_they_fill_the_memory():
+    with pytest.raises(ValueError, match="at most 4194304 pixels, got 4096 x 4096"):
+        lens_of(4096, 4096, 35.0, None, 0.1, 10.0, "plumb_bob", "-0.1")
+    assert lens_of(4096, 4096, 35.0, None, 0.1, 10.0).width == 4096
+
+
 @pytest.mark.parametrize("numbers", [(-1e6, 1e6, 1e6, -1e6, 1e6), (1e6,) * 5, (0.0, 0.0, 9.0, 9.0, 0.0)])
 def test_coefficients_that_mean_nothing_harm_nothing(numbers):
     lens = DistortedLens(64, 48, 40.0, 40.0, 32.0, 24.0, 0.1, FAR, "plumb_bob", numbers)

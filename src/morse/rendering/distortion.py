@@ -29,6 +29,8 @@ _STEPS, _PRECISE = 30, 1e-9
 #: beyond, a flat picture shows nothing
 _WIDEST_RADIUS = 20.0
 _MOST_COEFFICIENT = 1e6
+#: each takes 300 bytes while the lens is made
+_MOST_PIXELS = 1 << 22
 
 
 def coefficients(text: str, model: str) -> tuple[float, ...]:
@@ -65,6 +67,13 @@ class DistortedLens(Lens):
 
     model: str = "plumb_bob"
     coefficients: tuple[float, ...] = (0.0,) * 5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.width * self.height > _MOST_PIXELS:
+            raise ValueError(
+                f"an image with distortion has at most {_MOST_PIXELS} pixels, got {self.width} x {self.height}"
+            )
 
     @classmethod
     def of_fisheye_angle(
@@ -142,6 +151,8 @@ def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Flo
         b = u * v * slope + 2 * p1 * u + 2 * p2 * v
         d = radial + v * v * slope + 6 * p1 * v + 2 * p2 * u
         determinant = a * d - b * b
+        if not (abs(du) + abs(dv) > _PRECISE / 100).any():
+            break
         u, v = u - (d * du - b * dv) / determinant, v - (a * dv - b * du) / determinant
     # beyond the radius where the picture folds back, nothing is shown
     radii = np.arange(1, 20001) * (_WIDEST_RADIUS / 20000)
@@ -168,6 +179,8 @@ def _of_fisheye(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Float
     for _ in range(_STEPS):
         grows, slope = _fisheye(angle * angle, numbers)
         missing = angle * grows - bent
+        if not (abs(missing) > _PRECISE / 100).any():
+            break
         angle = angle - missing / slope
     angles = np.arange(1, 3142) / 1000
     rising = _fisheye(angles * angles, numbers)[1] > 0
