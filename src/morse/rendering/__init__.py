@@ -1,6 +1,6 @@
-"""What cameras see: drawn in software, the same bits on every machine.
+"""Software rendering of camera images, bit-identical on every machine.
 
-Nothing is imported by a scene without cameras.
+Scenes without cameras do not import this package.
 """
 
 from morse.rendering.distortion import DistortedLens

@@ -1,4 +1,4 @@
-"""What there is to see in a world, as arrays, and where it is now."""
+"""The visible contents of a world as arrays, and their present poses."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from morse.rendering.textures import TextureStore
     from morse.scene import Material, Mesh, Node
 
-#: less opaque than that is seen through
+#: opacity below which a surface is translucent
 _OPAQUE = 0.99
 
 
 class MeshStore:
-    """Meshes that were cut into clusters, kept from one arrangement of a world to the next."""
+    """Cache of meshes divided into clusters, kept across arrangements of a world."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], tuple[Mesh, Clusters]] = {}
@@ -44,7 +44,7 @@ class MeshStore:
         """The clusters of a mesh."""
         key = (id(mesh), slots)
         if key not in self._known:
-            # the mesh is kept, so that no other one gets its id
+            # keeps the mesh alive, so that its id is not reused
             self._known[key] = (mesh, clusters_of(mesh, slots))
         return self._known[key][1]
 
@@ -101,7 +101,7 @@ class Contents:
         )
         self.moving = self.drawing.parts[:, 3] & MOVES != 0
 
-    # -- what there is ---------------------------------------------------------------------
+    # -- contents --------------------------------------------------------------------------
 
     def _clusters(self, cut: Clusters) -> list[int]:
         """The numbers of the clusters of a mesh in the drawing."""
@@ -130,10 +130,10 @@ class Contents:
         row = (*color, *material.emission, material.metallic, material.roughness, texture, int(flags), 0)
         return self._materials.setdefault(row, len(self._materials))
 
-    # -- where it is -----------------------------------------------------------------------
+    # -- poses -----------------------------------------------------------------------------
 
     def poses(self) -> Poses:
-        """Where all instances are now; what is not visible is nowhere."""
+        """Return the present poses of all instances; invisible instances get zeros."""
         world = self._world
         self._follow()
         positions, rotations = world.slot_poses()
@@ -143,7 +143,7 @@ class Contents:
         seen &= (np.abs(model) < 1e7).all(axis=(1, 2))
         model[~seen] = 0.0
         linear = model[:, :, :3]
-        # cofactors: the inverse transposed times the determinant, whose sign keeps mirrored meshes right
+        # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
         turns = np.cross(np.roll(linear, -1, axis=1), np.roll(linear, -2, axis=1))
         turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
         return Poses(

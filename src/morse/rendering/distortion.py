@@ -1,4 +1,4 @@
-"""Lenses that bend straight lines: where each pixel looks.
+"""Lens distortion: the viewing direction of each pixel.
 
 The models are those of OpenCV and of ROS: ``plumb_bob`` of D. C. Brown (Close-Range Camera Calibration, 1971) with the
 coefficients k1, k2, p1, p2, k3, and ``equidistant`` of J. Kannala and S. S. Brandt (A Generic Camera Model and
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MODELS = ("plumb_bob", "equidistant")
 _COUNTS = {"plumb_bob": 5, "equidistant": 4}
 _STEPS, _PRECISE = 30, 1e-9
-#: beyond, a flat picture shows nothing
+#: angle beyond which an undistorted image has no pixels
 _WIDEST_RADIUS = 20.0
 _MOST_COEFFICIENT = 1e6
 #: each takes 300 bytes while the lens is made
@@ -55,14 +55,14 @@ def coefficients(text: str, model: str) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class DistortedLens(Lens):
-    """A lens that bends straight lines.
+    """A lens with distortion.
 
     Attributes:
         model: ``plumb_bob`` or ``equidistant``.
         coefficients: k1, k2, p1, p2, k3, or k1, k2, k3, k4.
 
     Raises:
-        ValueError: numbers that make no picture.
+        ValueError: the parameters are not valid.
     """
 
     model: str = "plumb_bob"
@@ -79,7 +79,7 @@ class DistortedLens(Lens):
     def of_fisheye_angle(
         cls, width: int, height: int, angle: float, numbers: tuple[float, ...], near: float, far: float
     ) -> DistortedLens:
-        """The fisheye lens that sees so much from left to right, radians, up to a full turn.
+        """Return the fisheye lens with a horizontal field of view, rad, up to a full turn.
 
         Raises:
             ValueError: no such lens.
@@ -93,7 +93,7 @@ class DistortedLens(Lens):
 
     @cached_property
     def directions(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """(H, W, 3) unit vectors from the camera to what each pixel shows, and whether it shows anything."""
+        """Return the viewing directions (H, W, 3) as unit vectors, and whether each pixel is valid."""
         x = np.broadcast_to((np.arange(self.width) + 0.5 - self.cx) / self.fx, (self.height, self.width))
         y = np.broadcast_to(((np.arange(self.height) + 0.5 - self.cy) / self.fy)[:, None], x.shape)
         with np.errstate(all="ignore"):
@@ -109,7 +109,7 @@ class DistortedLens(Lens):
         return np.where(ahead[..., None], found / depth, 0.0).astype(np.float32)
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., 2) where the picture shows points (..., 3); not a number for what no lens of this kind shows."""
+        """Project points (..., 3) to pixels (..., 2); NaN for points outside the domain of the lens."""
         if self.model == "plumb_bob":
             return super().project(points)
         across = np.sqrt(points[..., 0] ** 2 + points[..., 1] ** 2)
@@ -121,7 +121,7 @@ class DistortedLens(Lens):
         return points[..., :2] * share[..., None] * (self.fx, self.fy) + (self.cx, self.cy)
 
     def bend(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., 2) what the distortion ``plumb_bob`` makes of places (..., 2) at a depth of 1."""
+        """Apply the distortion ``plumb_bob`` to points (..., 2) at a depth of 1."""
         k1, k2, p1, p2, k3 = self.coefficients
         u, v = flat[..., 0], flat[..., 1]
         r2 = u * u + v * v
@@ -131,14 +131,14 @@ class DistortedLens(Lens):
 
     @cached_property
     def warp(self) -> Warp:
-        """The flat pictures that this one is made of."""
+        """The undistorted images from which this image is sampled."""
         from morse.rendering.warp import Warp
 
         return Warp(self)
 
 
 def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Newton's method, from the place that the pixel would have without distortion."""
+    """Invert the distortion with Newton's method, starting at the undistorted position of the pixel."""
     k1, k2, p1, p2, k3 = numbers
     u, v = x.copy(), y.copy()
     for _ in range(_STEPS):
@@ -154,7 +154,7 @@ def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Flo
         if not (abs(du) + abs(dv) > _PRECISE / 100).any():
             break
         u, v = u - (d * du - b * dv) / determinant, v - (a * dv - b * du) / determinant
-    # beyond the radius where the picture folds back, nothing is shown
+    # beyond the radius at which the model is not invertible, pixels are not valid
     radii = np.arange(1, 20001) * (_WIDEST_RADIUS / 20000)
     squares = radii * radii
     rising = 1 + squares * (3 * k1 + squares * (5 * k2 + squares * 7 * k3)) > 0

@@ -1,4 +1,4 @@
-"""How the picture of each point has moved since the last picture."""
+"""Optical flow between images."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Moment(NamedTuple):
-    """Where everything was when a picture was taken.
+    """The poses at the time of an image.
 
     Attributes:
         names: of the nodes.
@@ -37,10 +37,10 @@ def moment_of(picture: Picture) -> Moment:
 
 
 def optical_flow(picture: Picture, lens: Lens, before: Moment) -> NDArray[np.float32]:
-    """(H, W, 2) by how many pixels, to the right and down, what each pixel shows has moved since another moment.
+    """Return the displacement (H, W, 2) of the content of each pixel since another moment, px to the right and down.
 
-    What shows nothing moves as what is infinitely far away. What has no depth, was not there, or was behind the camera
-    has no flow: NaN.
+    Pixels without a surface move like infinitely distant points. Pixels without depth, and points that did not exist or
+    were behind the camera, have no flow: NaN.
     """
     directions = lens.directions[0] if isinstance(lens, DistortedLens) else lens.rays().astype(np.float64)
     axes, earlier = picture.axes.astype(np.float64), before.axes.astype(np.float64)

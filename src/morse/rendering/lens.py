@@ -1,4 +1,4 @@
-"""How a camera projects."""
+"""Projection of a camera."""
 
 from __future__ import annotations
 
@@ -25,9 +25,8 @@ class Lens:
     Attributes:
         width, height: pixels.
         fx, fy: focal lengths, pixels.
-        cx, cy: where the optical axis meets the picture, pixels from its upper left corner; the middle of the first
-            pixel is at 0.5.
-        near, far: metres along the axis; what is nearer or farther is not seen.
+        cx, cy: principal point, pixels from the upper left corner; the centre of the first pixel is at 0.5.
+        near, far: clipping distances along the axis, m.
 
     Raises:
         ValueError: numbers that make no picture.
@@ -71,7 +70,7 @@ class Lens:
 
     @classmethod
     def of_angle(cls, width: int, height: int, angle: float, near: float = 0.1, far: float = 100.0) -> Lens:
-        """The lens that sees so much from left to right, radians."""
+        """Return the lens with a horizontal field of view, rad."""
         if not 0.0 < angle < math.pi:
             raise ValueError(
                 f"a field of view is between 0 and 180 degrees, got {math.degrees(angle):g}: "
@@ -93,12 +92,12 @@ class Lens:
         return found
 
     def project(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., 2) where the picture shows points (..., 3), X right, Y down, Z forward; NaN for what is behind."""
+        """Project points (..., 3), X right, Y down, Z forward, to pixels (..., 2); NaN for points behind the camera."""
         with np.errstate(all="ignore"):
             ahead = np.where(points[..., 2:] > 1e-9, points[..., 2:], np.nan)
             flat = self.bend(points[..., :2] / ahead)
         return flat * (self.fx, self.fy) + (self.cx, self.cy)
 
     def bend(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(..., 2) what distortion makes of places (..., 2) at a depth of 1."""
+        """Apply the distortion to points (..., 2) at a depth of 1."""
         return flat

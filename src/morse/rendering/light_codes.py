@@ -1,4 +1,4 @@
-"""Codes of sRGB as light, and back."""
+"""Conversion between sRGB values and linear light."""
 
 from __future__ import annotations
 
@@ -18,6 +18,6 @@ _STEPS = np.float32(len(ENCODED) - 1)
 
 
 def encoded(light: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """The codes of light; what is darker than 0 or brighter than 1 is clipped."""
+    """Convert linear light to sRGB values; light is clipped to 0..1."""
     steps = np.clip(light, np.float32(0), np.float32(1)) * _STEPS + np.float32(0.5)
     return np.asarray(ENCODED[steps.astype(np.intp)], np.uint8)

@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from morse.physics import World
     from morse.scene import Node, Scene, ViewSettings
 
-#: a white surface that a lamp of energy 1 lights straight on shows its full colour
+#: scale for which a white surface, lit perpendicularly by a lamp of energy 1, has full brightness
 _FULL = math.pi
-#: lamps fall off as one that has faded to half at its distance does, over the distances that matter
+#: factor of the falloff, fitted to lamps whose intensity is half at their distance
 _DECAY = 0.3
-#: half of the angle that an area lamp lights, radians
+#: half of the opening angle of an area lamp, rad
 _AREA = 1.5
-#: to the sun of a scene without lamps
+#: direction to the sun in a scene without lamps
 _TOWARDS_SUN = (0.45, -0.55, 0.75)
-#: the strongest lamps are taken, as the live view does
+#: maximum number of lamps; the strongest ones are used, as in the live view
 _MOST_LAMPS = 8
 
 
@@ -35,7 +35,7 @@ def _srgb(code: int) -> NDArray[np.float64]:
 
 
 class Lamps(NamedTuple):
-    """What shines.
+    """The lamps of a scene.
 
     Attributes:
         lamps: (L,) `LAMP`.
@@ -82,7 +82,7 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
             rows.append(_lamp(kind, position, towards, color * _FULL * light.energy * share, shape=shape))
     if sunny is None:
         sunny = np.array(_TOWARDS_SUN) / np.linalg.norm(_TOWARDS_SUN)
-        # lamps light the world: the sun is left faint, for shape and shadows
+        # with lamps in the scene, the sun is faint
         strength = _FULL * (0.35 if nodes else 0.95) * 0.85
         rows.append(_lamp(SUN, (0, 0, 0), sunny, _srgb(0xFFF3E2) * strength, shape=(1.0, 0.0)))
     rows.append(_sky_light(view, bool(nodes), mixed))
@@ -113,7 +113,7 @@ def sky_of(view: ViewSettings, sunny: NDArray[np.float64]) -> NDArray[np.float32
 
 
 def _strongest_first(nodes: Sequence[Node], world: World, view: ViewSettings) -> list[Node]:
-    """Lamps by the light that they give where the script puts the viewpoint, as the live view sorts them."""
+    """Sort lamps by their light at the initial viewpoint, as in the live view."""
 
     def given(node: Node) -> float:
         light = node.light

@@ -1,4 +1,4 @@
-"""Meshes as the kernel draws them: in clusters of neighbouring triangles."""
+"""Meshes for the kernel, divided into clusters of neighbouring triangles."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
     from morse.scene import Mesh
 
-#: m: what is farther from the origin of a mesh is not a place
+#: largest valid coordinate of a mesh, m
 _FARTHEST = 1e7
-#: texture coordinates repeat; beyond it they have no fraction to speak of
+#: largest texture coordinate, beyond which the fraction loses its precision
 _FARTHEST_UV = 1e4
 
 
@@ -94,7 +94,7 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     key = (mixed.sum(axis=1, dtype=np.uint64) & np.uint64(0xFFFFFFFF)) | (owner.astype(np.uint64) << np.uint64(32))
     first, inverse = _grouped(key)
     if count and not np.array_equal(flat[first][inverse], flat):
-        first = inverse = np.arange(len(flat))  # never seen: two corners in one number
+        first = inverse = np.arange(len(flat))  # hash collision of two corners, not expected
     firsts = np.searchsorted(owner[first], np.arange(cluster[-1] + 1 if count else 0))
     sizes = np.diff(np.append(firsts, len(first)))
     starts = np.arange(0, count, CLUSTER)
@@ -127,7 +127,7 @@ def _spheres(points: NDArray[np.float32], firsts: NDArray[np.intp]) -> NDArray[n
     middle = (low + high) / 2
     apart = points - np.repeat(middle, np.diff(np.append(firsts, len(points))), axis=0)
     reach = np.maximum.reduceat(np.linalg.norm(apart, axis=1), firsts)
-    # a little more: the kernel works in single precision
+    # slightly enlarged, because the kernel uses single precision
     return np.column_stack([middle, reach * 1.0001 + 1e-6]).astype(np.float32)
 
 

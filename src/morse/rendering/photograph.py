@@ -1,4 +1,4 @@
-"""A picture of a world from anywhere, without a camera in the scene."""
+"""Images of a world from any pose, without a camera in the scene."""
 
 from __future__ import annotations
 

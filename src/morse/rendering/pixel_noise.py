@@ -1,7 +1,8 @@
-"""What the chip of a camera adds to the light: shot noise, read-out noise, and pixels that are stuck.
+"""Noise of a camera sensor: shot noise, read-out noise, and stuck pixels.
 
-Electrons are counted, as in the standard EMVA 1288: their number scatters by its square root, and reading them adds the
-same scatter to all. The Gaussian distribution stands for that of Poisson, which is the same for many of them.
+The model follows the standard EMVA 1288: the standard deviation of the number of electrons is its square root, and the
+read-out adds the same noise to all pixels. The Poisson distribution is approximated by a Gaussian distribution, which
+is accurate for many electrons.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Chip(NamedTuple):
-    """What a chip is like.
+    """The parameters of a sensor.
 
     Attributes:
         full_well: electrons of the brightest pixel; 0 for no shot noise.
@@ -33,7 +34,7 @@ class Chip(NamedTuple):
 def exposed(
     chip: Chip, rgb: NDArray[np.uint8], random: np.random.Generator, flaws: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """A picture (H, W, 3) as a chip gives it.
+    """Return an image (H, W, 3) with sensor noise.
 
     Args:
         random: for this picture.

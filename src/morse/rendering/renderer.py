@@ -1,4 +1,4 @@
-"""Draws what all cameras of a world see."""
+"""Renders the images of all cameras of a world."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
     from morse.rendering.lens import Lens
     from morse.rendering.request import Placed
 
-#: of each pixel
+#: number of samples of each pixel
 _SAMPLES = 5
-#: pixels that are drawn at once, so that many large cameras do not fill the memory
+#: maximum number of pixels per call, so that many large cameras do not exhaust the memory
 _MOST_PIXELS = 1 << 25
 
 
 class Renderer:
-    """Draws what cameras see; all cameras that are due in a tick are drawn in one call.
+    """Renders camera images; all cameras of a tick are rendered in one call.
 
     Attributes:
-        contents: what there is to see; from the first picture on.
+        contents: the contents of the world; set at the first image.
     """
 
     contents: Contents
@@ -51,11 +51,11 @@ class Renderer:
     def request(
         self, obj: Placed, lens: Lens, *, color: bool = True, wanted: Callable[[], bool] = lambda: True
     ) -> CameraRequest:
-        """What a camera asks for whenever it acts; see `CameraRequest`."""
+        """Create the request of a camera; see `CameraRequest`."""
         return CameraRequest(self, obj, lens, color=color, wanted=wanted)
 
     def serve(self, requests: Sequence[CameraRequest]) -> None:
-        """Draw the pictures that are wanted."""
+        """Render the requested images."""
         wanted = [request for request in requests if request.wanted()]
         while wanted:
             pixels, count = 0, 0
@@ -98,7 +98,7 @@ class Renderer:
             )
 
     def _look(self) -> None:
-        """Look at all of the world anew if something has come or gone, or has another colour."""
+        """Read the world again if objects were added or removed, or a colour has changed."""
         world = self._world
         if self._arrangement == world.arrangement and not self._is_repainted():
             return
@@ -112,7 +112,7 @@ class Renderer:
         self._colors = [node.color for node in self.contents.nodes]
 
     def _is_repainted(self) -> bool:
-        """Whether a colour has changed; shown and hidden things need no new drawing."""
+        """Whether a colour has changed; changes of visibility do not require reading the world again."""
         if self._repaints == self._world.repaints:
             return False
         self._repaints = self._world.repaints
@@ -157,7 +157,7 @@ def _fill(row: Any, view: _View) -> None:
     position, rotation = request.obj.world_pose()
     for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
         row[name] = getattr(lens, name)
-    # the turns of flat pictures exchange axes, so that these products are exact
+    # the rotations of undistorted images permute axes, so that these products are exact
     row["axes"] = (np.reshape(rotation, (3, 3)) @ view.turn).T.ravel()
     row["eye"], row["color"], row["exposure"] = position, request.color, request.exposure
 

@@ -1,4 +1,4 @@
-"""What a camera asks the renderer for."""
+"""Requests of cameras to the renderer."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 
 class Placed(Protocol):
-    """Something that is somewhere: an object of the world, or a `morse.rendering.viewpoint.Viewpoint`."""
+    """An object with a pose: an object of the world, or a `morse.rendering.viewpoint.Viewpoint`."""
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9, row by row) in the world."""
 
 
 class Picture(NamedTuple):
-    """What a camera sees; its arrays are its own.
+    """An image of a camera; its arrays are not shared.
 
     Attributes:
         rgb: (H, W, 3) uint8, or None if it was not asked for.

@@ -22,24 +22,24 @@ if TYPE_CHECKING:
             """The texels that parts may have filled."""
 
 
-#: m: no texel is smaller
+#: minimum size of a texel, m
 _FINEST = 0.02
-#: texels along the longer side, at most: of a map alone, and of the coarser one of two
+#: maximum number of texels along the longer side: of a single map, and of the coarse map of two
 _MOST, _MOST_COARSE = 4096, 2048
-#: m around the scene, in which what moves casts shadows as well
+#: margin around the scene in which moving objects cast shadows, m
 _AROUND = 5.0
-#: m around what moves, that the finer map covers
+#: margin around moving objects that the fine map covers, m
 _NEAR = 10.0
 #: texels at the border
 _BORDER = 4
-#: if more things than that have moved, all shadows are drawn again
+#: number of moved objects above which all shadows are rendered again
 _MANY = 256
 
 
 class Shadows:
     """The shadows of the sun: a map of the whole scene, and in large scenes a finer one of where robots begin.
 
-    The maps cover what the scene has where the scene has it, so that they are the same whenever they are made.
+    The maps are computed from the poses in the scene, so that they do not depend on the time of their creation.
 
     Args:
         sunny: (3,) unit vector to the sun.
@@ -113,7 +113,7 @@ class ShadowMap:
         left = self._touched[moved]
         for x0, y0, x1, y1 in left.tolist():
             shadow[y0:y1, x0:x1] = self._base[y0:y1, x0:x1]
-        # what stood in the same places is drawn again as well
+        # objects in the same region are rendered again as well
         if len(left) < _MANY:
             mine, gone = self._touched[:, None], left[None]
             moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)

@@ -1,4 +1,4 @@
-"""The pictures of materials, as the kernel looks them up."""
+"""Textures of materials for the kernel."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: texels along a side; larger pictures are made smaller
+#: maximum number of texels along a side; larger images are scaled down
 _MOST_ASIDE = 2048
-#: pixels of a file: more would fill the memory
+#: maximum number of pixels of a file, which limits the memory
 _MOST_PIXELS = 1 << 27
 _codes = np.arange(256) / 255
 #: (256,) linear light of the codes of sRGB
@@ -47,7 +47,7 @@ class TextureStore:
         self._ahead: dict[int, Future[NDArray[np.uint8]]] = {}
 
     def read_ahead(self, images: Iterable[Image]) -> None:
-        """Decode pictures that will be asked for, in a thread of their own."""
+        """Decode textures in advance in a separate thread."""
         if found := {id(image): image for image in images if id(image) not in self._numbers}:
             # the decoders of Pillow run without the GIL
             pool = ThreadPoolExecutor(1, thread_name_prefix="morse-textures")
@@ -59,7 +59,7 @@ class TextureStore:
         found = self._numbers.get(id(image))
         if found is None:
             found = self._numbers[id(image)] = len(self._images)
-            # kept, so that no other picture gets its id
+            # keeps the image alive, so that its id is not reused
             self._images.append(image)
             ahead = self._ahead.pop(id(image), None)
             self._add(_pixels(image) if ahead is None else ahead.result())

@@ -1,4 +1,4 @@
-"""Which meshes belong to one thing, and the boxes around things."""
+"""Groups meshes into objects, and computes bounding boxes of objects."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Things:
         if obj.slot != thing.slot:
             here, own = _as_arrays(obj.world_pose())
             return _reach(node, turn.T @ own, turn.T @ (here - place))
-        # parts of one body do not move against each other, unless somebody displaces them
+        # parts of one body do not move relative to each other, unless they are displaced explicitly
         offsets = (obj.offset, thing.offset)
         known = self._fixed.get(node)
         if known is None or known[0] != offsets:

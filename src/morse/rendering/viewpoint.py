@@ -1,4 +1,4 @@
-"""Where somebody looks from who is no robot."""
+"""Viewpoints that are not attached to a robot."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """A place in the world, for `CameraRequest.obj`.
+    """A pose in the world, for `CameraRequest.obj`.
 
     Attributes:
         position: (3,) m.
@@ -67,7 +67,7 @@ class Viewpoint:
 
     @classmethod
     def of_script(cls, view: ViewSettings) -> Viewpoint:
-        """Where ``env.set_camera_location`` and ``set_camera_rotation`` put it."""
+        """Return the viewpoint of ``env.set_camera_location`` and ``set_camera_rotation``."""
         return cls.turned(view.camera_location, view.camera_rotation)
 
 
@@ -79,5 +79,5 @@ def _three(values: Sequence[float], what: str) -> tuple[float, ...]:
 
 
 def angle_of(view: ViewSettings) -> float:
-    """What the viewpoint of a script sees from left to right, radians, for Blender's sensor 32 mm wide."""
+    """Return the horizontal field of view of the viewpoint of a script, rad, for Blender's sensor width of 32 mm."""
     return 2 * math.atan(16.0 / max(view.camera_focal_length, 1e-3))

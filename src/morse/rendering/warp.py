@@ -1,4 +1,4 @@
-"""Pictures of lenses that bend straight lines, made of flat pictures.
+"""Images with lens distortion, sampled from undistorted images.
 
 Flat pictures are drawn in up to six directions, and looked up where the pixels of the picture look: colours from
 four neighbours, depths from four neighbours that show one plane, ids from the nearest one. The near plane of a camera
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from morse.rendering.distortion import DistortedLens
 
-#: pixels of flat pictures for one of the bent one
+#: number of pixels of undistorted images per pixel of the distorted image
 _DENSITY = 1.25
 #: one flat picture is enough if nothing is farther than 60 degrees from the axis
 _ONE_IS_ENOUGH = 0.5

@@ -1,4 +1,4 @@
-"""Runs the server of a middleware while a test needs it."""
+"""Runs the server of a middleware during a test."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PERIOD = 0.05
 
 
 class Daemon:
-    """A server that is reached on a TCP port of this machine.
+    """A server on a TCP port of this machine.
 
     A server that already listens there is used as it is, and is left running.
 

@@ -1,4 +1,4 @@
-"""What can go wrong with a test, apart from the test itself."""
+"""Errors of the test environment."""
 
 
 class MorseTestingError(Exception):

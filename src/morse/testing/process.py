@@ -1,4 +1,4 @@
-"""Runs a simulation in a process of its own."""
+"""Runs a simulation in a separate process."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class SimulationProcess:
             MorseTestingError: the simulation had to be killed, or had failed.
         """
         asked = self._process.poll() is not None or self._ask_to_quit()
-        # a simulation that is about to end does not answer
+        # a simulation that is ending may not answer
         self.watch.join(_END_TIMEOUT if asked else _KILL_TIMEOUT)
         if self._process.poll() is None:
             self.kill()
@@ -135,7 +135,7 @@ class SimulationProcess:
         return True
 
     def kill(self) -> None:
-        """End it by force, gently at first."""
+        """Terminate the process, and kill it if necessary."""
         for end in (self._process.terminate, self._process.kill):
             if self._process.poll() is None:
                 end()

@@ -81,6 +81,6 @@ def main(*test_cases: type[MorseTestCase], time_modes: Sequence[Any] = (BEST_EFF
 
 
 def _inside_simulation() -> bool:
-    # asked without an import: a test has no use for the builder
+    # checked without importing the builder, which tests do not need
     script = sys.modules.get("morse.builder.script")
     return script is not None and bool(script.is_loading())

@@ -112,7 +112,7 @@ class MorseTestCase(unittest.TestCase):
         testlogger.error("%s: %s", self.id(), line)
         with self._interruption:
             if self._interruptible:
-                # the test may be waiting for an answer that will never come
+                # the test may be waiting for an answer that will not arrive
                 _interrupt_main_thread()
 
     def _callTestMethod(self, method: Callable[[], Any]) -> None:  # noqa: N802 (of unittest)
@@ -121,7 +121,7 @@ class MorseTestCase(unittest.TestCase):
             try:
                 method()
             finally:
-                # an interruption is either over or will not come: it must not hit what follows the test
+                # waits until a pending interrupt was delivered, so that it does not affect later code
                 with self._interruption:
                     self._interruptible = False
         except KeyboardInterrupt:

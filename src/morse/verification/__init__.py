@@ -1,1 +1,1 @@
-"""Runs a scene again, in other circumstances, and compares every tick."""
+"""Repeats a scene under different conditions, and compares every tick."""

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
     from morse.recording.recording import Recording
 
-#: topics that do not follow from scene, seed and inputs
+#: topics that are not determined by scene, seed and inputs
 _FREE = ("/rosout", INPUTS)
 
 
 class Departure(NamedTuple):
-    """Where a run departs from its recording.
+    """The first difference between a run and its recording.
 
     Attributes:
         tick: counted since the last reset.

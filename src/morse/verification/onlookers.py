@@ -1,4 +1,4 @@
-"""Clients and pages that look at a simulation while it is replayed."""
+"""Clients and pages that observe a simulation during a replay."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class Onlookers:
         self.close()
 
     def close(self) -> None:
-        """Look no longer."""
+        """Stop observing."""
         self._ended.set()
         for thread in self._threads:
             thread.join()

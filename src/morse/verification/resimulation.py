@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Outcome(NamedTuple):
-    """What came of it.
+    """The result of the comparison.
 
     Attributes:
         departure: the first one; None if all is the same.

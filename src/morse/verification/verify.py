@@ -1,4 +1,4 @@
-"""Checks that a scene gives the same bits again, whoever looks on and however fast it runs."""
+"""Checks that a scene is repeatable bit for bit, independent of observers and speed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The live view: a page in the browser that shows the simulation and drives it."""
+"""The live view: a page in the browser that shows and controls the simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pages fetch over HTTP: geometry and pictures, under addresses made of their content."""
+"""Geometry and images that pages fetch over HTTP, addressed by a hash of their content."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 class Depot:
-    """Knows what was once described, so that a scene that changes costs only what is new."""
+    """Caches described content, so that only new content of a changed scene is processed."""
 
     def __init__(self) -> None:
         self._new: dict[str, tuple[str, bytes]] = {}
-        # what is known by its id is held, so that nothing else gets that id
+        # keeps objects alive, so that their ids are not reused
         self._meshes: dict[int, tuple[Mesh, MeshDescription]] = {}
         self._geometry: dict[bytes, MeshDescription] = {}
         self._images: dict[int, tuple[Image, str]] = {}

@@ -1,4 +1,4 @@
-"""Rules on what a component does while nobody disturbs it."""
+"""Rules for the undisturbed behaviour of a component."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
 
 
 def _fits(stand: Stand) -> Iterator[Fault]:
-    """What it holds is what it declares."""
+    """Check that the data match the declarations."""
     component, places = stand.component, stand.places
     cls = type(component)
     fields = fields_of_component(stand.component)

@@ -1,4 +1,4 @@
-"""Rules on what a class says of itself; nothing runs."""
+"""Rules for the declarations of a class, checked without a simulation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 DOCUMENTED, DECLARED = "documented", "data are declared"
 
-#: what is measured in these base units has a direction, so that somebody has to know along which axes
+#: base units of quantities with a direction, which need a frame
 _DIRECTED = {"m", "rad", "A"}
 #: single numbers that are parts of a vector
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz")

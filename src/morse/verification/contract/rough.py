@@ -1,4 +1,4 @@
-"""Rules on what a component does when clients make mistakes."""
+"""Rules for the behaviour of a component with invalid input from clients."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NO_COMMANDS: tuple[Any, ...] = (None, [], "text", {}, {"no_such_field": 1.0}, {
 
 
 class Rough:
-    """Treats a component badly.
+    """Sends invalid input to a component.
 
     Args:
         stand: it may be in any state afterwards.

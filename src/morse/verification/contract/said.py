@@ -1,4 +1,4 @@
-"""What a simulation says while a component is checked."""
+"""The log of a simulation during the check of a component."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What pages are sent beside the poses."""
+"""Data for pages, in addition to the poses."""

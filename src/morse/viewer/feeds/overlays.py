@@ -1,4 +1,4 @@
-"""Shows pages what cannot be seen: contacts, centres of mass, the space that sensors watch."""
+"""Sends overlays to pages: contacts, centres of mass, the space that sensors observe."""
 
 from __future__ import annotations
 

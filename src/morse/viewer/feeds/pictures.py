@@ -1,4 +1,4 @@
-"""Shows pages what cameras see."""
+"""Sends camera images to pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shows pages what sensors see along their rays."""
+"""Sends the rays of sensors to pages."""
 
 from __future__ import annotations
 

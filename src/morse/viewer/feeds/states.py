@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class StatesFeed:
-    """Compares what components are with what the pages were told."""
+    """Compares the states of components with the states that were sent to the pages."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context

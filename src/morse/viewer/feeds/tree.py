@@ -42,7 +42,7 @@ def keyboard_robots(context: Context) -> list[str]:
 
 
 def _pseudo_components(context: Context) -> list[ComponentDescription]:
-    """What offers services only; several objects may stand behind one name."""
+    """Describe pseudo components with services only; several objects may share a name."""
     parts: dict[str, list[AbstractObject]] = {}
     for obj in context.service_objects:
         parts.setdefault(obj.name(), []).append(obj)

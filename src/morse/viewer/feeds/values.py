@@ -1,4 +1,4 @@
-"""Shows pages the data of the components that they look at."""
+"""Sends the data of components to the pages that show them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.viewer.server import ViewServer
 
-#: numbers of an array that are shown: a scan, but no picture
+#: maximum number of values of an array that are shown: a scan, but not an image
 _MOST = 4096
 
 
