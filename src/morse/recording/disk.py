@@ -36,7 +36,7 @@ class Disk:
 
     Attributes:
         error: what the operating system has refused, or None.
-        waits: how often somebody had to wait.
+        waits: number of times that a writer had to wait.
 
     Raises:
         OSError: the file cannot be written.

@@ -4,4 +4,4 @@ from morse.core.exceptions import MorseError
 
 
 class RecordingError(MorseError):
-    """A recording cannot be made, or a file is no recording that can be read."""
+    """A recording cannot be written, or a file is not a readable recording."""

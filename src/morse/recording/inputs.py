@@ -1,4 +1,4 @@
-"""The journal of inputs as a topic: readable for people, and exact for whoever simulates the run again."""
+"""The journal of inputs as a topic, readable by humans and exact for a replay."""
 
 from __future__ import annotations
 

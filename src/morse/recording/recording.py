@@ -28,7 +28,7 @@ class Recording(McapFile):
 
     Raises:
         OSError: the file cannot be read.
-        RecordingError: it is no recording of MORSE.
+        RecordingError: the file is not a recording of MORSE.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -93,7 +93,7 @@ class Recording(McapFile):
         return last
 
     def waiting(self) -> bytes | None:
-        """The commands that were not taken at the end, as bytes; None if there is no end.
+        """Return the pending commands at the end, as bytes; None if the recording is incomplete.
 
         Raises:
             RecordingError: they are damaged.

@@ -29,7 +29,7 @@ LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
 
 
 class _Topic(Publisher):
-    """Gives the messages of a topic to whoever writes them."""
+    """Passes the messages of a topic to a writer."""
 
     def __init__(self, keep: Callable[[bytes], object]) -> None:
         self._keep = keep
@@ -66,7 +66,7 @@ class Tape(Backend):
         """Number of ticks (32 bits), log time, simulated time, both in ns; log time never falls."""
         stamp = self._clock.stamp()
         if stamp != self._stamp:
-            if stamp < self._stamp:  # started anew, or another state was restored: time goes on from where it was
+            if stamp < self._stamp:  # after a restart or a restored state, time continues from the last value
                 self._back += self._stamp - stamp
             self._stamp = stamp
             self._log_time = stamp + self._back
@@ -92,7 +92,7 @@ class Tape(Backend):
         return None
 
     def close(self) -> None:
-        """The file is closed by whoever has opened it."""
+        """Do nothing, because the file is closed by its owner."""
 
 
 def _profile(qos: Qos) -> str:

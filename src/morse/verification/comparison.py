@@ -104,7 +104,7 @@ class Comparison(Backend):
         return None
 
     def close(self) -> None:
-        """The file is closed by whoever has opened it."""
+        """Do nothing, because the file is closed by its owner."""
 
 
 def difference(type_name: str, was: bytes, now: bytes) -> str:

@@ -32,7 +32,7 @@ class GliderArrays:
         period: of a tick, s.
         done: (N,) result of `GliderWork.begin`, for `GliderWork.end`: see ``c/glide.c``.
         cosines, sines: (N,) of half the angle turned.
-        others: (N,) result: the rows that somebody else has to see to.
+        others: (N,) result: the rows that have to be driven separately.
     """
 
     slots: Integers
@@ -66,7 +66,7 @@ class GliderWork(Protocol):
             rotations: (K, 9) of all slots, row by row.
 
         Returns:
-            How many rows of `GliderArrays.others` are robots that somebody else has to drive.
+            The number of rows in `GliderArrays.others`, robots that have to be driven separately.
         """
 
     def end(self) -> None:

@@ -46,7 +46,7 @@ class _Memory:
 
 
 class _Gathering:
-    """Some solids in a tree that is built anew when they have moved."""
+    """Solids in a tree that is rebuilt when they have moved."""
 
     def __init__(self, members: NDArray[np.integer]) -> None:
         self._members = np.ascontiguousarray(members, dtype=np.int32)

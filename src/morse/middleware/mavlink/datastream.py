@@ -125,7 +125,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     # -- the tick ----------------------------------------------------------------------------
 
     def action(self) -> None:
-        """A tick begins: take what has arrived."""
+        """Read received messages at the beginning of a tick."""
         for device, link in self._links.items():
             framers = self._framers[device]
             for sender, data in link.receive():

@@ -47,7 +47,7 @@ class Link(ABC):
 
     @abstractmethod
     def receive(self) -> Iterator[tuple[object, bytes]]:
-        """What has arrived: who has sent it, and bytes."""
+        """Return the received packets: sender and bytes."""
 
     @abstractmethod
     def close(self) -> None:
@@ -72,7 +72,7 @@ class UdpLink(Link):
     def send(self, data: bytes) -> None:
         """See `Link.send`."""
         for peer in self._peers if self._listens else (None,):
-            with contextlib.suppress(OSError):  # nobody is there, or the system has no room: a packet may be lost
+            with contextlib.suppress(OSError):  # no receiver, or the send buffer is full: the packet is lost
                 self._socket.send(data) if peer is None else self._socket.sendto(data, peer)
 
     def receive(self) -> Iterator[tuple[object, bytes]]:
@@ -211,7 +211,7 @@ def open_link(device: str) -> Link:
     """The link of a device such as ``udpout:127.0.0.1:14550``.
 
     Raises:
-        MorseMiddlewareError: it is no such device, or it cannot be had.
+        MorseMiddlewareError: the device does not exist, or cannot be opened.
     """
     way, _, rest = device.partition(":")
     host, _, port = rest.rpartition(":")

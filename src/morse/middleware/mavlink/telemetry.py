@@ -119,7 +119,7 @@ class Telemetry:
 
     @maps("fix")
     def fix(self, stream: MavlinkStream, m: Message) -> None:
-        """GPS_RAW_INT, or HIL_GPS. The altitude is that over the ellipsoid: there is no geoid."""
+        """GPS_RAW_INT, or HIL_GPS. The altitude is above the ellipsoid, without a geoid model."""
         lat, lon, alt = round(m.latitude * 1e7), round(m.longitude * 1e7), round(m.altitude * 1e3)
         east, north, up = (0.0, 0.0, 0.0) if m.velocity is None else (100.0 * float(v) for v in m.velocity)
         speed = _U16 if m.velocity is None else _whole(math.hypot(east, north), 0, _U16 - 1, _U16)

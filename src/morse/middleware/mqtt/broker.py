@@ -85,7 +85,7 @@ class Broker:
             self._client.unsubscribe(topic)
 
     def publish(self, topic: str, data: bytes, qos: int, retain: bool) -> None:
-        """Send a message; it is dropped while there is no broker, or if the broker is too slow."""
+        """Send a message; it is dropped if the broker is not connected or too slow."""
         if not self.connected:
             return
         if self._is_new:

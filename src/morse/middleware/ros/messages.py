@@ -32,7 +32,7 @@ def message(type_name: str, fields: Any) -> Any:
     renamed = _RENAMED.get(made._type, {})
     kinds = dict(zip(made.__slots__, made._slot_types, strict=True))
     if made._type == "geometry_msgs/Quaternion":
-        made.w = 1.0  # ROS 1 begins with zeros, which are no rotation
+        made.w = 1.0  # the default of ROS 1 is all zeros, which is not a rotation
     for given, value in fields.items():
         name = renamed.get(given, given)
         if name in kinds and value is not None:

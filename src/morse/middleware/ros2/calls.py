@@ -76,7 +76,7 @@ class Call:
                 raise MorseRPCInvokationError(f"the argument '{name}' is given twice")
             given[name] = self._value(name, one["value"])
         values = []
-        # who leaves out an argument may give a later one
+        # an optional argument may be left out although a later one is given
         last = max((list(self._parameters).index(name) for name in given), default=-1)
         for index, (name, parameter) in enumerate(self._parameters.items()):
             if name in given:

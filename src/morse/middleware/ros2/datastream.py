@@ -195,7 +195,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
             self.robots.remove(stream)
 
     def left(self, name: str) -> None:
-        """A component is deleted: close the topics that nobody uses any more."""
+        """Close the topics that are no longer used after a component was deleted."""
         self.robots.left()
         for key in [key for key in self._publishers if key[0] not in self._claims]:
             self._publishers.pop(key).close()
@@ -205,7 +205,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     # -- the tick ----------------------------------------------------------------------------
 
     def wants_transforms(self) -> bool:
-        """Whether somebody listens to what moves."""
+        """Whether the transforms have subscribers."""
         return self._tf is not None and self._tf.wanted()
 
     def flush(self) -> None:

@@ -34,7 +34,7 @@ def options_of(context: Context) -> dict[str, Any]:
 
 
 def join(context: Context, options: Mapping[str, Any]) -> Backend:
-    """The participant of a simulation; who has it calls `Backend.release` at the end.
+    """Return the participant of a simulation; the caller has to call `Backend.release` at the end.
 
     Raises:
         MorseMiddlewareError: no backend is installed, or it cannot join.

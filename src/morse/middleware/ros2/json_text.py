@@ -33,7 +33,7 @@ def from_json(text: str) -> Any:
     """What a client has sent.
 
     Raises:
-        ValueError: it is no JSON.
+        ValueError: the text is not JSON.
     """
     try:
         return msgspec.json.decode(text)

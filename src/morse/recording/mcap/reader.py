@@ -51,7 +51,7 @@ class _Place(NamedTuple):
 
 
 class McapFile:
-    """A file, of which the positions of the chunks are known; messages are read when somebody asks for them.
+    """A file with an index of its chunks; messages are read on demand.
 
     Attributes:
         path: of the file.
@@ -62,7 +62,7 @@ class McapFile:
 
     Raises:
         OSError: the file cannot be read.
-        RecordingError: it is no MCAP file, or damaged at its beginning.
+        RecordingError: the file is not an MCAP file, or damaged at its beginning.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:

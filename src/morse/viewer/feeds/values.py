@@ -32,7 +32,7 @@ class ValuesFeed:
 
 
 def shown(value: Any) -> Any:
-    """The value, or for what is too large to be shown a word about it."""
+    """Return the value, or a short description if the value is too large to be shown."""
     size = getattr(value, "size", None)
     if isinstance(size, int) and size > _MOST:
         return f"{tuple(value.shape)} of {value.dtype}"

@@ -38,7 +38,7 @@ class Publisher(ABC):
 
     @abstractmethod
     def wanted(self) -> bool:
-        """Whether somebody has subscribed."""
+        """Whether the topic has subscribers."""
 
     @abstractmethod
     def close(self) -> None:
@@ -111,7 +111,7 @@ class Backend(ABC):
         """A message from what a subscription gives, with all its fields.
 
         Raises:
-            ValueError: the data is no message of that type.
+            ValueError: the data is not a message of that type.
         """
         return cdr.decode(type_name, data)
 
@@ -151,7 +151,7 @@ class Backend(ABC):
         return None
 
     def release(self) -> None:
-        """Leave the domain if nobody else shares the backend."""
+        """Leave the domain if the backend is not shared."""
         self.users -= 1
         if self.users <= 0:
             self.close()

@@ -33,7 +33,7 @@ _MOST = 64
 
 @contextmanager
 def _limited(interface: str) -> Iterator[str]:
-    """While the block runs, ROS is told to stay on this machine unless somebody has said otherwise.
+    """Within the block, restrict ROS to this machine, unless its environment variables are set.
 
     Yields:
         What the log says of it; nothing if it is to stay.

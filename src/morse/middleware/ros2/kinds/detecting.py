@@ -62,7 +62,7 @@ def _pose(record: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _markers(message: Message, frame: str) -> dict[str, Any]:
-    # what is no longer seen is to vanish
+    # removes the markers of objects that are no longer visible
     made: list[dict[str, Any]] = [{"header": header(message, frame), "action": _DELETE_ALL}]
     for number, record in enumerate(message.records):
         size = record.get("size") or _SIZE
