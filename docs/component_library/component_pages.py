@@ -68,6 +68,7 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
     use = []
     if sample is not None:
         facts.append(["rate", f"{sample._frequency:g} Hz"])
+    if sample is not None or name in scenes.OWN_SCENES:
         use.append(block("python", scenes.component_scene(name, sensor=sensor, fields=fields)))
         if interfaces:
             use += ["Its client:\n", block("python", scenes.client(name, cls, sensor=sensor))]

@@ -31,8 +31,30 @@ _VALUES = {"LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"}, "Sound": {"mo
 _ON_THE_EARTH = ("Magnetometer",)
 
 
+#: scenes of components that are made of others
+OWN_SCENES = {
+    "CompoundSensor": """from morse.builder import *
+
+robot = ATRV()
+
+pose = Pose()
+robot.append(pose)
+
+velocity = Velocity()
+robot.append(velocity)
+
+compound_sensor = CompoundSensor([pose, velocity])
+robot.append(compound_sensor)
+
+robot.add_default_interface('socket')
+env = Environment('empty')"""
+}
+
+
 def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
     """A scene script with a component on a robot."""
+    if name in OWN_SCENES:
+        return OWN_SCENES[name]
     variable = variable_of(name)
     robot = _CARRIERS.get(name, "ATRV")
     lines = ["from morse.builder import *", "", f"robot = {robot}()", ""]

@@ -13,8 +13,6 @@ from doc_pages import DOCS
 import morse
 
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-#: components whose page shows how to call them only
-_WITHOUT_EXAMPLE = {"CompoundSensor"}
 
 
 def _names():
@@ -22,7 +20,7 @@ def _names():
         f"{kind}/{name}"
         for kind in ("sensors", "actuators")
         for name in sorted(import_module(f"morse.builder.{kind}").__all__)
-        if not name.endswith("Creator") and name not in _WITHOUT_EXAMPLE
+        if not name.endswith("Creator")
     ]
 
 
