@@ -5,11 +5,26 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import tempfile
 import time
+from contextlib import nullcontext
+from typing import TYPE_CHECKING
 
 from benchmarks import stopwatch, work
 from benchmarks.programs.loading import command_all, poses, prepare, sensors_with
 from benchmarks.programs.readers import read_pages, read_streams
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from morse.simulation.simulation import Simulation
+
+
+def recorded(simulation: Simulation, what: str | None, folder: str) -> AbstractContextManager[object]:
+    """Record the run in a file of that folder, if asked for."""
+    if what is None:
+        return nullcontext()
+    return simulation.record(f"{folder}/run.mcap", None if what == "all" else [])
 
 
 def main() -> None:
@@ -21,6 +36,7 @@ def main() -> None:
     parser.add_argument("--sensors", choices=["scan", "pose"], default="scan")
     parser.add_argument("--readers", type=int, default=0, help="clients that read every stream")
     parser.add_argument("--pages", type=int, default=0, help="pages that show the live view")
+    parser.add_argument("--record", choices=["all", "inputs"], help="record the run in a file")
     parser.add_argument("--paced", action="store_true", help="in real time")
     arguments = parser.parse_args()
     begin = time.perf_counter()
@@ -36,7 +52,12 @@ def main() -> None:
         simulation.tick()
         simulation.pacer.wait()
 
-    with read_streams(simulation, arguments.readers), read_pages(simulation, arguments.pages):
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        recorded(simulation, arguments.record, folder),
+        read_streams(simulation, arguments.readers),
+        read_pages(simulation, arguments.pages),
+    ):
         pace, seconds = stopwatch.measure(paced_tick if arguments.paced else simulation.tick, arguments.secs)
         final = poses(simulation)
         scan_error, scan_bad = (None, None)

@@ -105,7 +105,7 @@ def _spread(trials: dict[str, Trial], plan: Plan) -> dict[str, object]:
 
 
 def readers(plan: Plan) -> Iterator[Result]:
-    """What clients cost that read every stream, and pages that show the view, with ten robots.
+    """What clients cost that read every stream, pages that show the view, and recordings, with ten robots.
 
     As fast as possible, every tick sends all data, too: so much slower is the simulation. In real time: that share of a
     processor is taken.
@@ -115,6 +115,7 @@ def readers(plan: Plan) -> Iterator[Result]:
         options = [("alone", ())]
         options += [(f"{n} client{'s' * (n > 1)}", ("--readers", str(n))) for n in plan.counts(1, 10)]
         options += [(f"{n} page{'s' * (n > 1)}", ("--pages", str(n))) for n in plan.counts(1, 3)]
+        options += [("a recording", ("--record", "all")), ("a recording of the inputs", ("--record", "inputs"))]
         programs = [Program(name, "benchmarks.programs.circles", (*every, *more)) for name, more in options]
         try:
             trials = interleave(programs, plan.repeats, check_planar)

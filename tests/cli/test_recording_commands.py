@@ -134,3 +134,12 @@ def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(s
         assert "--scene PATH" in error
     out, _ = run_morse("replay", "run.mcap", "--resimulate", "--trust")
     assert "The same to the bit" in out
+
+
+def test_inputs_alone_are_enough_to_record_everything_afterwards(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
+    run("--record", "lean.mcap", "--record-only", "none")
+    out, _ = run_morse("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
+    assert "The same to the bit: the state at the end of 30 ticks" in out
+    run_morse("export", "all.mcap", "--csv")
+    assert len((tmp_path / "all" / "robot.pose.csv").read_text().splitlines()) == 31

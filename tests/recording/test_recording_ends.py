@@ -22,7 +22,7 @@ from morse.recording.errors import RecordingError
 from morse.recording.mcap.reader import McapFile
 from morse.recording.mcap.records import Message
 
-_LIMIT = 60.0
+_LIMIT = 100.0
 
 _RUN_FOR_EVER = """
 import sys, morse

@@ -60,6 +60,28 @@ def test_a_run_is_the_same_again(script: Path, tmp_path: Path, before: int) -> N
     assert outcome.messages > 3 * outcome.ticks
 
 
+def test_from_inputs_alone_everything_is_recorded_again(script: Path, tmp_path: Path) -> None:
+    with (
+        morse.load(script, seed=5) as sim,
+        sim.record(tmp_path / "lean.mcap", sensors=[]),
+        sim.record(tmp_path / "whole.mcap"),
+    ):
+        busy(sim)
+    with Recording(tmp_path / "lean.mcap") as recording:
+        assert {recording.channels[one.channel].topic for one in recording} <= {"/morse/inputs", "/rosout"}
+        assert recording.length() == 40 + 7 + 5 + 33
+        outcome = resimulate(recording, record=str(tmp_path / "again.mcap"))
+    assert outcome.complete
+    assert outcome.departure is None
+    contents = []
+    for name in ("whole", "again"):
+        with Recording(tmp_path / f"{name}.mcap") as file:
+            topics = {number: channel.topic for number, channel in file.channels.items()}
+            contents.append([(topics[m.channel], *m[1:]) for m in file if topics[m.channel].startswith("/robot/")])
+    assert contents[0] == contents[1]
+    assert len(contents[0]) > 100
+
+
 def test_a_recording_that_breaks_off_is_compared_as_far_as_it_goes(script: Path, tmp_path: Path) -> None:
     with morse.load(script) as sim, sim.record(tmp_path / "run.mcap"):
         drive(sim)

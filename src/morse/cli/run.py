@@ -96,7 +96,11 @@ def command(
     ] = 30.0,
     record_only: Annotated[
         str | None,
-        typer.Option("--record-only", metavar="NAME[,NAME]", help="The sensors to record (default: all)."),
+        typer.Option(
+            "--record-only",
+            metavar="NAME[,NAME]",
+            help="The sensors to record (default: all); none: inputs and log alone.",
+        ),
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
 ) -> int:
@@ -255,12 +259,12 @@ def _kept(seconds: float) -> float:
     return seconds
 
 
-def _names(names: str | None, record: str | None) -> list[str]:
+def _names(names: str | None, record: str | None) -> list[str] | None:
     if names is None:
-        return []
+        return None
     if record is None:
         raise CommandError("--record-only says which sensors --record writes: give both.", 2)
-    return [name.strip() for name in names.split(",") if name.strip()]
+    return [] if names == "none" else [name.strip() for name in names.split(",") if name.strip()]
 
 
 def _token(token: str | None) -> str | None:

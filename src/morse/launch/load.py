@@ -185,7 +185,7 @@ def complete(simulation: Simulation) -> None:
         simulation.flight_recorder = FlightRecorder(simulation, options.keep_last)
         simulation.observers.append(simulation.flight_recorder)
     if options.record is not None:
-        simulation.record(options.record, options.record_only or None)
+        simulation.record(options.record, options.record_only)
         # an edited scene that replaces this one has a separate recording
         options.record = next_name(options.record)
 

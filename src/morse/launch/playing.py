@@ -54,7 +54,7 @@ def playing(
         resolve(recorded_scene)
         simulation = stack.enter_context(Simulation(recorded_scene, options))
         simulation.load()
-        timeline = Timeline(simulation, inputs, _length(recording))
+        timeline = Timeline(simulation, inputs, recording.length())
         view = ReplayView(simulation, timeline)
         simulation.view = view
         simulation.observers.append(view)
@@ -70,12 +70,6 @@ def play(view: ReplayView) -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _length(recording: Recording) -> int:
-    """Ticks of the whole recording; resets do not set them back."""
-    count = sum(1 for _ in recording.messages(recording.topic_numbers("/clock")))
-    return count or max(0, recording.last_tick() - recording.number("tick"))
 
 
 def _close(scene: Scene) -> None:

@@ -55,7 +55,7 @@ class Recorder(Observer):
         context: of the simulation.
         path: of the file, which must not exist.
         beginning: see `Beginning`.
-        sensors: names of those that are recorded; None for all.
+        sensors: names of those that are recorded; None for all, empty for inputs and the log alone.
 
     Attributes:
         path: of the file.
@@ -81,6 +81,7 @@ class Recorder(Observer):
         self._open = True
         self._flushed = context.clock.tick
         self._warned = False
+        self._ticks = 0
         try:
             self._start(beginning, sensors)
         except BaseException:
@@ -108,6 +109,7 @@ class Recorder(Observer):
         tick = self._context.clock.tick
         if tick != self._flushed:  # while the simulation is paused no tick ends
             self._flushed = tick
+            self._ticks += 1
             self._streams.flush()
         if self._disk.waits and not self._warned:
             self._warned = True
@@ -134,7 +136,7 @@ class Recorder(Observer):
         if not self._open:
             return
         self._streams.write_log()
-        ending = dict(self._ending())
+        ending = {**self._ending(), "ticks": str(self._ticks)}
         self._disk.other(lambda file: file.metadata(END, ending))
         self._let_go()
         if self._disk.error is not None:

@@ -64,6 +64,26 @@ class Recording(McapFile):
             raise RecordingError(f"{self.path}: the fact '{name}' is damaged, expected a list of strings")
         return found
 
+    def sensors(self) -> list[str] | None:
+        """The sensors that were recorded; None for all.
+
+        Raises:
+            RecordingError: the fact is damaged.
+        """
+        return None if self.facts.get("sensors", "all") == "all" else self.texts("sensors")
+
+    def length(self) -> int:
+        """Ticks of the whole recording; resets do not set them back.
+
+        Raises:
+            RecordingError: the number is damaged.
+        """
+        text = self.end.get("ticks", "")
+        if text.isdecimal() and len(text) <= _LONGEST_NUMBER:
+            return int(text)
+        count = sum(1 for _ in self.messages(self.topic_numbers("/clock")))
+        return count or max(0, self.last_tick() - self.number("tick"))
+
     def topic_numbers(self, *topics: str) -> set[int]:
         """The channels of some topics."""
         return {channel.number for channel in self.channels.values() if channel.topic in topics}
@@ -88,7 +108,7 @@ class Recording(McapFile):
         if text is not None:
             raise RecordingError(f"{self.path}: the last tick is {text[:80]!r}, expected a whole number")
         last = self.number("tick")
-        for one in self.messages(self.topic_numbers("/clock")):
+        for one in self.messages(self.topic_numbers("/clock", INPUTS, "/rosout")):
             last = one.sequence
         return last
 

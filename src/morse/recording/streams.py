@@ -121,7 +121,7 @@ class RecordedStreams(Ros2DatastreamManager):
     Args:
         context: of the simulation.
         tape: takes the messages.
-        names: of the sensors that are recorded; None for all.
+        names: of the sensors that are recorded; None for all, empty for inputs and the log alone.
     """
 
     classpath = "morse.recording.streams.RecordedStreams"
@@ -172,6 +172,13 @@ class RecordedStreams(Ros2DatastreamManager):
         if component.name() not in self._refused:
             self._refused.add(component.name())
             logger.warning("%s is not recorded: %s", component.name(), refusal)
+
+    def flush(self) -> None:
+        """A tick ends; without any sensor, inputs and the log are all that is recorded."""
+        if self._names is None or self._names:
+            super().flush()
+        else:
+            self.write_log()
 
     def write_log(self) -> None:
         """Write what was logged since the last tick."""

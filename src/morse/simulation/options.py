@@ -31,7 +31,7 @@ class RunOptions:
         strict: whether an unknown or ill-typed field in a message is an error.
         record: path of the file in which the run is recorded; None for no recording.
         keep_last: simulated seconds before a failure that are kept, to be run again; 0 for none.
-        record_only: full names of the sensors that are recorded; empty for all.
+        record_only: full names of the sensors that are recorded; None for all, empty for inputs and the log alone.
     """
 
     script: str = ""
@@ -54,4 +54,4 @@ class RunOptions:
     strict: bool = False
     record: str | None = None
     keep_last: float = 0.0
-    record_only: list[str] = field(default_factory=list)
+    record_only: list[str] | None = None

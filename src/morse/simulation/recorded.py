@@ -41,7 +41,7 @@ class Recorded:
 
         Args:
             path: of the file, which must not exist.
-            sensors: full names of those that are recorded; None for all.
+            sensors: full names of those that are recorded; None for all, empty for inputs and the log alone.
 
         Raises:
             RecordingError: the file exists or cannot be written, or there is no such sensor.

@@ -52,7 +52,7 @@ def start_recording(
     for name in sensors or ():
         if name not in known:
             raise RecordingError(f"there is no sensor '{name}' to record{nearest(name, known)}")
-    recorder = Recorder(simulation.context, path, _beginning(simulation, sensors or ()), sensors)
+    recorder = Recorder(simulation.context, path, _beginning(simulation, sensors), sensors)
 
     def ended() -> None:
         simulation.recorders.remove(recorder)
@@ -105,7 +105,7 @@ def write_inputs(
     writer.finish()
 
 
-def _beginning(simulation: Running, sensors: Sequence[str]) -> Beginning:
+def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
     options, scene = simulation.options, simulation.scene
     facts = {
         "morse": __version__,
@@ -121,7 +121,7 @@ def _beginning(simulation: Running, sensors: Sequence[str]) -> Beginning:
         "source_paths": json.dumps([os.path.abspath(path) for path in options.source_paths]),
         "resource_paths": json.dumps([os.path.abspath(path) for path in options.resource_paths]),
         "strict": str(options.strict),
-        "sensors": json.dumps(list(sensors)),
+        "sensors": "all" if sensors is None else json.dumps(list(sensors)),
     }
     files: dict[str, bytes] = {}
     if options.script.endswith(".py"):

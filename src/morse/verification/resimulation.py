@@ -87,7 +87,7 @@ def resimulate(
             simulation.restore(inputs.start)
         copy = None if record is None else simulation.record(record)
         comparison = Comparison(recording, lambda: simulation.clock.tick)
-        sensors: Sequence[str] | None = recording.texts("sensors") or None
+        sensors: Sequence[str] | None = recording.sensors()
         ticks = _Counter(simulation)
         with acting(simulation.context):
             streams = RecordedStreams(simulation.context, comparison, sensors)
