@@ -1,4 +1,4 @@
-"""A connection that a `Poller` serves: bytes in, bytes out."""
+"""A TCP connection that is served by a `Poller`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 1 << 18
 MAX_UNSENT = 64 << 20
-"""Bytes that wait for a simulation that does not read before sending is refused."""
+"""Maximum number of unsent bytes for a simulation that does not read."""
 
 
 class Channel:
@@ -38,21 +38,21 @@ class Channel:
         poller.add(self)
 
     def is_up(self) -> bool:
-        """Whether the connection stands."""
+        """Whether the connection is open."""
         return self._up
 
     def received(self, data: bytes) -> None:
-        """Bytes have arrived; runs in the poll thread."""
+        """Called in the poll thread when bytes have arrived."""
 
     def closed(self) -> None:
-        """The connection has ended; runs once, usually in the poll thread."""
+        """Called once when the connection has ended, usually in the poll thread."""
 
     def send(self, data: bytes) -> None:
-        """Send now what the network takes, and the rest from the poll thread; never waits.
+        """Send as much as possible now, and the rest from the poll thread; never blocks.
 
         Raises:
             ConnectionError: the connection has ended.
-            BufferError: the other side has not read for long.
+            BufferError: the other side does not read.
         """
         with self._state:
             if not self._up:
@@ -87,7 +87,7 @@ class Channel:
             return not self._unsent
 
     def writable(self) -> None:
-        """The network takes bytes again; runs in the poll thread."""
+        """Called in the poll thread when the socket is writable again."""
         with self._state:
             del self._unsent[: self._push(self._unsent)]
             if not self._unsent:
@@ -95,7 +95,7 @@ class Channel:
                 self._state.notify_all()
 
     def readable(self) -> None:
-        """Bytes, or the end, can be read: take all that there are; runs in the poll thread."""
+        """Read all available bytes, or the end of the connection; called in the poll thread."""
         more = True
         while more and self._up:
             try:
@@ -111,7 +111,7 @@ class Channel:
             more = len(data) == _CHUNK
 
     def close(self) -> None:
-        """End the connection; what has been handed to the network still arrives."""
+        """Close the connection; bytes that were passed to the operating system are still sent."""
         self.poller.call(self._close)
 
     def _close(self) -> None:

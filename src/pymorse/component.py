@@ -1,4 +1,4 @@
-"""Robots, sensors and actuators as a client sees them."""
+"""Robots, sensors and actuators for clients."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _WRITING = ("publish",)
 class Component:
     """A sensor or an actuator.
 
-    Its services are methods that return a `MorseFuture`; the components it carries are attributes.
+    Its services are methods that return a `MorseFuture`; the components mounted on it are attributes.
     A sensor has ``get(timeout=None)``, ``last(n=1)``, ``subscribe(callback)`` and
     ``unsubscribe(callback)``, an actuator ``publish(data)``: see `pymorse.stream.StreamB`. The
     connection is made when one of them is used for the first time.
 
     Args:
-        name: its attribute at the robot.
+        name: name of the attribute of the robot.
         fqn: its full name in the simulation.
-        directions: ``OUT`` if it sends data, ``IN`` if it takes some.
-        port: of its stream.
-        services: names.
+        directions: ``OUT`` if it sends data, ``IN`` if it receives data.
+        port: port of its stream.
+        services: names of its services.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Component:
         """The stream of the component, connected.
 
         Raises:
-            AttributeError: it has none.
+            AttributeError: the component has no stream.
             ConnectionError: the simulation does not answer.
         """
         if self._port is None:
@@ -86,7 +86,7 @@ class Component:
         return part
 
     def _tree(self) -> list[Component]:
-        """The component, and all that it carries."""
+        """Return the component, and all components below it."""
         return [self, *(below for part in self._parts.values() for below in part._tree())]
 
     def __getitem__(self, name: str) -> Component:
@@ -139,7 +139,7 @@ class Component:
         return f"<{type(self).__name__} {self.fqn}: {', '.join(self._names()) or 'no interface'}>"
 
     def close(self) -> None:
-        """Close the stream, if it is open; it opens again when it is used."""
+        """Close the stream, if it is open; it is opened again at its next use."""
         with self._opening:
             stream, self._stream = self._stream, None
         if stream is not None:
@@ -147,7 +147,7 @@ class Component:
 
 
 class Robot(Component, dict[str, Component]):
-    """A robot: its components are its items and its attributes."""
+    """A robot; its components are available as items and as attributes."""
 
     def __init__(self, morse: Morse, name: str, fqn: str, services: Iterable[str] = ()) -> None:
         super().__init__(morse, name, fqn, services=services)

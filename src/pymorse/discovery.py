@@ -1,4 +1,4 @@
-"""Learns from a simulation which robots and components it has."""
+"""Queries the robots and components of a simulation."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _TIMEOUT = 15.0
 
 
 def discover(morse: Morse) -> list[Robot]:
-    """The robots of a simulation, with their components.
+    """Return the robots of a simulation, with their components.
 
     Raises:
-        ConnectionError: what answers there is no simulation.
+        ConnectionError: the answer is not that of a simulation.
     """
     where = f"{morse.host}:{morse.port}"
     try:
@@ -40,7 +40,7 @@ def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, in
     components = {name: part for robot in described for name, part in robot["components"].items()}
     names = sorted(name for name, part in components.items() if part.get("stream_interfaces"))
     ports = {}
-    # all questions first: the simulation answers them in one tick
+    # all requests are sent first, so that the simulation answers them in one tick
     for name, answer in [(name, morse.call("simulation", "get_stream_port", name)) for name in names]:
         # a stream of another middleware has no port
         with contextlib.suppress(MorseServiceFailed):

@@ -1,4 +1,4 @@
-"""What can go wrong between a client and the simulation."""
+"""Exceptions of clients."""
 
 from __future__ import annotations
 

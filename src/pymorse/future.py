@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("pymorse")
 
 WORKERS = 10
-"""Callbacks of futures that run at the same time."""
+"""Maximum number of concurrent callbacks of futures."""
 
 
 class MorseExecutor:
@@ -28,7 +28,7 @@ class MorseExecutor:
         self._workers = threading.local()
 
     def submit(self, function: Callable[[Any], object], argument: Any) -> None:
-        """Have ``function(argument)`` run in a worker thread; what it raises is logged."""
+        """Run ``function(argument)`` in a worker thread; exceptions are logged."""
         self._pool.submit(self._run, function, argument)
 
     def _run(self, function: Callable[[Any], object], argument: Any) -> None:
@@ -39,7 +39,7 @@ class MorseExecutor:
             logger.exception("a callback of add_done_callback() failed")
 
     def close(self) -> None:
-        """Wait for the callbacks that run, and end the threads."""
+        """Wait for running callbacks, and end the threads."""
         self._pool.shutdown(wait=not getattr(self._workers, "here", False))
 
 
@@ -52,7 +52,7 @@ class MorseFuture(Future[Any]):
 
     Attributes:
         request: number of the call, the argument of `pymorse.Morse.cancel`.
-        abandoned: the result is not needed any more; closing the connection does not wait for it.
+        abandoned: whether the result is no longer needed; closing the connection does not wait for it.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class MorseFuture(Future[Any]):
         self.set_running_or_notify_cancel()
 
     def cancel(self) -> bool:
-        """Ask the simulation to abort the service; True if it was not over yet.
+        """Request that the simulation aborts the service; return True if the service had not ended.
 
         The result is then `MorseServicePreempted`, as soon as the simulation agrees.
         """
@@ -88,7 +88,7 @@ class MorseFuture(Future[Any]):
         """Wait for the result.
 
         Args:
-            timeout: seconds to wait at most; None for ever.
+            timeout: timeout, s; None for no timeout.
 
         Raises:
             MorseServiceFailed: the service failed.
@@ -121,7 +121,7 @@ class MorseFuture(Future[Any]):
                     super().exception(left)
 
     def add_done_callback(self, fn: Callable[[Future[Any]], object]) -> None:
-        """Have ``fn(future)`` called in a thread of its own when the service ends."""
+        """Call ``fn(future)`` in a worker thread when the service ends."""
         super().add_done_callback(lambda future: self._executor.submit(fn, future))
 
     def __eq__(self, other: object) -> bool:

@@ -1,4 +1,4 @@
-"""How names of the simulation become names of Python."""
+"""Converts names of the simulation into Python names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def normalize_name(name: str) -> str:
 
 
 def series(names: Iterable[str]) -> dict[str, list[str]]:
-    """The lists of robots that a loop of the scene script made.
+    """Return the lists of robots that loops of the scene script created.
 
     Args:
         names: normalised names of all robots.

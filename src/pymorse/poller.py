@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 logger = logging.getLogger("pymorse")
 
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
-#: how long the thread stands back after a guest has left, s: the next one is often about to come
+#: time for which the thread waits after a guest has left, s, because another guest often follows
 _COURTESY = 0.005
-#: how often a guest tries to wake up the thread that sleeps in its place, s
+#: interval at which a guest tries to wake up the sleeping thread, s
 _AGAIN = 0.005
 
 
@@ -28,13 +28,13 @@ def _nothing() -> None: ...
 
 
 class Poller(threading.Thread):
-    """Serves channels from a thread of its own, which sleeps until something arrives.
+    """Serves channels from a separate thread, which sleeps until data arrive.
 
     A thread that waits for an answer may serve the channels itself in the meantime, as a guest
-    (`serve_until`): a change of threads takes longer than most answers.
+    (`serve_until`), because a thread switch takes longer than most answers.
 
     Args:
-        name: of the thread.
+        name: name of the thread.
         until_empty: end when the last channel has been closed.
     """
 
@@ -65,7 +65,7 @@ class Poller(threading.Thread):
     # -- commands ----------------------------------------------------------------------------
 
     def command(self, function: Callable[[], object]) -> bool:
-        """Have ``function()`` run by the thread that serves, soon; False if the thread has ended."""
+        """Schedule ``function()`` in the serving thread; return False if the thread has ended."""
         with self._lock:
             if self._ended:
                 return False
@@ -79,7 +79,7 @@ class Poller(threading.Thread):
             self._wake_in.send(b"\0")
 
     def call(self, function: Callable[[], object]) -> None:
-        """Have ``function()`` run by the thread that serves, and return when it is done."""
+        """Run ``function()`` in the serving thread, and return when it is done."""
         done = threading.Event()
 
         def run() -> None:
@@ -96,7 +96,7 @@ class Poller(threading.Thread):
                 return
 
     def catch_up(self) -> None:
-        """Return when everything that had arrived at the time of the call has been handled."""
+        """Return when all data that had arrived at the time of the call have been processed."""
         if self.is_serving() or self._serve_as_guest(lambda: True, 0.0):
             return
         # the round that runs may have begun before something arrived: the next one has not
@@ -106,7 +106,7 @@ class Poller(threading.Thread):
     # -- channels; all but `add` are called by the thread that serves --------------------------
 
     def add(self, channel: Channel) -> None:
-        """Serve a channel from now on."""
+        """Add a channel."""
 
         def register() -> None:
             self._channels.add(channel)
@@ -116,7 +116,7 @@ class Poller(threading.Thread):
             raise RuntimeError("the poll thread has been stopped: create the stream before syncstop()")
 
     def remove(self, channel: Channel) -> None:
-        """Serve a channel no longer."""
+        """Remove a channel."""
         if channel in self._channels:
             self._channels.discard(channel)
             self._selector.unregister(channel.socket)
@@ -124,7 +124,7 @@ class Poller(threading.Thread):
                 self._finish()
 
     def watch_writable(self, channel: Channel, wanted: bool) -> None:
-        """Say whether a channel has bytes to send."""
+        """Set whether a channel has bytes to send."""
         if channel in self._channels:
             self._selector.modify(channel.socket, _READ | _WRITE if wanted else _READ, channel)
 
@@ -250,7 +250,7 @@ class Poller(threading.Thread):
             self._wake_out.close()
 
     def syncstop(self, timeout: float | None = None) -> None:
-        """Close every channel, end the thread and wait for that, at most ``timeout`` seconds."""
+        """Close all channels, and wait until the thread has ended, at most ``timeout`` seconds."""
         if not self.is_alive():
             if not self._ended:
                 self._end()

@@ -1,4 +1,4 @@
-"""The threads that serve streams which are made by hand."""
+"""Threads for streams that programs create themselves."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class PollThread(Poller):
         _public.append(self)
 
     def syncstop(self, timeout: float | None = None) -> None:
-        """Close every stream, end the thread and wait for that, at most ``timeout`` seconds."""
+        """Close all streams, and wait until the thread has ended, at most ``timeout`` seconds."""
         if self in _public:
             _public.remove(self)
         super().syncstop(timeout)

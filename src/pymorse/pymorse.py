@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger("pymorse")
 
 PORTS = range(4000, 4010)
-"""Where simulations offer their services: the first takes the first of these, the second the second, ..."""
+"""Ports for the services of simulations; a simulation uses the first free one."""
 _PORT_VARIABLE = "MORSE_SOCKET_PORT"
 _PARTING_TIMEOUT = 1.0
 
@@ -110,7 +110,7 @@ class Morse:
     # services -------------------------------------------------------------------------------
 
     def call(self, component: str, service: str, *args: Any) -> MorseFuture:
-        """Call a service and go on; the future has the result.
+        """Call a service without waiting; the future contains the result.
 
         Raises:
             ConnectionError: the simulation has ended.
@@ -120,10 +120,10 @@ class Morse:
         return self._services.request(component, service, args)
 
     def rpc(self, component: str, service: str, *args: Any) -> Any:
-        """Call a service and wait for its result, for ever if need be.
+        """Call a service and wait for its result without a timeout.
 
         Raises:
-            MorseServiceFailed: it failed; the text says why.
+            MorseServiceFailed: the service failed; the message contains the reason.
             MorseServicePreempted: it was cancelled or interrupted.
             TypeError: wrong number of arguments.
         """
@@ -150,13 +150,13 @@ class Morse:
 
     def quit(self) -> None:
         """End the simulation, and this connection."""
-        # it may be gone before its answer is
+        # the simulation may end before its answer is sent
         with contextlib.suppress(ConnectionError):
             self.rpc("simulation", "quit")
         self.close(cancel_async_services=True)
 
     def reset(self, seed: int | None = None) -> Any:
-        """Put every object where it was at the start; with a seed, restart the whole simulation.
+        """Move every object to its initial pose; with a seed, restart the whole simulation.
 
         Args:
             seed: of the random numbers. Time, components and their noise begin again, too: the same seed
@@ -167,18 +167,18 @@ class Morse:
         return self.rpc("simulation", "reset", seed)
 
     def pause(self) -> None:
-        """Stop simulated time; services are still answered."""
+        """Pause the simulation; services are still answered."""
         self.rpc("simulation", "pause")
 
     def resume(self) -> None:
-        """Let simulated time pass again."""
+        """Resume the simulation."""
         self.rpc("simulation", "resume")
 
     def step(self, n: int = 1) -> None:
-        """Let ``n`` ticks pass, and wait until they have; the simulation is paused then.
+        """Run ``n`` ticks, and wait until they are done; the simulation is paused afterwards.
 
-        What was published before acts in the first of these ticks, and ``last()`` of a sensor that has
-        been used before gives the data of the last one.
+        Commands that were published before take effect in the first tick. ``last()`` of a sensor that has been used
+        before returns the data of the last tick.
         """
         if self._stream_poller is None:
             self.rpc("simulation", "step", n)
@@ -188,9 +188,9 @@ class Morse:
         self._wait_for_messages(sent or {})
 
     def _wait_for_messages(self, sent: dict[str, int]) -> None:
-        """Wait until the streams have received as many messages as they were sent.
+        """Wait until the streams have received all messages that were sent to them.
 
-        Connections do not overtake each other in order: a reply may arrive before data that was sent earlier.
+        The order between connections is not defined: a reply may arrive before data that were sent earlier.
         """
         expected = [(stream, sent[stream.connection]) for stream in self._streams if stream.connection in sent]
         limit = _time.monotonic() + TIMEOUT
@@ -208,11 +208,11 @@ class Morse:
         return int(self.rpc("simulation", "get_stream_port", stream))
 
     def activate(self, component: str | Component) -> None:
-        """Switch a component on, given its full name."""
+        """Activate a component, given its full name."""
         self.rpc("simulation", "activate", getattr(component, "fqn", component))
 
     def deactivate(self, component: str | Component) -> None:
-        """Switch a component off, given its full name."""
+        """Deactivate a component, given its full name."""
         self.rpc("simulation", "deactivate", getattr(component, "fqn", component))
 
     def sleep(self, time: float) -> None:
@@ -242,13 +242,13 @@ class Morse:
         return not self._closed and self._services.is_up()
 
     def spin(self) -> None:
-        """Wait until the simulation ends, or for Ctrl+C; callbacks go on."""
+        """Wait until the simulation ends, or for Ctrl+C; callbacks continue to run."""
         with contextlib.suppress(KeyboardInterrupt):
             while self.is_up():
                 _time.sleep(0.1)
 
     def close(self, cancel_async_services: bool = False, wait_publishers: bool = True) -> None:
-        """Close every connection; no thread stays behind.
+        """Close all connections and end all threads.
 
         Args:
             cancel_async_services: abort the services that still run, instead of waiting for them.
@@ -324,6 +324,6 @@ _open: weakref.WeakSet[Morse] = weakref.WeakSet()
 
 @atexit.register
 def _close_all() -> None:
-    """A script that ends without `Morse.close` still gets its last message out."""
+    """Send the last messages of a script that ends without `Morse.close`."""
     for morse in list(_open):
         morse.close(cancel_async_services=True)

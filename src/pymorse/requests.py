@@ -1,4 +1,4 @@
-"""Service calls: ``id component service [arguments]`` there, ``id STATUS [result]`` back, one a line."""
+"""Service calls: request ``id component service [arguments]``, reply ``id STATUS [result]``, one per line."""
 
 from __future__ import annotations
 
@@ -92,16 +92,16 @@ class ServiceConnection(StreamB):
         return future
 
     def abort(self, number: int) -> None:
-        """Have a running service aborted; its future then ends as preempted."""
+        """Abort a running service; its future then ends as preempted."""
         self.publish(f"{number} cancel".encode())
 
     def pending(self) -> list[MorseFuture]:
-        """The calls without an answer whose futures are still in use."""
+        """Return the unanswered calls whose futures are still in use."""
         with self._lock:
             return [future for future, _ in self._open.values() if not future.abandoned]
 
     def wait_pending(self, timeout: float | None = None) -> bool:
-        """Wait until every call is answered; False if that takes longer than ``timeout`` seconds."""
+        """Wait until all calls are answered; return False after ``timeout`` seconds."""
         deadline = None if timeout is None else time.monotonic() + timeout
         for future in self.pending():
             try:

@@ -1,4 +1,4 @@
-"""Streams of messages, one a line.
+"""Streams of messages, one message per line.
 
 `Stream` carries text, `StreamJSON` objects, `StreamB` bytes.
 """
@@ -25,7 +25,7 @@ logger = logging.getLogger("pymorse")
 
 MSG_SEPARATOR = b"\n"
 TIMEOUT = 8
-"""Seconds in which a connection has to come about, and in which what was published has to be sent."""
+"""Timeout for connecting and for sending published messages, s."""
 _MAX_KEPT = 16 << 20
 
 
@@ -35,7 +35,7 @@ class StreamB(Channel):
     Args:
         host: name or address of the machine of the simulation.
         port: TCP port of the stream.
-        maxlen: how many received messages are kept for `last`.
+        maxlen: maximum number of received messages that are kept for `last`.
         sock: a connected socket to use instead of a new connection.
         poller: the thread that serves the stream, if not the running `PollThread` or a new one.
 
@@ -80,7 +80,7 @@ class StreamB(Channel):
         self.send(self.encode(msg) + MSG_SEPARATOR)
 
     def subscribe(self, callback: Callable[[Any], object]) -> None:
-        """Have ``callback(message)`` called for every message that arrives, in the poll thread."""
+        """Call ``callback(message)`` for every received message, in the poll thread."""
         self._subscribers.append(callback)
 
     def unsubscribe(self, callback: Callable[[Any], object]) -> None:
@@ -101,7 +101,7 @@ class StreamB(Channel):
         """Wait for the next message.
 
         Args:
-            timeout: seconds to wait at most; None for ever.
+            timeout: timeout, s; None for no timeout.
 
         Returns:
             The message, or None if none arrived in time.
@@ -138,7 +138,7 @@ class StreamB(Channel):
             self._arrival.wait_for(lambda: self._count != before or not self._up, timeout)
 
     def received(self, data: bytes) -> None:
-        """Cut what arrived into messages."""
+        """Split received bytes into messages."""
         first, *others = data.split(MSG_SEPARATOR)
         self._partial.append(first)
         if others:
@@ -212,7 +212,7 @@ def to_json(value: Any) -> str:
     """A value as one line of JSON.
 
     Raises:
-        TypeError: JSON has no form for it.
+        TypeError: the value cannot be represented in JSON.
     """
     return json.dumps(value, default=_plain)
 
