@@ -193,7 +193,7 @@ class IMU(MotionSensor):
         memory, poses, clock = group.memory, group.poses, group.context.clock
         settings = [group.attributes(name) for name in _SETTINGS]
         if memory.setdefault("settings", settings) != settings:
-            # somebody has got errors, perhaps: who acts together is to be found out anew
+            # a member may have got errors, so the group has to be formed again
             group.is_changed = True
             return
         before, here = memory.get("moment"), (clock.time, poses, group.velocities())

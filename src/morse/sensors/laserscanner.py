@@ -291,7 +291,7 @@ class LaserScanner(Sensor):
             group.write(("range_list",), lambda row: (ranges(row),))
 
     def may_act_together(self) -> bool:
-        """Not with remissions: what they are now may be changed until somebody reads them."""
+        """Return False with remissions, because they may change until they are read."""
         return self.level != "rssi"
 
     def noisy_fields(self) -> tuple[str, ...]:

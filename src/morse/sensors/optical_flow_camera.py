@@ -71,5 +71,5 @@ class OpticalFlowCamera(Camera):
         self._before = tuple(now)
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """None: what moves along the edges of things is no measured vector."""
+        """Return no fields, because noise cannot be added to an image."""
         return ()

@@ -107,7 +107,7 @@ class FlightRecorder(Observer):
         self._begin_anew()
 
     def rearranged(self) -> None:
-        """Another state was restored, or somebody has come or gone."""
+        """Called when another state was restored, or objects were added or removed."""
         if self._anew:
             self._begin_anew()
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.backends.backend import Publisher, Subscription
     from morse.middleware.ros2.outlets import Inlet, Outlet
 
-#: actions without a message after which a stream looks whether somebody sends one of another type
+#: number of actions without a message after which a stream checks for senders of another type
 _PATIENCE = 120
 _UNFIT = (ValueError, TypeError, OverflowError, struct.error, RecursionError)
 
@@ -202,7 +202,7 @@ class Ros2Stream(KindStream):
     # -- what comes in -----------------------------------------------------------------------
 
     def _look_for_others(self) -> None:
-        """Nothing comes: say so if somebody sends messages of another type, which never arrive."""
+        """If no messages arrive, warn about senders of messages of another type, which are not received."""
         self._silence += 1
         if self._silence % _PATIENCE:
             return

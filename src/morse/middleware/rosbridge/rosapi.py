@@ -48,7 +48,7 @@ SERVICES = tuple(_ANSWERS)
 
 
 def answer(hub: Hub, service: str, args: Any) -> dict[str, Any] | None:
-    """What a service says; None if there is no such service.
+    """Return the answer of a service; None if there is no such service.
 
     Args:
         hub: whose topics and services these are.

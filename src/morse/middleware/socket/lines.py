@@ -133,7 +133,7 @@ class LineClient:
         self.server.limits.held.give(count)
 
     def give_up(self) -> None:
-        """There is no room for what this client has sent: disconnect it, and use nothing more of it."""
+        """Disconnect a client whose unread data exceed the limit, and discard its data."""
         text = f"{self.server.name}: {self.peer} is disconnected: it has sent {self.held} bytes that wait to be used"
         self.server.complaints.warn("greedy", text)
         self._partial.clear()

@@ -32,7 +32,7 @@ class DetectingKinds:
 
     @maps("detections")
     def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Boxes with names; as JSON where the backend lacks vision_msgs; and what viewers draw, on ``markers``."""
+        """Boxes with names, or JSON if the backend does not have vision_msgs; and markers for viewers."""
         frame = "optical" if getattr(bound.component, "relative", False) else "world"
         text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
         return [
