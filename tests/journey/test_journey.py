@@ -115,16 +115,21 @@ def test_chapter_three_drive_from_a_program(person):
     terminal = client(person, "keyboard_first.py")
     press(terminal, "wwww", "WASD?")
     with pymorse.Morse() as simu:
-        start = simu.robot.pose.get()
-        simu.sleep(1.0)
-        # four times 0.1 m/s forward, along X
-        assert simu.robot.pose.get()["x"] - start["x"] == pytest.approx(0.4, abs=0.05)
-        press(terminal, "ssss" + "aaaaa", "WASD?")
-        terminal.expect_exact("WASD?")
+        simu.sleep(0.3)
         start = simu.robot.pose.get()
         simu.sleep(1.0)
         end = simu.robot.pose.get()
-        assert end["yaw"] - start["yaw"] == pytest.approx(0.5, abs=0.05)
+        # four times 0.1 m/s forward, along X
+        seconds = end["timestamp"] - start["timestamp"]
+        assert (end["x"] - start["x"]) / seconds == pytest.approx(0.4, abs=0.05)
+        press(terminal, "ssss" + "aaaaa", "WASD?")
+        terminal.expect_exact("WASD?")
+        simu.sleep(0.3)
+        start = simu.robot.pose.get()
+        simu.sleep(1.0)
+        end = simu.robot.pose.get()
+        seconds = end["timestamp"] - start["timestamp"]
+        assert (end["yaw"] - start["yaw"]) / seconds == pytest.approx(0.5, abs=0.05)
         assert math.hypot(end["x"] - start["x"], end["y"] - start["y"]) < 0.02
     terminal.sendintr()
     terminal.expect(pexpect.EOF)
