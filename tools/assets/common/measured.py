@@ -55,11 +55,15 @@ class Furnisher:
     """Makes the objects of a table; what has the same look and size shares a mesh.
 
     Args:
-        looks: gives the parts of an object in any place and size, standing on z=0 or not; None for a plain box.
+        looks: gives a word for what an object looks like, and what makes its parts.
+        boxes: words of things that collide as their bounding box unless the table says otherwise: exact shapes of
+            many small parts take long to start with.
     """
 
-    def __init__(self, looks: Callable[[Row], tuple[str, Callable[[], list[Part]]]]) -> None:
-        self._looks = looks
+    def __init__(
+        self, looks: Callable[[Row], tuple[str, Callable[[], list[Part]]]], boxes: frozenset[str] = frozenset()
+    ) -> None:
+        self._looks, self._boxes = looks, boxes
         self._made: dict[str, bpy.types.Object] = {}
         self._first: dict[tuple[object, ...], bpy.types.Object] = {}
 
@@ -79,6 +83,8 @@ class Furnisher:
         if "collision" in row.name.lower():
             return hidden_box(row.name, row.size, row.at, row.turned, parent=parent, **row.options)
         kind, build = self._looks(row)
+        if kind in self._boxes:
+            row.options.setdefault("collision", "box")
         key = (kind, row.size, row.centre)
         if key in self._first:
             return twin(self._first[key], row.name, row.at, row.turned, parent=parent, **row.options)

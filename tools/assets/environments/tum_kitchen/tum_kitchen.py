@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from common.measured import Row
     from common.parts import Part
 
+BOXES = frozenset(
+    ("chair", "computer", "door", "drawer", "front", "hob", "house door", "keyboard", "monitor", "radiator", "tap")
+)
 TABLE = Path(__file__).with_suffix(".tsv")
 #: m, as seen from the inside of the room: its walls, and the height of the ceiling
 WEST, EAST, SOUTH, NORTH, HEIGHT = 0.0, 6.95, -3.06, 8.74, 2.72
@@ -41,7 +44,7 @@ def build() -> None:
     lamp("Sun", "SUN", 2.2, (4, -8, 10), (0.75, 0.25, 0.3), color="#fff1dc")
     for number, (x, y) in enumerate(((2, 0), (5.3, 0), (2, 5.8), (5.3, 5.8)), start=1):
         lamp(f"Lamp{number}", "POINT", 160.0, (x, y, 2.5), color="#fff0d8", shadow=False)
-    Furnisher(Kitchen().look).furnish(list(rows(TABLE)))
+    Furnisher(Kitchen().look, BOXES).furnish(list(rows(TABLE)))
     viewpoint((7.6, -4.6, 6.4), (2.6, 2.6, 0.2), 20.0)
 
 
