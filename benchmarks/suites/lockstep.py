@@ -34,6 +34,8 @@ def lockstep(plan: Plan) -> Iterator[Result]:
     bare = rates["mujoco"]
     peers = {"mujoco": bare}
     yield Result(
-        "W6", "sockets", rates["socket"] / bare, "x bare loop", at_least(0.5), peers, {"morse": rates["socket"]}
+        "W6", "sockets", rates["socket"] / bare, "x bare loop", at_least(0.8), peers, {"morse": rates["socket"]}
     )
-    yield Result("W6", "pymorse", rates["pymorse"] / bare, "x bare loop", None, peers, {"morse": rates["pymorse"]})
+    yield Result(
+        "W6", "pymorse", rates["pymorse"] / bare, "x bare loop", at_least(0.55), peers, {"morse": rates["pymorse"]}
+    )
