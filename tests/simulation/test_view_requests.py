@@ -71,7 +71,9 @@ def asked(load: Callable[..., Any]) -> Asked:
 def test_every_event_of_a_page_is_handled(load: Callable[..., Any]) -> None:
     view = View(load(SCENE, view="web", view_port=0))
     try:
-        assert set(view._handlers) == {kind for kind in page_message_types() if issubclass(kind, ViewEvent)}
+        events = {kind for kind in page_message_types() if issubclass(kind, ViewEvent)}
+        # time goes backward in recorded runs only
+        assert set(view._handlers) == events - {page.PlayBackward}
     finally:
         view.close()
 

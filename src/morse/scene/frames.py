@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from morse.mathutils import Matrix, Quaternion, Vector
+from morse.mathutils import Matrix, Quaternion, Vector, rotations
 
 if TYPE_CHECKING:
     from morse.scene.node import Node
@@ -41,20 +42,28 @@ class RigidFrame:
 def rigid_frame(node: Node) -> RigidFrame:
     """The rigid frame of a node, from its world matrix.
 
-    The rotation consists of the orthonormalised columns of the matrix, as in Blender.
+    The rotation consists of the orthonormalised columns of the matrix, as in Blender. The function computes with plain
+    numbers: a simulation asks for the frames of all nodes several times while it starts.
     """
-    world = node.world_matrix()
-    columns = [Vector([world[row][column] for row in range(3)]) for column in range(3)]
-    x = _unit(columns[0], Vector((1.0, 0.0, 0.0)))
-    y = columns[1] - x * columns[1].dot(x)
-    y = _unit(y, Vector((0.0, 1.0, 0.0)) if abs(x[1]) < 0.9 else Vector((0.0, 0.0, 1.0)))
-    y = _unit(y - x * y.dot(x), y)
-    z = x.cross(y)
-    rotation = Matrix(tuple((x[i], y[i], z[i]) for i in range(3)))
-    linear = Matrix(tuple(tuple(world[i][j] for j in range(3)) for i in range(3)))
-    return RigidFrame(Vector([world[i][3] for i in range(3)]), rotation, rotation.transposed() @ linear)
+    (a, b, c, px), (d, e, f, py), (g, h, i, pz) = (tuple(row) for row in node.world_matrix()[:3])
+    x0, x1, x2 = _unit(a, d, g, (1.0, 0.0, 0.0))
+    along = b * x0 + e * x1 + h * x2
+    fallback = (0.0, 1.0, 0.0) if abs(x1) < 0.9 else (0.0, 0.0, 1.0)
+    y = y0, y1, y2 = _unit(b - x0 * along, e - x1 * along, h - x2 * along, fallback)
+    along = y0 * x0 + y1 * x1 + y2 * x2
+    y0, y1, y2 = _unit(y0 - x0 * along, y1 - x1 * along, y2 - x2 * along, y)
+    z0, z1, z2 = x1 * y2 - x2 * y1, x2 * y0 - x0 * y2, x0 * y1 - x1 * y0
+    stretch = rotations.product((x0, x1, x2, y0, y1, y2, z0, z1, z2), (a, b, c, d, e, f, g, h, i))
+    return RigidFrame(
+        Vector((px, py, pz)),
+        Matrix(((x0, y0, z0), (x1, y1, z1), (x2, y2, z2))),
+        Matrix(rotations.rows_of(stretch)),
+    )
 
 
-def _unit(vector: Vector, fallback: Vector) -> Vector:
-    length = vector.length
-    return vector * (1.0 / length) if length > 1e-12 else fallback
+def _unit(x: float, y: float, z: float, fallback: tuple[float, float, float]) -> tuple[float, float, float]:
+    length = math.hypot(x, y, z)
+    if length <= 1e-12:
+        return fallback
+    scale = 1.0 / length
+    return x * scale, y * scale, z * scale

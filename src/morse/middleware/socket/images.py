@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 _LUMA = (0.2126, 0.7152, 0.0722)
 
 
-def image_json(stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None = None) -> bytes | None:
+def image_json(
+    stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None = None, *, others: bool = True
+) -> bytes | None:
     """``{timestamp, height, width, image, intrinsic_matrix}``; the image is RGBA, 8 bits each, in base64.
 
     A camera with ``compression`` sends the bytes of a file instead, and ``format`` names its kind. Other fields of the
@@ -28,8 +30,9 @@ def image_json(stream: AbstractDatastream, pixels: Callable[[Any], bytes] | None
     Args:
         stream: of a component with the fields ``image`` and ``intrinsic_matrix``.
         pixels: makes the bytes of the image of the field; RGBA if not given.
+        others: send the other fields of the component as well.
     """
-    return _json(stream, "image", pixels or as_bytes, others=True)
+    return _json(stream, "image", pixels or as_bytes, others=others)
 
 
 def _file(pixels: Any, form: str, quality: int) -> bytes:

@@ -7,7 +7,7 @@ from morse.middleware.socket.streams import SocketPublisher
 
 
 class VideoPublisher(SocketPublisher):
-    """An image as `morse.middleware.socket.images.image_json` writes it, for a component of any kind."""
+    """An image with the fields of 1.4 alone, as `morse.middleware.socket.images.image_json` writes it."""
 
     def pixels(self) -> bytes:
         """The bytes of the image, row by row; RGBA."""
@@ -15,7 +15,7 @@ class VideoPublisher(SocketPublisher):
 
     def encode(self) -> bytes | None:
         """The message, or None while the camera does not capture."""
-        return image_json(self, lambda _: self.pixels())
+        return image_json(self, lambda _: self.pixels(), others=False)
 
 
 class Video8uPublisher(VideoPublisher):
