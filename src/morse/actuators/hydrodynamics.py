@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_data, add_kind, add_property
-from morse.helpers.water import Hull, rotated_back
+from morse.helpers.water import Hull
+from morse.mathutils.rotations import turn_back
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -106,8 +107,8 @@ class Hydrodynamics(Actuator):
         current = self.local_data["current"]
         # all in the frame of the body, whose axes see "up" as
         up = turn[6:9]
-        vx, vy, vz = rotated_back(turn, [v - c for v, c in zip(linear, current, strict=True)])
-        wx, wy, wz = rotated_back(turn, angular)
+        vx, vy, vz = turn_back(turn, [v - c for v, c in zip(linear, current, strict=True)])
+        wx, wy, wz = turn_back(turn, angular)
         most = 0.5 * mass * self.frequency  # kg/s: drag takes away at most half the speed of a tick
         lift = carried * g / 8.0
         depth, half = surface - height, hull.size[2] / 2.0

@@ -5,10 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 Triple = tuple[float, float, float]
 
@@ -33,10 +29,3 @@ class Hull:
         cx, cy, cz = self.centre
         a, b, c = (part / 4.0 for part in self.size)
         return [(cx + i * a, cy + j * b, cz + k * c) for i, j, k in product((-1, 1), repeat=3)]
-
-
-def rotated_back(rotation: Sequence[float], vector: Sequence[float]) -> Triple:
-    """A vector of the world in the frame of the body; the rotation is nine numbers, row by row."""
-    a, b, c, d, e, f, g, h, i = rotation
-    x, y, z = vector
-    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from morse.builder.script import ScriptError, load_scene
 from morse.core.exceptions import MorseError
 from morse.core.project_imports import ProjectImports
+from morse.simulation.watching.files import stamp
 from morse.simulation.watching.watch import Watch
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ class Rereading:
 
     def __init__(self, options: RunOptions, scene: Scene) -> None:
         self._options, self._scene = options, scene
-        self._stamps = {path: _stamp(path) for path in [os.path.abspath(options.script), *self._sources()]}
+        self._stamps = {path: stamp(path) for path in [os.path.abspath(options.script), *self._sources()]}
         self.successor: tuple[Scene, RunOptions] | None = None
 
     def _sources(self) -> list[str]:
@@ -43,7 +44,7 @@ class Rereading:
     def edited(self, simulation: Simulation) -> list[str]:
         """The files that were saved since the scene was loaded, but for components that run as they were saved."""
         taken = {path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged}
-        return [path for path, stamp in self._stamps.items() if path not in taken and _stamp(path) != stamp]
+        return [path for path, loaded in self._stamps.items() if path not in taken and stamp(path) != loaded]
 
     def start_anew(self, simulation: Simulation) -> bool:
         """Load the edited scene and end the simulation, which the scene then replaces.
@@ -80,11 +81,3 @@ class Rereading:
         self.successor = scene, options
         simulation.stop()
         return True
-
-
-def _stamp(path: str) -> tuple[int, int] | None:
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size

@@ -26,25 +26,26 @@ class SavedFiles:
         """Return the files that were saved since the first check, or since they were last returned."""
         saved = []
         for path in paths:
-            stamp = _stamp(path)
+            found = stamp(path)
             if path not in self._known:
-                self._known[path] = stamp
-            elif stamp is None or stamp == self._known[path]:
+                self._known[path] = found
+            elif found is None or found == self._known[path]:
                 self._changing.pop(path, None)
-            elif self._changing.get(path) == stamp:
+            elif self._changing.get(path) == found:
                 del self._changing[path]
-                self._known[path] = stamp
+                self._known[path] = found
                 saved.append(path)
             else:
-                self._changing[path] = stamp
+                self._changing[path] = found
         return saved
 
     def unchanged(self, path: str) -> bool:
         """Whether a file is unchanged since `look` returned it."""
-        return _stamp(path) == self._known.get(path)
+        return stamp(path) == self._known.get(path)
 
 
-def _stamp(path: str) -> _Stamp | None:
+def stamp(path: str) -> _Stamp | None:
+    """Return the modification time (ns), size (bytes) and inode number of a file; None if the file is missing."""
     try:
         status = os.stat(path)
     except OSError:
