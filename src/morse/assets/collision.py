@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets.known_shapes import KnownShapes, content
 from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds, thickened
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
 from morse.scene.frames import rigid_frame
@@ -24,6 +25,8 @@ _FITTED = (Bounds.BOX, Bounds.SPHERE, Bounds.CYLINDER, Bounds.CONE, Bounds.CAPSU
 _LEAST, _ROUNDING = 1e-4, 4e-6
 
 _Key = tuple[int, tuple[float, ...], Bounds | None]
+
+_EARLIER = KnownShapes()
 
 
 def resolve_shapes(scene: Scene) -> list[str]:
@@ -49,10 +52,23 @@ def _shapes_of(node: Node, known: dict[_Key, list[CollisionShape]], warnings: li
     numbers = tuple(round(value, 9) for row in stretch for value in row)
     key = (id(node.mesh), numbers, node.body.bounds)
     if key not in known:
-        parts, found = _parts(node.mesh, np.reshape(numbers, (3, 3)), node.body.bounds)
-        known[key] = [_made_solid(part).to_shape() for part in parts]
+        shapes, found = _shapes_of_mesh(node.mesh, numbers, node.body.bounds)
+        known[key] = list(shapes)
         warnings += [f"'{node.name}': {text}" for text in found]
     return known[key]
+
+
+def _shapes_of_mesh(
+    mesh: Mesh, stretch: tuple[float, ...], bounds: Bounds | None
+) -> tuple[tuple[CollisionShape, ...], tuple[str, ...]]:
+    """The shapes of a stretched mesh, in its rigid frame, and warnings."""
+    key = content(mesh), stretch, bounds
+    found = _EARLIER.get(key)
+    if found is None:
+        parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds)
+        found = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
+        _EARLIER.put(key, found)
+    return found
 
 
 def _without_mesh(node: Node) -> list[CollisionShape]:

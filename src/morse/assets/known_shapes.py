@@ -1,0 +1,77 @@
+"""Collision shapes that this process has computed before: for a scene that is loaded again, a robot that is spawned."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import OrderedDict
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Hashable
+
+    from numpy.typing import NDArray
+
+    from morse.scene import CollisionShape, Mesh
+
+    #: the shapes of a mesh, and warnings about them
+    Found = tuple[tuple[CollisionShape, ...], tuple[str, ...]]
+
+_SHAPE_BYTES = 300  # a shape without its points
+
+
+class KnownShapes:
+    """Results by content, the one that was used last at the end; the first ones are dropped when there are too many.
+
+    Shapes are shared between scenes: nothing changes a shape once it is computed.
+
+    Args:
+        most: largest size of all results together, bytes.
+    """
+
+    def __init__(self, most: int = 64_000_000) -> None:
+        self._most = most
+        self._size = 0
+        self._results: OrderedDict[Hashable, Found] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, key: Hashable) -> Found | None:
+        """The result that was put under the key, if it is still kept."""
+        with self._lock:
+            found = self._results.get(key)
+            if found is not None:
+                self._results.move_to_end(key)
+            return found
+
+    def put(self, key: Hashable, found: Found) -> None:
+        """Keep a result."""
+        with self._lock:
+            if key in self._results:
+                return
+            self._results[key] = found
+            self._size += _size(found)
+            while self._size > self._most:
+                _, dropped = self._results.popitem(last=False)
+                self._size -= _size(dropped)
+
+
+def content(mesh: Mesh) -> bytes:
+    """A digest of the vertices and triangles of a mesh: equal for equal arrays, whatever object holds the arrays."""
+    digest = hashlib.blake2b(digest_size=32)
+    for array in (mesh.vertices, mesh.triangles):
+        _add(digest, np.asarray(array))
+    return digest.digest()
+
+
+def _add(digest: hashlib.blake2b, array: NDArray[np.generic]) -> None:
+    digest.update(f"{array.dtype.str} {array.shape} ".encode())
+    digest.update(np.ascontiguousarray(array).tobytes())
+
+
+def _size(found: Found) -> int:
+    shapes, _ = found
+    return _SHAPE_BYTES + sum(
+        _SHAPE_BYTES + (0 if shape.vertices is None else shape.vertices.nbytes) for shape in shapes
+    )
