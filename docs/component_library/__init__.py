@@ -1,6 +1,6 @@
-"""A Sphinx extension that writes the component library from what the components declare of themselves.
+"""A Sphinx extension that generates the component library from the declarations of the components.
 
-The pages go to ``docs/library/`` whenever the documentation is built; nobody edits them.
+The pages are written to ``docs/library/`` whenever the documentation is built, and are not edited by hand.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A page for each sensor and each actuator that scene scripts can make."""
+"""A page for each sensor and each actuator that scene scripts can create."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def pages(kind: str) -> dict[str, str]:
 
 
 def component_class(builder: type[ComponentCreator]) -> type[Any]:
-    """The class that runs."""
+    """The component class that the simulation runs."""
     assert builder._classpath is not None, f"{builder.__name__} does not say which class runs"
     return load_class(builder._classpath)
 
@@ -49,7 +49,7 @@ def short_description(builder: type[ComponentCreator]) -> str:
 
 
 def _sample(builder: type[ComponentCreator]) -> ComponentCreator | None:
-    """A component as the builder makes it, or None if that needs arguments."""
+    """A component as created by the builder, or None if the builder needs arguments."""
     needed = [p for p in inspect.signature(builder).parameters.values() if p.default is p.empty and p.kind in _NAMED]
     workspace.reset()
     return None if needed else builder(**scenes.ARGUMENTS.get(builder.__name__, {}))
@@ -80,7 +80,7 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
         pictures.of(name),
         table(["", ""], facts),
         section("Use", *use),
-        section("Data", "What it sends.\n" if sensor else "What it takes.\n", data_table(cls))
+        section("Data", "Data that it publishes.\n" if sensor else "Data of commands.\n", data_table(cls))
         if data_fields(cls)
         else "",
         section("Messages", kind_table(cls)),
@@ -93,14 +93,14 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
 
 
 def _more(cls: type) -> str:
-    """What the class says beyond its first sentence, if it says more than the short description."""
+    """The docstring of the class after its first sentence, if it is longer than the short description."""
     return prose(inspect.getdoc(cls))
 
 
 def _common_services(sensor: bool) -> str:
     own = "`get_local_data`, " if sensor else ""
     return (
-        f"And those of every component: {own}`get_properties`, `set_property`, `get_configurations` "
+        f"Services of every component: {own}`get_properties`, `set_property`, `get_configurations` "
         "([services](../services.md))."
     )
 
@@ -115,7 +115,7 @@ def _interfaces(cls: type, direction: str) -> str:
 
 
 def _own_methods(builder: type[ComponentCreator]) -> str:
-    """Methods that this builder class has and others do not."""
+    """Methods of this builder class that other builder classes do not have."""
     lines = []
     for base in builder.__mro__:
         if base in (SensorCreator, ActuatorCreator):

@@ -1,4 +1,4 @@
-"""A page that says of each thing of MORSE 1.4 whether it is there, and what it was checked by."""
+"""A page that lists for each feature of MORSE 1.4 whether it is available, and the tests that use it."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 _TESTS = Path(__file__).parents[2] / "tests"
-_INTRODUCTION = """What scene scripts of MORSE 1.4 can name, whether it is there, and which tests use it. The table is
-made from the code whenever the documentation is built.
+_INTRODUCTION = """The names that scene scripts of MORSE 1.4 can use, whether they are available, and which tests use
+them. The table is generated from the code whenever the documentation is built.
 
-All sensors, actuators and robots that are there keep [the contract](../testing.md#components-of-your-own) of
-components: that is checked of each of them in `tests/verification`, and not listed again."""
+All available sensors, actuators and robots follow [the contract](../testing.md#components-of-your-own) of components:
+`tests/verification` checks each of them; these tests are not listed again."""
 _MOST_TESTS = 4
-#: tests that go through the whole library name components for other reasons
+#: tests that run through the whole library contain the names of all components
 _GENERAL = ("verification", "docs", "cli", "journey", "benchmarks")
 
 
@@ -42,7 +42,7 @@ def pages() -> dict[str, str]:
 
 
 def missing() -> list[str]:
-    """What of MORSE 1.4 is not there."""
+    """The names of MORSE 1.4 that are not available."""
     return re.findall(r"^\| (?:`)?([\w/-]+)(?:`)? \| no \|", pages()["coverage"], re.MULTILINE)
 
 
@@ -64,7 +64,7 @@ def _row(name: str, link: str | None) -> list[str]:
 
 
 def _tests_of(name: str) -> Iterator[str]:
-    """The files of tests that use a name: as a call, or as a word in quotes."""
+    """The test files that use a name: as a call, or as a quoted word."""
     used = re.compile(rf"\b{re.escape(name)}\(|['\"]{re.escape(name)}['\"]")
     for file, text in _files().items():
         if used.search(text):

@@ -1,4 +1,4 @@
-"""What components declare, as rows of tables and lists."""
+"""The declarations of components as rows of tables and lists."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ def data_table(cls: type) -> str:
     rows = []
     for name, field in data_fields(cls).items():
         level = field.level if isinstance(field.level, str) else ", ".join(field.level)
-        # some defaults say in words what they will be
+        # some defaults are words that describe the initial value
         words = isinstance(field.default, str) and field.type not in ("string", "str")
         default = field.default if words else code(_shown(field.default))
         row = [code(name), field.type, field.unit, field.frame, default, _bounds(field.low, field.high), field.doc]
         rows.append([*row, level] if has_levels else row)
     return table(
-        ["field", "type", "unit", "frame", "at the start", "range", "what", *(["level"] if has_levels else [])], rows
+        ["field", "type", "unit", "frame", "initial value", "range", "description", *(["level"] if has_levels else [])],
+        rows,
     )
 
 
@@ -38,7 +39,7 @@ def property_table(cls: type, changed: Mapping[str, Any]) -> str:
 
     Args:
         cls: its class.
-        changed: what its builder class sets.
+        changed: the properties that its builder class sets.
     """
     return table(
         ["property", "type", "unit", "default", "range", "what"],
@@ -76,7 +77,7 @@ def kind_table(cls: type) -> str:
 
 
 def own_services(cls: type) -> list[ServiceDeclaration]:
-    """The services that a component has and others do not."""
+    """The services of a component that other components do not have."""
     return [declaration for declaration in declared_services(cls) if declaration.name not in _COMMON]
 
 
@@ -87,7 +88,7 @@ def service_list(cls: type, declarations: Iterable[ServiceDeclaration]) -> str:
 
 def _service(cls: type, declaration: ServiceDeclaration) -> str:
     method = getattr(cls, declaration.attribute)
-    # of a method of an object, because clients give no `self`
+    # the signature of a bound method, because clients do not pass `self`
     signature = signature_of(method.__get__(object()))
     shown = f"{declaration.name}{signature}".replace("'", "").removesuffix(" -> None")
     plain = inspect.getdoc(method) or ""

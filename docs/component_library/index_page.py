@@ -1,4 +1,4 @@
-"""The first pages of the component library: what there is, of each kind."""
+"""The first pages of the component library: an overview of each kind."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from component_library.markdown import page, section, table
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-_INTRODUCTION = """Everything that a scene script can use. These pages are made from what the components say of
-themselves, so they are never older than the code.
+_INTRODUCTION = """Everything that a scene script can use. These pages are generated from the declarations in the code,
+and are always up to date.
 
 ![All robots of MORSE](../pictures/robots.webp)"""
 KINDS = ("robots", "sensors", "actuators")
@@ -25,7 +25,7 @@ def pages() -> dict[str, str]:
     parts = [section(kind.capitalize(), _list(kind, f"{kind}/")) for kind in KINDS]
     others = {
         "modifiers": "Modifiers",
-        "models": "Environments and things",
+        "models": "Environments and objects",
         "message-kinds": "Message kinds",
         "middlewares": "Middlewares",
         "services": "Services of the simulation",
@@ -50,7 +50,7 @@ def _list(kind: str, folder: str) -> str:
             ),
         )
     return table(
-        [kind[:-1], "what it does"],
+        [kind[:-1], "description"],
         (
             [_link(folder, name), component_pages.short_description(cls)]
             for name, cls in component_pages.builder_classes(kind).items()

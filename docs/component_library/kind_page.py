@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import Kind, Slot
 
-_INTRODUCTION = """A component says which message kinds it speaks, and which of its data fields is which slot. A
-middleware maps kinds, never single components: a component of your own is carried by every middleware. How to declare
-them: [architecture](../architecture.md#what-data-are).
+_INTRODUCTION = """A component declares its message kinds, and which of its data fields is which slot. A middleware maps
+kinds, never single components: every middleware supports your own components, too. How to declare kinds:
+[architecture](../architecture.md#declarations-of-data).
 
 Every message has a `stamp` (simulated time of the measurement, whole nanoseconds) and a `frame` (that of its first
-slot). Slots in *italics* are optional. A component without a kind has the kind `general`: every field as it is."""
+slot). Slots in *italics* are optional. A component without a kind has the kind `general`: all its fields, unchanged."""
 
 
 def pages() -> dict[str, str]:
@@ -38,7 +38,7 @@ def _section(kind: Kind) -> str:
         kind.name,
         facts,
         table(["slot", "shape", "type", "unit", "frame", "what"], map(_row, kind.slots.values())),
-        f"Spoken by {speakers}.\n" if speakers else "",
+        f"Used by {speakers}.\n" if speakers else "",
     )
 
 

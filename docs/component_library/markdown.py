@@ -38,7 +38,7 @@ def block(language: str, text: str) -> str:
 
 
 def section(title: str, *parts: str, depth: int = 2) -> str:
-    """A heading with what belongs to it, or nothing if nothing does."""
+    """A heading with its text, or nothing if the text is empty."""
     body = "\n".join(part for part in parts if part)
     return f"{'#' * depth} {title}\n\n{body}" if body else ""
 
@@ -71,5 +71,5 @@ def arguments(docstring: str | None) -> list[tuple[str, str]]:
 
 
 def _own_code(text: str) -> str:
-    """Indented code of docstrings as Markdown has it, the rest as it is."""
+    """Indented code of docstrings as fenced Markdown code; the rest is unchanged."""
     return re.sub(r"``(.+?)``", r"`\1`", text).replace("::\n", ":\n")

@@ -1,4 +1,4 @@
-"""A page on which middleware carries which component, from their declarations."""
+"""A page on the components that each middleware supports, from their declarations."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from morse.middleware import registry
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_INTRODUCTION = """What each middleware carries: the message kinds that have a form of their own on it, *general* for
-the general form (all fields of the component), – for nothing. Kinds in parentheses depend on the level or the
-properties of the component."""
+_INTRODUCTION = """The message kinds that each middleware supports with messages of their own; *general* for the general
+format (all fields of the component), – for none. Kinds in parentheses depend on the level or the properties of the
+component."""
 _WAYS = (("sensors", "OUT"), ("actuators", "IN"))
 
 

@@ -1,4 +1,4 @@
-"""A page on the environments and props: what objects are in which file."""
+"""A page on the environments and props: the objects in each file."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def pages() -> dict[str, str]:
     props = (section(f"props/{name}", _objects(_library(name, "props"), "prop"), depth=3) for name in _models("props"))
     return {
         "models": page(
-            "Environments and things",
-            "The models that come with MORSE, with the objects in them. Sizes are in metres, along X, Y and Z.",
+            "Environments and objects",
+            "The models of MORSE, with the objects in them. Sizes are in metres, along X, Y and Z.",
             section("Environments", "`Environment('sandbox')` takes the name of one of them.\n", *environments),
             section(
                 "Things",
@@ -50,7 +50,7 @@ def pages() -> dict[str, str]:
 
 
 def _models(category: str) -> list[str]:
-    """The names of the models that come with MORSE."""
+    """The names of the models that are installed with MORSE."""
     own = search.component_dirs()[0] / category
     return [name for name in search.available(category) if (own / f"{name}.blend").is_file()]
 
@@ -80,14 +80,14 @@ def _facts(root: Node) -> list[str]:
 
 
 def _physics(root: Node) -> str:
-    """How a thing takes part in the physics, by itself or by its parts."""
+    """The physics type of an object, or of its parts."""
     if not root.body.moves and any(part.body.collides for part in root.walk()):
         return str(PhysicsType.STATIC)
     return str(root.body.type)
 
 
 def _folded(rows: Iterable[list[str]]) -> list[list[str]]:
-    """Rows that differ in the object alone become one."""
+    """Merge rows that differ only in the object into one row."""
     folded: dict[tuple[str, ...], list[str]] = {}
     for name, *facts in rows:
         folded.setdefault(tuple(facts), []).append(name)
@@ -95,5 +95,5 @@ def _folded(rows: Iterable[list[str]]) -> list[list[str]]:
 
 
 def _several(names: list[str]) -> str:
-    """Names in one cell; of many, the first and the last."""
+    """Names in one cell; of more than four, the first and the last."""
     return ", ".join(names) if len(names) <= 4 else f"{names[0]} … {names[-1]} ({len(names)})"

@@ -1,4 +1,4 @@
-"""A page on the modifiers, from what their classes say."""
+"""A page on the modifiers, from their declarations."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
     from morse.core.modifier import AbstractModifier
 
-_INTRODUCTION = """A modifier changes what a sensor sends, or what an actuator is told, before it reaches the
-middleware: `pose.alter('NED')`, with options as keywords: `pose.alter('Noise', pos_std=0.1)`. Several are applied in
-the order of the script. A message says the frame, the unit and the covariance that its modifiers leave. What a
-modifier offers as a service becomes a service of the component."""
+_INTRODUCTION = """A modifier changes the data of a sensor before they reach the middleware, or the commands of an
+actuator before they reach the actuator: `pose.alter('NED')`, with options as keywords:
+`pose.alter('Noise', pos_std=0.1)`. Several modifiers are applied in the order of the script. A message contains the
+frame, the unit and the covariance after all modifiers. The services of a modifier become services of the component."""
 
 
 def pages() -> dict[str, str]:

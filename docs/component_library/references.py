@@ -1,4 +1,4 @@
-"""Where the formulas of components come from."""
+"""The sources of the formulas of components."""
 
 SOURCES = {
     "Accelerometer": "Newtonian kinematics; differences of velocity over a tick",

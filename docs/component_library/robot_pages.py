@@ -32,7 +32,7 @@ def short_description(builder: type[Robot]) -> str:
 
 
 def moved_by(builder: type[Robot]) -> str:
-    """What makes a robot move."""
+    """How a robot is moved."""
     if issubclass(builder, WheeledRobot):
         return "its wheels, which motors turn"
     if issubclass(builder, GroundRobot):

@@ -6,7 +6,7 @@ import re
 
 from morse.core.declarations import data_fields
 
-#: components that need a certain robot; all others ride on an ATRV
+#: components that need a certain robot; all others are on an ATRV
 _CARRIERS = {
     "MotionVWDiff": "Pioneer3DX",
     "QuadrotorDynamicControl": "Quadrotor",
@@ -17,21 +17,21 @@ _CARRIERS = {
     "SteerForce": "Hummer",
     "WheelEncoders": "Pioneer3DX",
 }
-#: components that are appended to another component, which is on the robot
+#: components that are appended to another component of the robot
 _HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
-#: what components are made with
+#: arguments of the constructors of components
 ARGUMENTS = {"Armature": {"armature_name": "kuka_armature", "model_name": "kuka_lwr"}}
-#: fields that follow from the model
+#: fields that depend on the model
 _OWN_FIELDS = {"morse.actuators.armature.Armature": {"kuka_2": 0.0, "kuka_4": 0.0}}
-#: components that name themselves, with the one of their parts that has data
+#: components that set their own name, with the name of one of their parts that has data
 _OWN_NAMES = {"Kinect": "Kinect.depth"}
-#: values for fields whose defaults say too little
+#: values for fields whose defaults are not instructive
 _VALUES = {"LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"}, "Sound": {"mode": '"play"'}}
-#: components that need to know where on the earth they are
+#: components that need a geographic position
 _ON_THE_EARTH = ("Magnetometer",)
 
 
-#: scenes of components that are made of others
+#: scenes of components that consist of other components
 OWN_SCENES = {
     "CompoundSensor": """from morse.builder import *
 
@@ -117,5 +117,5 @@ def _example(value: object) -> str:
         return repr(value)
     if isinstance(value, (int, float)):
         return "0.5" if isinstance(value, float) else "1"
-    # many fields begin where the robot is, which their default says in words
+    # the default of many fields is the initial state of the robot, described in words
     return repr(value) if isinstance(value, (list, dict)) else "0.5"

@@ -13,13 +13,11 @@ from morse.services.lockstep_services import LockstepServices
 from morse.services.supervision_services import Supervision
 from morse.services.time_services import TimeServices
 
-_INTRODUCTION = (
-    "What a client can ask of every simulation and of every component. How to call them: [services](../services.md)."
-)
+_INTRODUCTION = "The services of every simulation and of every component. How to call them: [services](../services.md)."
 _SECTIONS = {
     "simulation": "The life of the simulation, its robots, objects and components.",
     "time": "Simulated time.",
-    "communication": "What robots could tell of each other.",
+    "communication": "Communication between robots.",
 }
 
 

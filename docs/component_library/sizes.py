@@ -1,4 +1,4 @@
-"""How large things are."""
+"""The sizes of objects."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def extent(root: Node) -> list[float] | None:
-    """Length along X, Y and Z of all visible meshes of a node and those below it, m; None without any."""
+    """Length along X, Y and Z of all visible meshes of a node and its descendants, m; None without meshes."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for node in root.walk():
         if node.mesh is None or not node.visible or len(node.mesh.vertices) == 0:

@@ -1,8 +1,8 @@
-"""Takes the pictures of the documentation from real simulations: follows the tutorial, and looks.
+"""Create the pictures of the documentation from real simulations that follow the tutorial.
 
     python docs/pictures/make.py [NAME ...]
 
-Needs what the tests of the tutorial need: MORSE installed, Chromium, Blender. Without names, makes all.
+Needs the same programs as the tests of the tutorial: MORSE, Chromium, Blender. Without names, all pictures are created.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from studio import Studio, beside, save
 import morse
 import pymorse
 
-# whoever tests the tutorial also takes its pictures
+# the modules of the tests of the tutorial are used here, too
 sys.path.append(str(Path(__file__).parents[2] / "tests" / "journey"))
 from steps import Person, block, wait_for
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from steps import Running
 
 CRATES = Path(morse.__file__).parent / "data" / "props" / "crates.blend"
-#: in the simulated world, metres: where the ranger of the tutorial stands
+#: position of the ranger of the tutorial in the world, metres
 START = (1.0, 0.0)
 ROBOTS = """
 from morse.builder import *
@@ -43,7 +43,7 @@ env = Environment("empty")
 
 
 class Journey:
-    """The tutorial, as far as a picture needs it."""
+    """The steps of the tutorial that the pictures need."""
 
     def __init__(self, folder: Path) -> None:
         self.person = Person(folder)
@@ -78,7 +78,7 @@ class Journey:
     def client(self, name: str, port: int) -> pexpect.spawn:
         """A program of the tutorial in a terminal."""
         script = self.project / "scripts" / "keyboard_ctrl.py"
-        # the tutorial has the machine for itself; here another simulation may run
+        # the tutorial uses the default port; another simulation may use it here
         script.write_text(block(name).replace("Morse()", f"Morse(port={port})"))
         return pexpect.spawn(sys.executable, [str(script)], cwd=str(self.person.folder), encoding="utf-8", timeout=20)
 
@@ -102,7 +102,7 @@ def keys(journey: Journey) -> None:
 
 
 def view(journey: Journey) -> None:
-    """The live view with its panels: what a sensor measures, over time."""
+    """The live view with its panels and a plot of a measurement."""
     with journey.running() as (running, simulation), Studio() as studio:
         studio.watch(running.url)
         page = studio.page
@@ -123,7 +123,7 @@ def view(journey: Journey) -> None:
 
 
 def ranger(journey: Journey) -> None:
-    """A robot of one's own: before it has an actuator for the eyes."""
+    """Your own robot: before it has an actuator for the eyes."""
     journey.own_robot()
     with journey.running() as (running, simulation), Studio() as studio:
         studio.watch(running.url)
@@ -182,7 +182,7 @@ def _furnished(journey: Journey) -> Path:
 
 
 def playroom(journey: Journey) -> None:
-    """A world of one's own."""
+    """Your own world."""
     with morse.load(_furnished(journey)) as simulation:
         simulation.step(60)
         save("playroom", [Image.fromarray(simulation.picture(1280, 800))])
@@ -208,7 +208,7 @@ def moods(journey: Journey) -> None:
         save("moods", [Image.fromarray(simulation.picture(1280, 800, **view))])
 
 
-#: name of a class to where it stands (x, y, z) and its heading
+#: name of a class to its position (x, y, z) and heading
 _PLACES = {
     "Hummer": (-3.2, 3.4, 0.9, -0.9),
     "RMax": (-3.0, -0.6, 1.5, 0.7),
@@ -241,7 +241,7 @@ def robots(journey: Journey) -> None:
         save("robots", [studio.still(simulation)])
 
 
-#: pictures of the live view's own gallery that the documentation shows
+#: pictures of the gallery of the live view that the documentation shows
 _GALLERY = ("indoors", "outdoors", "office", "warehouse")
 
 

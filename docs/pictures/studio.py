@@ -1,4 +1,4 @@
-"""A browser to take pictures with: of the live view, of terminals, one or several in a file."""
+"""A browser for pictures of the live view and of terminals, with one or several frames per file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 CHROMIUM = "/usr/bin/chromium"
 ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-#: bytes that a picture may have
+#: maximum size of a picture, bytes
 LIMIT = 250_000
 _PATIENCE = 90.0
 
@@ -39,7 +39,7 @@ b { color: #7fd1c4; font-weight: normal; } i { color: #f0b673; font-style: norma
 
 
 class Studio:
-    """A browser; use it as a context."""
+    """A browser; used as a context manager."""
 
     def __init__(self, width: int = 1280, height: int = 720) -> None:
         self._playwright = sync_playwright().start()
@@ -56,12 +56,12 @@ class Studio:
         self._playwright.stop()
 
     def watch(self, url: str) -> None:
-        """Open the live view, and wait until the world is there."""
+        """Open the live view, and wait until the world is loaded."""
         self.page.goto(f"{url}?quality=high")
         self._until("window.morse?.world.value && window.morse?.poses.value", "the world")
 
     def hide_tree(self) -> None:
-        """Leave the page to the world."""
+        """Hide the tree of objects."""
         self.page.evaluate("window.morse.shell.left.hidden || window.morse.shell.toggle('left')")
 
     def look(self, position: Sequence[float], target: Sequence[float]) -> None:
@@ -69,18 +69,18 @@ class Studio:
         self.page.evaluate(_LOOK, [list(position), list(target)])
 
     def still(self, simulation: pymorse.Morse) -> Image.Image:
-        """What the page shows, with time stopped; time stays stopped."""
+        """A picture of the page while time is stopped; time remains stopped."""
         simulation.rpc("simulation", "pause")
         self._until("!window.morse.poses.value.running", "the pause")
         return self.shot()
 
     def shot(self) -> Image.Image:
-        """What the page shows."""
-        time.sleep(1.0)  # the frame that the last message asked for is drawn
+        """A picture of the page."""
+        time.sleep(1.0)  # until the frame for the last message is rendered
         return Image.open(io.BytesIO(self.page.screenshot())).convert("RGB")
 
     def terminal(self, text: str, width: int, height: int) -> Image.Image:
-        """Lines of a terminal; those that begin with ``$`` are what somebody typed. Leaves the live view."""
+        """Lines of a terminal; lines that begin with ``$`` are typed commands. Leaves the live view."""
         self.page.goto("about:blank")
         self.page.set_viewport_size({"width": width, "height": height})
         lines = [html.escape(line) for line in text.splitlines()]
@@ -90,7 +90,7 @@ class Studio:
         return self.shot()
 
     def _until(self, condition: str, what: str) -> None:
-        # the page's own rules forbid what Playwright's waiting needs
+        # the content security policy of the page forbids what Playwright's wait functions need
         end = time.monotonic() + _PATIENCE
         while not self.page.evaluate(f"Boolean({condition})"):
             if time.monotonic() > end:
@@ -107,10 +107,10 @@ def beside(left: Image.Image, right: Image.Image) -> Image.Image:
 
 
 def save(name: str, frames: Sequence[Image.Image], milliseconds: int = 0) -> Path:
-    """Write a picture, or a film of several frames, as well as the limit of its size allows.
+    """Write a picture, or a film of several frames, with the best quality that the size limit allows.
 
     Raises:
-        ValueError: it does not fit, however it is compressed.
+        ValueError: it exceeds the limit at any compression.
     """
     path = HERE / f"{name}.webp"
     first, *others = frames
