@@ -6,7 +6,6 @@ its body sets ``_name`` (components) or ``_names`` (modifiers).
 
 from __future__ import annotations
 
-import ast
 import logging
 from dataclasses import dataclass
 from functools import cache
@@ -17,6 +16,8 @@ from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from morse.core.definitions.reading import Definition
 
 
 logger = logging.getLogger(__name__)
@@ -55,7 +56,7 @@ def components(package: str) -> dict[str, Entry]:
     return {entry.name: entry for entry in sorted(found, key=lambda entry: entry.name)}
 
 
-def entries(module: str, definition: ast.ClassDef, *, named: bool = False) -> Iterator[Entry]:
+def entries(module: str, definition: Definition, *, named: bool = False) -> Iterator[Entry]:
     """Return the entries of a class: the class itself, and the products that it simulates.
 
     Args:
@@ -63,15 +64,15 @@ def entries(module: str, definition: ast.ClassDef, *, named: bool = False) -> It
         definition: the class.
         named: include the class even if its body does not set ``_name``.
     """
-    attributes = sources.literals(definition)
+    attributes = definition.attributes
     if not isinstance(attributes.get("_name"), str) and not named:
         return
     classpath = f"{module}.{definition.name}"
-    doc = attributes.get("_short_desc") or ast.get_docstring(definition) or attributes.get("_name", definition.name)
-    defaults = next(sources.declared_defaults(definition, "_builder"), None)
+    doc = attributes.get("_short_desc") or definition.doc or attributes.get("_name", definition.name)
+    defaults = next(iter(definition.defaults["_builder"]), None)
     given = defaults or {}
     yield Entry(given.get("name") or definition.name, classpath, _text(given, doc), attributes, defaults)
-    for product in sources.declared_defaults(definition, "_products"):
+    for product in definition.defaults["_products"]:
         yield Entry(product["name"], classpath, _text(product, doc), attributes, product, product["name"])
 
 
@@ -89,9 +90,8 @@ def modifiers() -> tuple[Entry, ...]:
 def _modifiers_of(package: str) -> Iterator[Entry]:
     try:
         for module, definition in sources.classes(package):
-            attributes = sources.literals(definition)
-            if "_names" in attributes:
-                doc = ast.get_docstring(definition) or ""
-                yield Entry(definition.name, f"{module}.{definition.name}", doc, attributes)
+            if "_names" in definition.attributes:
+                classpath = f"{module}.{definition.name}"
+                yield Entry(definition.name, classpath, definition.doc or "", definition.attributes)
     except SyntaxError as error:
         logger.warning("the modifiers of %s are left out: %s", package, error)

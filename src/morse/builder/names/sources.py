@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import ast
 import pkgutil
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from morse.core.definitions.index import indexed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from morse.core.definitions.reading import Definition
 
-def classes(package: str) -> Iterator[tuple[str, ast.ClassDef]]:
+
+def classes(package: str) -> Iterator[tuple[str, Definition]]:
     """The public classes in the files of a package, with the names of their modules.
 
     Raises:
@@ -39,57 +42,10 @@ def files(package: str) -> Iterator[tuple[str, Path]]:
         yield f"{package}.{info.name}", Path(module.origin)
 
 
-def classes_of(file: Path) -> Iterator[ast.ClassDef]:
+def classes_of(file: Path) -> Iterator[Definition]:
     """The public classes of a file.
 
     Raises:
         SyntaxError: in the file.
     """
-    tree = ast.parse(file.read_bytes(), str(file))
-    for statement in tree.body:
-        if isinstance(statement, ast.ClassDef) and not statement.name.startswith("_"):
-            yield statement
-
-
-def _assignments(definition: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:
-    for statement in definition.body:
-        if isinstance(statement, ast.Assign):
-            for target in statement.targets:
-                if isinstance(target, ast.Name):
-                    yield target.id, statement.value
-        elif isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name) and statement.value:
-            yield statement.target.id, statement.value
-
-
-def literals(definition: ast.ClassDef) -> dict[str, Any]:
-    """The attributes in the body of a class whose values are plain literals."""
-    found = {}
-    for name, value in _assignments(definition):
-        try:
-            found[name] = ast.literal_eval(value)
-        except (ValueError, TypeError):
-            continue
-    return found
-
-
-def declared_defaults(definition: ast.ClassDef, attribute: str) -> Iterator[dict[str, Any]]:
-    """The literal arguments of each call of ``..Defaults(...)`` that is assigned to an attribute of a class."""
-    for name, value in _assignments(definition):
-        if name == attribute:
-            calls = value.elts if isinstance(value, (ast.Tuple, ast.List)) else [value]
-            yield from (_arguments(call) for call in calls if isinstance(call, ast.Call))
-
-
-def _arguments(call: ast.Call) -> dict[str, Any]:
-    function = call.func.id if isinstance(call.func, ast.Name) else ""
-    # the first argument without a keyword: the name of a product, the model of a robot
-    first = "model" if function == "RobotDefaults" else "name"
-    given = [(first, value) for value in call.args[:1]]
-    given += [(keyword.arg, keyword.value) for keyword in call.keywords if keyword.arg is not None]
-    arguments = {}
-    for name, value in given:
-        try:
-            arguments[name] = ast.literal_eval(value)
-        except (ValueError, TypeError):
-            continue
-    return arguments
+    yield from indexed(file)

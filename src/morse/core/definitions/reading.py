@@ -1,0 +1,90 @@
+"""What the text of a file says about its classes, without executing it."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A class in a file.
+
+    Attributes:
+        name: name of the class.
+        doc: its docstring, or None.
+        derived: whether it names a base class.
+        attributes: the attributes in its body whose values are plain literals.
+        defaults: the literal arguments of each call of ``..Defaults(...)`` assigned to ``_builder`` and ``_products``.
+    """
+
+    name: str
+    doc: str | None
+    derived: bool
+    attributes: dict[str, Any]
+    defaults: dict[str, list[dict[str, Any]]]
+
+
+def definitions(text: bytes, name: str) -> list[Definition]:
+    """The public classes in the text of a file.
+
+    Args:
+        text: content of the file.
+        name: name of the file, for error messages.
+
+    Raises:
+        SyntaxError: the text is not Python.
+    """
+    tree = ast.parse(text, name)
+    classes = (statement for statement in tree.body if isinstance(statement, ast.ClassDef))
+    return [_definition(cls) for cls in classes if not cls.name.startswith("_")]
+
+
+def _definition(cls: ast.ClassDef) -> Definition:
+    return Definition(
+        cls.name,
+        ast.get_docstring(cls),
+        bool(cls.bases),
+        _literals(_assignments(cls)),
+        {name: list(_declared_defaults(cls, name)) for name in ("_builder", "_products")},
+    )
+
+
+def _assignments(definition: ast.ClassDef) -> Iterator[tuple[str, ast.expr]]:
+    for statement in definition.body:
+        if isinstance(statement, ast.Assign):
+            for target in statement.targets:
+                if isinstance(target, ast.Name):
+                    yield target.id, statement.value
+        elif isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name) and statement.value:
+            yield statement.target.id, statement.value
+
+
+def _literals(values: Iterator[tuple[str, ast.expr]]) -> dict[str, Any]:
+    found = {}
+    for name, value in values:
+        try:
+            found[name] = ast.literal_eval(value)
+        except (ValueError, TypeError):
+            continue
+    return found
+
+
+def _declared_defaults(cls: ast.ClassDef, attribute: str) -> Iterator[dict[str, Any]]:
+    for name, value in _assignments(cls):
+        if name == attribute:
+            calls = value.elts if isinstance(value, (ast.Tuple, ast.List)) else [value]
+            yield from (_arguments(call) for call in calls if isinstance(call, ast.Call))
+
+
+def _arguments(call: ast.Call) -> dict[str, Any]:
+    function = call.func.id if isinstance(call.func, ast.Name) else ""
+    # the first argument without a keyword: the name of a product, the model of a robot
+    first = "model" if function == "RobotDefaults" else "name"
+    given = [(first, value) for value in call.args[:1]]
+    given += [(keyword.arg, keyword.value) for keyword in call.keywords if keyword.arg is not None]
+    return _literals(iter(given))
