@@ -1,32 +1,83 @@
-"""What a tick of a component costs: ``components NAME``, ``empty`` for one that does nothing."""
+"""What a component adds to a tick: ``components NAME``, ``empty`` for one that does nothing."""
 
 from __future__ import annotations
 
+import statistics
 import sys
+import time
+from typing import TYPE_CHECKING, Any
 
-from benchmarks import stopwatch
+from benchmarks import stopwatch, work
+from benchmarks.commands import command
 from benchmarks.programs.loading import prepare
 
-_WARM_UP = 60
+if TYPE_CHECKING:
+    from morse.simulation.simulation import Simulation
+
+_WARM_UP, _TICKS = 60, 400
+#: components that move the robot by velocities, by forces, and by poses
+_BY_VELOCITY = ("MotionVW", "MotionVWDiff", "MotionXYW", "Waypoint", "Destination")
+_BY_FORCE = (
+    *("Drag", "ExternalForce", "ForceTorque", "Hydrodynamics", "QuadrotorDynamicControl"),
+    *("RotorcraftAttitude", "RotorcraftVelocity", "RotorcraftWaypoint", "SteerForce"),
+)
+_BY_POSE = ("Orientation", "StabilizedQuadrotor", "Teleport")
 
 
 def main() -> None:
-    """Let it act again and again, each time as if everything had moved."""
-    simulation = prepare("single", **{"class": sys.argv[1]})
-    for _ in range(_WARM_UP):
-        simulation.tick()
-    parts = [*simulation.loaded.sensors, *simulation.loaded.actuators]
-    world = simulation.world
+    """Let two robots move alike, one of them with the component, and compare their ticks one by one."""
+    name = sys.argv[1]
+    robot, bare = Stand(name, carries=True), Stand(name, carries=False)
+    walls, processors = [], []
+    for tick in range(_WARM_UP + _TICKS):
+        wall, processor = robot.tick()
+        if name in _BY_FORCE:
+            bare.body.set_velocity(*robot.body.velocity())
+        wall_without, processor_without = bare.tick()
+        if tick >= _WARM_UP:
+            walls.append(wall - wall_without)
+            processors.append(processor - processor_without)
+    failed = sorted(robot.simulation.context.failed)
+    if failed:
+        sys.exit(f"{failed[0]} was switched off")
+    # medians: what else the machine does falls on few ticks
+    stopwatch.report(
+        us=statistics.median(walls) * 1e6, processor_us=statistics.median(processors) * 1e6, rays=robot.looks_around
+    )
 
-    def act() -> None:
-        world.stamp += 1
-        for part in parts:
-            part.action()
 
-    once = stopwatch.cost_of(act, 1).wall
-    cost = stopwatch.cost_of(act, max(1, min(2000, int(0.05 / max(once, 1e-9)))))
-    stopwatch.report(us=cost.wall * 1e6, processor_us=cost.processor * 1e6)
-    simulation.close()
+class Stand:
+    """A simulation with one robot, which moves."""
+
+    def __init__(self, name: str, *, carries: bool) -> None:
+        self.name = name
+        self.simulation: Simulation = prepare("single", **{"class": name, "carries": carries})
+        loaded = self.simulation.loaded
+        self.component: Any = [*loaded.sensors, *loaded.actuators][-1] if carries else None
+        self.robot: Any = loaded.robots[0]
+        self.body: Any = self.robot.bge_object
+        by_itself = (*_BY_FORCE, *_BY_POSE, *(_BY_VELOCITY if carries else ()))
+        self._is_driven = name not in by_itself
+        if name in _BY_FORCE:
+            self.body.set_velocity((1.0, 0.0, 0.0), (0.0, 0.0, 0.1))
+
+    @property
+    def looks_around(self) -> bool:
+        """Whether the component casts rays or takes pictures."""
+        return bool(self.component.requests) or hasattr(self.component, "radars")
+
+    def tick(self) -> tuple[float, float]:
+        """Seconds of the wall clock, and of this thread on the processor, that a tick takes."""
+        if self._is_driven:
+            if hasattr(self.robot, "apply_vw_wheels"):
+                self.robot.apply_vw_wheels(work.SPEED, work.RATE)
+            else:
+                self.robot.apply_speed("Velocity", [work.SPEED, 0.0, 0.0], [0.0, 0.0, work.RATE])
+        if self.component is not None:
+            command(self.name, self.component, self.simulation.context.clock.time)
+        wall, processor = time.perf_counter(), time.thread_time()
+        self.simulation.tick()
+        return time.perf_counter() - wall, time.thread_time() - processor
 
 
 if __name__ == "__main__":

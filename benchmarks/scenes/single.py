@@ -1,4 +1,4 @@
-"""One robot with one component: ``class=Pose``; ``class=empty`` for one that does nothing."""
+"""The robot for one component, ``class=Pose``, with it or without; the class ``empty`` does nothing."""
 
 import sys
 
@@ -6,15 +6,50 @@ import morse.builder
 from morse.builder import *
 from morse.builder.creator import SensorCreator
 
-(NAME,) = (argument.removeprefix("class=") for argument in sys.argv[1:])
+ARGUMENTS = dict(argument.split("=") for argument in sys.argv[1:])
+NAME, CARRIES = ARGUMENTS["class"], ARGUMENTS["carries"] == "True"
+WHEELED, FLYING = ("MotionVWDiff", "WheelEncoders"), ("Quadrotor", "Rotorcraft", "StabilizedQuadrotor")
+HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 
 
 class Idle(SensorCreator):
     _classpath = "benchmarks.scenes.idle.Idle"
 
 
-robot = Pioneer3DX("robot") if NAME == "MotionVWDiff" else Morsy("robot")
-component = Idle("component") if NAME == "empty" else getattr(morse.builder, NAME)("component")
-robot.append(component)
+def made(name):
+    if name == "empty":
+        return Idle("component")
+    if name == "Armature":
+        return Armature("kuka_armature", model_name="kuka_lwr")
+    if name == "CompoundSensor":
+        parts = [Pose("one"), Velocity("other")]
+        for part in parts:
+            robot.append(part)
+        return CompoundSensor(parts)
+    return getattr(morse.builder, name)("component")
+
+
+if NAME in WHEELED:
+    robot = Pioneer3DX("robot")
+elif NAME == "SteerForce":
+    robot = Hummer("robot")
+elif NAME.startswith(FLYING):
+    robot = Quadrotor("robot")
+    robot.translate(z=5.0)
+elif NAME in ("Drag", "Hydrodynamics"):
+    robot = Submarine("robot")
+    robot.translate(z=5.0)
+else:
+    robot = Morsy("robot")
+
+holder = robot
+if NAME in HOLDERS:
+    holder = getattr(morse.builder, HOLDERS[NAME])("holder")
+    robot.append(holder)
+if CARRIES:
+    component = made(NAME)
+    component.frequency(60)
+    holder.append(component)
 
 env = Environment("indoors-1/boxes", fastmode=True)
+env.properties(longitude=1.43, latitude=43.6, altitude=135.0)

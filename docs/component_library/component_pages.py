@@ -9,10 +9,10 @@ from typing import Any
 from component_library import pictures, scenes
 from component_library.declared import data_table, kind_table, level_table, own_services, property_table, service_list
 from component_library.markdown import block, code, page, prose, section, table
-from component_library.references import SOURCES
 from morse.builder import workspace
 from morse.builder.creator import ActuatorCreator, ComponentCreator, SensorCreator
 from morse.builder.names.classes import load_class
+from morse.core.builder_defaults import BuilderDefaults, builder_defaults
 from morse.core.declarations import data_fields
 from morse.core.object import Object
 from morse.middleware import registry
@@ -42,6 +42,17 @@ def component_class(builder: type[ComponentCreator]) -> type[Any]:
     return load_class(builder._classpath)
 
 
+def source_of(builder: type[ComponentCreator]) -> str:
+    """Where the formulas of a component come from, or the values of a product; empty if its class names no source."""
+    cls = component_class(builder)
+    product = builder_defaults(cls, builder.__name__) if builder.__name__ in _products(cls) else BuilderDefaults()
+    return product.source or cls.__dict__.get("_source", "")
+
+
+def _products(cls: type) -> set[str | None]:
+    return {product.name for product in getattr(cls, "_products", ())}
+
+
 def short_description(builder: type[ComponentCreator]) -> str:
     """What a component is, in one sentence."""
     text = inspect.getdoc(builder) or ""
@@ -63,8 +74,8 @@ def _page(name: str, builder: type[ComponentCreator], kind: str) -> str:
     interfaces = _interfaces(cls, "OUT" if sensor else "IN") if fields else ""
     facts = [["in scene scripts", code(f"{name}{_signature(builder.__init__) if sample is None else '()'}")]]
     facts.append(["runs", code(builder._classpath)])
-    if name in SOURCES:
-        facts.append(["formula after", SOURCES[name]])
+    if source := source_of(builder):
+        facts.append(["formula after", source])
     use = []
     if sample is not None:
         facts.append(["rate", f"{sample._frequency:g} Hz"])

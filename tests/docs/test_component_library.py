@@ -126,6 +126,23 @@ def test_the_documentation_builds_without_a_warning(tmp_path: Path):
     assert (tmp_path / "html" / "library" / "sensors" / "pose.html").is_file()
 
 
+def test_every_component_and_robot_has_a_picture(pages: dict[str, str], library):
+    """``tools/gallery/components.py NAME`` takes it."""
+    for kind in ("sensors", "actuators", "robots"):
+        for name in library.page_names():
+            if name.startswith(f"{kind}/") and not name.endswith("/index"):
+                assert re.search(r"!\[[^\]]+: the example on this page", pages[name]), f"{name} has no picture"
+    used = {file for text in pages.values() for file in re.findall(r"pictures/library/([\w.-]+)", text)}
+    assert used == {path.name for path in library.component_pages.pictures.FOLDER.iterdir()}
+
+
+def test_formulas_name_their_source(pages: dict[str, str]):
+    assert "ISO 2533:1975" in pages["sensors/barometer"]
+    # the values of a product come from its data sheet, its formulas from the class
+    assert "data sheet of the BMI088" in pages["sensors/bmi088"]
+    assert "data sheet" not in pages["sensors/imu"].partition("formula after")[2].partition("\n")[0]
+
+
 #: what of MORSE 1.4 is not there; whoever adds one takes it from here
 MISSING = {"HumanPosture", "MocapControl", "BarePR2", "BasePR2", "Human", "LocalizedPR2", "NavPR2"}
 MISSING_MIDDLEWARES = {"hla", "mavlink", "moos", "pocolibs", "pprzlink", "ros", "yarp", "yarp_json", "text"}

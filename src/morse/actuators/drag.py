@@ -18,6 +18,7 @@ class Drag(Actuator):
 
     _name = "Drag"
     _short_desc = "Applies the resistance of air or water to the robot"
+    _source = "quadratic drag, F = 1/2 ρ v² c A, with C = 1/2 ρ c A"
 
     add_property("_drag_x", 0.09, "DragCoeffX", "float", "Coefficient along X", **_COEFFICIENT)
     add_property("_drag_y", 0.09, "DragCoeffY", "float", "Coefficient along Y", **_COEFFICIENT)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_data, add_kind, add_property
+from morse.helpers.extent import extent
 from morse.helpers.water import Hull
 from morse.mathutils.rotations import turn_back
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
@@ -134,25 +132,6 @@ class Hydrodynamics(Actuator):
 
 def _bounds(body: Any) -> tuple[list[float], list[float]]:
     """Lower and upper corner of the parts that collide, or of all where none does, in the frame of the body, m."""
-    corners = list(_corners(body, collide=True)) or list(_corners(body, collide=False)) or [(0.0, 0.0, 0.0)]
-    return [min(corner[k] for corner in corners) for k in range(3)], [
-        max(corner[k] for corner in corners) for k in range(3)
-    ]
-
-
-def _corners(body: Any, *, collide: bool) -> Iterator[tuple[float, float, float]]:
-    into = body.node.world_matrix().inverted()
-    into_rigid = [tuple(row) for row in into]
-    for node in body.node.walk():
-        if node.mesh is None or len(node.mesh.vertices) == 0 or (collide and not node.body.collides):
-            continue
-        low, high = node.mesh.vertices.min(axis=0).tolist(), node.mesh.vertices.max(axis=0).tolist()
-        place = node.world_matrix()
-        for x in (low[0], high[0]):
-            for y in (low[1], high[1]):
-                for z in (low[2], high[2]):
-                    world = [row[0] * x + row[1] * y + row[2] * z + row[3] for row in place]
-                    a, b, c = (
-                        row[0] * world[0] + row[1] * world[1] + row[2] * world[2] + row[3] for row in into_rigid[:3]
-                    )
-                    yield a, b, c
+    parts = list(body.node.walk())
+    found = extent([part for part in parts if part.body.collides], body.node) or extent(parts, body.node)
+    return ([0.0] * 3, [0.0] * 3) if found is None else (found[0].tolist(), found[1].tolist())

@@ -19,6 +19,7 @@ class QuadrotorDynamicControl(Actuator):
 
     _name = "Quadrotor dynamic control"
     _short_desc = "Motion controller using the speeds of the rotors of a quadrotor"
+    _source = "thrust and drag of a rotor grow with the square of its speed (momentum theory)"
 
     add_data("engines", [0.0, 0.0, 0.0, 0.0], "list", "Speed of each rotor", unit="rad/s", shape=4, low=-1e5, high=1e5)
     add_property("_thrust_factor", 9.169e-6, "ThrustFactor", "float", "Thrust of a rotor", unit="N·s^2", low=0.0)

@@ -27,6 +27,7 @@ class SteerForce(Actuator):
 
     _name = "Steer, force, brake"
     _short_desc = "Motion controller using steering, engine force and brakes of a car"
+    _source = "Ackermann steering: single-track model without slip"
 
     add_data("steer", 0.0, "float", "Angle of the front wheels, positive to the left", frame="robot", **ANGLE)
     add_data("force", 0.0, "float", "Force of the engine; negative drives forward", frame="robot", **FORCE)

@@ -36,6 +36,7 @@ class BuilderDefaults:
         model: a model file, or None.
         part: the object of the model file that is taken; None for the whole file.
         doc: description of the product, if it differs from the short description of the class.
+        source: where the values of the product come from; for formulas of a class, see ``_source`` of the class.
     """
 
     name: str | None = None
@@ -45,6 +46,7 @@ class BuilderDefaults:
     model: str | None = None
     part: str | None = None
     doc: str = ""
+    source: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.kernel.drawing.arrays import TEXTURE
+from morse.mathutils.light import linear_light
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,7 +28,7 @@ _MOST_ASIDE = 2048
 _MOST_PIXELS = 1 << 27
 _codes = np.arange(256) / 255
 #: (256,) linear light of the codes of sRGB
-LINEAR = np.where(_codes <= 0.04045, _codes / 12.92, ((_codes + 0.055) / 1.055) ** 2.4)
+LINEAR = linear_light(_codes)
 #: the same in single precision, and as texels hold it; opacity as texels hold it
 _LINEAR = LINEAR.astype(np.float32)
 _ROOTS = (np.sqrt(LINEAR) * 1023 + 0.5).astype(np.uint32)

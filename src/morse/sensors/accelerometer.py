@@ -16,6 +16,7 @@ class Accelerometer(MotionSensor):
 
     _name = "Accelerometer"
     _short_desc = "A sensor returning the distance since the last measurement, velocity and acceleration of the robot"
+    _source = "Newtonian kinematics; differences of velocity over a tick"
     _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6)))
 
     add_data("distance", 0.0, "float", "Distance from the position of the last measurement", unit="m", low=0.0)

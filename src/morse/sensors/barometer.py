@@ -20,6 +20,7 @@ class Barometer(Sensor):
 
     _name = "Barometer"
     _short_desc = "A sensor returning the atmospheric pressure"
+    _source = "ISO 2533:1975, Standard Atmosphere: the layer up to 11 km"
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.8, 0.1, 0.1)))
 
     add_data("pressure", 0.0, "float", "Pressure of the air", unit="Pa", low=0.0)

@@ -40,6 +40,7 @@ class GPS(Sensor):
 
     _name = "GPS"
     _short_desc = "A GPS sensor that returns the position in the world, or longitude, latitude and altitude"
+    _source = "WGS84 ellipsoid: NGA.STND.0036"
     _builder = BuilderDefaults(visual=Visual("sphere", (0.04, 0.04, 0.02), (0.5, 0.5, 0.1)))
 
     add_level("simple", None, doc="position in the world", default=True)

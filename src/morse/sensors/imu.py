@@ -44,6 +44,7 @@ class IMU(MotionSensor):
 
     _name = "IMU"
     _short_desc = "An inertial measurement unit returning angular velocity, linear acceleration and magnetic field"
+    _source = "specific force; noise in the terms of IEEE Std 952-1997"
     _builder = BuilderDefaults(visual=_VISUAL)
     _products = (
         BuilderDefaults(
@@ -56,6 +57,7 @@ class IMU(MotionSensor):
             },
             visual=_VISUAL,
             doc="An IMU with the noise of an Analog ADIS16448: 0.0135 deg/s/√Hz, 14.5 deg/h; 230 µg/√Hz, 0.25 mg.",
+            source="data sheet of the ADIS16448 (Analog Devices); the terms are those of IEEE Std 952-1997",
         ),
         BuilderDefaults(
             "BMI088",
@@ -66,6 +68,7 @@ class IMU(MotionSensor):
             },
             visual=_VISUAL,
             doc="An IMU with the noise of a Bosch BMI088: 0.014 deg/s/√Hz, 2 deg/h; 175 µg/√Hz.",
+            source="data sheet of the BMI088 (Bosch Sensortec); the terms are those of IEEE Std 952-1997",
         ),
         BuilderDefaults(
             "VN100",
@@ -77,6 +80,7 @@ class IMU(MotionSensor):
             },
             visual=_VISUAL,
             doc="An IMU with the noise of a VectorNav VN-100: 0.0035 deg/s/√Hz, 5 deg/h; 140 µg/√Hz, 0.04 mg.",
+            source="data sheet of the VN-100 (VectorNav); the terms are those of IEEE Std 952-1997",
         ),
     )
 

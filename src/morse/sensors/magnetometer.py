@@ -45,6 +45,7 @@ class Magnetometer(Sensor):
 
     _name = "Magnetometer"
     _short_desc = "A sensor returning the magnetic field of the earth, in the axes of the sensor"
+    _source = "World Magnetic Model of NOAA/NCEI and BGS, 2010 to 2025; computed by pygeomag"
     _builder = BuilderDefaults(visual=Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.3, 0.9)))
 
     add_data("x", 0.0, "float", "Field along X", unit="nT", frame="own")

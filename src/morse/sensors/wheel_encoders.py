@@ -18,6 +18,7 @@ class WheelEncoders(Sensor):
 
     _name = "Wheel encoders"
     _short_desc = "Counts, angles and speeds of the driven wheels of a robot"
+    _source = "incremental encoder: angle divided by the step, rounded down"
     _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.01), (0.2, 0.2, 0.2)))
 
     add_data("wheels", [], "list<string>", "Names of the wheels", follows="position")

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.assets.blend.normals import corner_normals
 from morse.assets.blend.polygons import Polygons
+from morse.mathutils.light import linear_light
 from morse.scene import Image, Material, Mesh
 
 #: rad; edges that bend by more are shown as edges
@@ -136,6 +137,4 @@ def _numbers(given: Any, count: int, default: tuple[float, ...]) -> Any:
 
 def _linear(color: Any) -> list[float]:
     """From sRGB; the fourth number is opacity."""
-    rgb = color[:3]
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    return [*(float(part) for part in linear), float(color[3])]
+    return [*linear_light(color[:3]).tolist(), float(color[3])]

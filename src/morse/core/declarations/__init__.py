@@ -13,6 +13,9 @@ The functions are called in the body of a component class and write into its nam
 
 Builder classes, documentation, default streams, the messages of all middlewares, the validation of input and the panels
 of the live view are derived from them. An invalid declaration raises an error when the class is created.
+
+A class whose formulas come from a standard, a data sheet or a book names it in ``_source``, for its page in the
+component library.
 """
 
 from morse.core.builder_defaults import BuilderDefaults, RobotDefaults, Visual

@@ -1,0 +1,31 @@
+"""The space that the meshes of nodes take."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from morse.scene import Node
+
+
+def extent(nodes: Iterable[Node], frame: Node | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Return the lower and the upper corner (3,) around all vertices of nodes, m; None without vertices.
+
+    Args:
+        frame: the node in whose frame the corners are; None for the world.
+    """
+    into = np.eye(4) if frame is None else np.array([list(row) for row in frame.world_matrix().inverted()])
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for node in nodes:
+        if node.mesh is None or len(node.mesh.vertices) == 0:
+            continue
+        matrix = into @ np.array([list(row) for row in node.world_matrix()])
+        points = node.mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+    return (low, high) if np.isfinite(low).all() else None
