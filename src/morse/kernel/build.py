@@ -1,4 +1,4 @@
-"""Compiles the kernel with the C compiler of Zig, which comes with the package ``ziglang``.
+"""Compiles the kernel with the C compiler of Zig, which is in the package ``ziglang``.
 
 The build of the package calls `build`. By hand: ``python -m morse.kernel.build``, with ``--all TARGET_FOLDER`` for
 every platform.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 SOURCES = Path(__file__).parent / "c"
 _STAMP = ".sources"
 WARNINGS = ("-Wall", "-Wextra", "-Wstrict-prototypes", "-Wmissing-prototypes", "-Wshadow", "-Werror")
-#: the same bits everywhere: no products and sums in one, no other order, no flush to zero
+#: for bit-identical results: no fused products and sums, no reordering, no flush to zero
 EXACT = ("-std=c11", "-ffp-contract=off", "-fno-fast-math", "-fno-math-errno", "-fno-trapping-math")
 _OPTIONS = ("-O3", "-shared", "-fvisibility=hidden", "-fno-sanitize=undefined", "-fno-stack-protector", "-s")
 
@@ -35,10 +35,10 @@ def sources() -> list[Path]:
 
 
 def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
-    """Compile the libraries of a platform, unless those that are there were made from the same sources.
+    """Compile the libraries of a platform, unless the existing libraries were compiled from the same sources.
 
     Raises:
-        RuntimeError: the compiler refused.
+        RuntimeError: the compiler reported an error.
     """
     state = _state(target)
     stamp = folder / f"{_STAMP}-{target}"
@@ -54,7 +54,7 @@ def build(target: targets.Target, folder: Path = targets.FOLDER) -> list[Path]:
 
 
 def _state(target: targets.Target) -> str:
-    """A digest of everything that libraries are made of."""
+    """A digest of all sources and settings of the libraries."""
     here = Path(__file__)
     digest = hashlib.sha256(str(target).encode())
     for path in [*sorted(SOURCES.iterdir()), here, here.parent / "targets.py"]:
@@ -74,7 +74,7 @@ def _compile(target: targets.Target, level: int, folder: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **caches})
         if done.returncode:
             raise RuntimeError(f"The kernel could not be compiled for {target}:\n\n{done.stderr[-4000:]}")
-        # another process may have the old one open
+        # another process may have the old file open
         os.replace(made, wanted)
 
 
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     host = targets.host()
     if chosen.all is None and host is None:
-        parser.error("the kernel is not made for this platform; numpy does its work")
+        parser.error("the kernel does not support this platform; numpy is used instead")
     for target in targets.ALL if chosen.all else [host]:
         assert target is not None
         for library in build(target, chosen.all or targets.FOLDER):

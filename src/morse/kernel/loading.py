@@ -11,17 +11,17 @@ from morse.kernel import targets
 
 logger = logging.getLogger(__name__)
 
-#: the version of the structures and signatures that Python knows; see ``c/processor.c``
+#: the version of structures and signatures that Python expects; see ``c/processor.c``
 INTERFACE = 5
 VARIABLE = "MORSE_KERNEL"
 
 
 @cache
 def library() -> ctypes.CDLL | None:
-    """The kernel; None if numpy does its work.
+    """The kernel; None if numpy is used.
 
-    The environment variable ``MORSE_KERNEL`` chooses: ``off`` for numpy, ``v2`` or ``v3`` for the build of a level of
-    the instruction set, nothing for the highest that the processor has.
+    The environment variable ``MORSE_KERNEL`` selects: ``off`` for numpy, ``v2`` or ``v3`` for a level of the
+    instruction set; by default, the highest level that the processor supports.
     """
     wanted = os.environ.get(VARIABLE, "").strip().lower()
     if wanted == "off":
@@ -32,7 +32,7 @@ def library() -> ctypes.CDLL | None:
         return None
     known = {f"v{level}": level for level in target.levels if level}
     if wanted not in known and wanted not in ("", "on"):
-        logger.warning("%s=%r is none of %s: it is ignored", VARIABLE, wanted, ", ".join(["off", "on", *known]))
+        logger.warning("%s=%r is none of %s and is ignored", VARIABLE, wanted, ", ".join(["off", "on", *known]))
     try:
         return load(target, known[wanted]) if wanted in known else _best(target)
     except OSError as error:
@@ -44,15 +44,15 @@ def load(target: targets.Target, level: int) -> ctypes.CDLL:
     """Load the build of one level.
 
     Raises:
-        OSError: it is not there, or is of another version of MORSE.
+        OSError: the build does not exist, or belongs to another version of MORSE.
     """
     path = targets.FOLDER / target.file_name(level)
     if not path.is_file():
-        raise FileNotFoundError(f"{path.name} was not built; python -m morse.kernel.build does it")
+        raise FileNotFoundError(f"{path.name} was not built; run python -m morse.kernel.build")
     loaded = ctypes.CDLL(str(path))
     found = loaded.morse_interface()
     if found != INTERFACE:
-        raise OSError(f"{path.name} is of another version of MORSE; python -m morse.kernel.build makes it anew")
+        raise OSError(f"{path.name} belongs to another version of MORSE; run python -m morse.kernel.build")
     return loaded
 
 

@@ -1,4 +1,4 @@
-"""Arrays in the form that C functions want."""
+"""Arrays for C functions."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike, NDArray
 
-#: bytes: where vectors of eight numbers may start, and cache lines do
+#: bytes: alignment of vectors of eight numbers, and of cache lines
 _ALIGNMENT = 64
 
 
 def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
-    """A new array (count,) that starts where vectors may."""
+    """A new array (count,) with the alignment of vectors."""
     size = count * np.dtype(dtype).itemsize
     whole = np.empty(size + _ALIGNMENT, dtype=np.uint8)
     start = -whole.ctypes.data % _ALIGNMENT
@@ -23,26 +23,26 @@ def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
 
 
 def address(array: NDArray[Any] | None) -> int | None:
-    """Where the numbers of an array are; None for none.
+    """The address of an array; None for None.
 
-    Whoever hands the address over has to keep the array.
+    The caller has to keep a reference to the array.
 
     Raises:
-        ValueError: the array is not in one piece.
+        ValueError: the array is not contiguous.
     """
     if array is None:
         return None
     if not array.flags.c_contiguous:
-        raise ValueError(f"an array of the shape {array.shape} is not in one piece")
-    place: int = array.__array_interface__["data"][0]  # a third of the time of ``ctypes.data``
+        raise ValueError(f"an array of the shape {array.shape} is not contiguous")
+    place: int = array.__array_interface__["data"][0]  # takes a third of the time of ``ctypes.data``
     return place
 
 
 def addresses(*arrays: NDArray[Any] | None) -> list[int | None]:
-    """The same of some arrays."""
+    """The addresses of some arrays."""
     return [address(array) for array in arrays]
 
 
 def pointer(array: NDArray[Any] | None) -> ctypes.c_void_p:
-    """The same as an argument of a function."""
+    """The address as an argument of a function."""
     return ctypes.c_void_p(address(array))

@@ -8,19 +8,19 @@ import sysconfig
 from dataclasses import dataclass
 from pathlib import Path
 
-#: where the libraries lie
+#: directory of the libraries
 FOLDER = Path(__file__).parent / "lib"
 
 _SUFFIXES = {"linux-gnu": ".so", "linux-musl": ".so", "macos": ".dylib", "windows": ".dll"}
 _MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
-#: the oldest systems that the libraries run on, as Zig writes them
+#: the oldest systems that the libraries support, in the notation of Zig
 _ZIG_SYSTEMS = {
     "linux-gnu": "linux-gnu.2.17",
     "linux-musl": "linux-musl",
     "macos": "macos.11.0",
     "windows": "windows-gnu",
 }
-#: levels of the instruction set; 0 stands for the only one
+#: levels of the instruction set; 0 if there is only one
 _LEVELS = {"x86_64": (2, 3), "aarch64": (0,)}
 
 
@@ -38,16 +38,16 @@ class Target:
 
     @property
     def levels(self) -> tuple[int, ...]:
-        """The levels of the instruction set that there are libraries for, the lowest first."""
+        """The levels of the instruction set with libraries, the lowest first."""
         return _LEVELS[self.machine]
 
     @property
     def zig(self) -> str:
-        """The target as Zig calls it."""
+        """The target in the notation of Zig."""
         return f"{self.machine}-{_ZIG_SYSTEMS[self.system]}"
 
     def processor(self, level: int) -> str:
-        """The processor as Zig calls it."""
+        """The processor in the notation of Zig."""
         return f"{self.machine}_v{level}" if level else "generic"
 
     def file_name(self, level: int) -> str:
@@ -63,7 +63,7 @@ ALL = tuple(Target(system, machine) for system in _SUFFIXES for machine in _LEVE
 
 
 def host() -> Target | None:
-    """What this Python runs on; None if the kernel is not made for it."""
+    """The platform of this Python; None if the kernel does not support it."""
     machine = _MACHINES.get(platform.machine().lower())
     if machine is None or sys.maxsize < 2**32:
         return None

@@ -1,4 +1,4 @@
-"""Shares work out among threads while C functions run without the GIL."""
+"""Distributes work over threads while C functions run without the GIL."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: more would only wait for the memory
+#: more threads would only wait for the memory
 _MOST = 8
 VARIABLE = "MORSE_THREADS"
 
 
 @cache
 def count() -> int:
-    """How many threads work: one for each processor, at most eight, or as many as ``MORSE_THREADS`` says."""
+    """Number of threads: one for each processor, at most eight, or the value of ``MORSE_THREADS``."""
     given = os.environ.get(VARIABLE, "")
     if given.isdecimal() and int(given) > 0:
         return int(given)
@@ -32,7 +32,7 @@ def _pool(workers: int) -> ThreadPoolExecutor:
 
 
 def share_out(work: Callable[[int, int], None], size: int, least: int) -> None:
-    """Call ``work(first, last)`` for parts of ``range(size)``, in threads if each gets at least so much."""
+    """Call ``work(first, last)`` for parts of ``range(size)``, in threads if each gets at least ``least``."""
     parts = min(count(), size // least)
     if parts <= 1:
         work(0, size)

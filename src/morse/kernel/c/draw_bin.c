@@ -1,4 +1,4 @@
-// Which triangles each tile of the pictures may show.
+// Finds the triangles that may be visible in each tile of the images.
 #include <stdint.h>
 
 #include "drawing.h"
@@ -6,7 +6,7 @@
 
 MORSE_EXPORT void morse_draw_bin(Frame *f);
 
-// Whether a triangle leaves a tile free.
+// Whether a triangle does not touch a tile.
 static int misses(const Seen *s, float x, float y) {
     EACH(i, 3) {
         const float *e = s->e[i];
@@ -15,7 +15,7 @@ static int misses(const Seen *s, float x, float y) {
     return 0;
 }
 
-// The triangles of each tile in their order: counted, or filled in where there are members. Cameras are shared out.
+// The triangles of each tile in their order: counted, or stored if there are members. Threads share the cameras.
 void morse_draw_bin(Frame *f) {
     for (int64_t c; (c = take(f)) < f->camera_count;) {
         const int across = (f->cameras[c].width + TILE - 1) / TILE;

@@ -1,9 +1,9 @@
-// How lamps light surfaces, as in the live view (three.js): metallic-roughness with GGX, ACES filmic tone mapping.
+// Shading of surfaces by lamps, as in the live view (three.js): metallic-roughness with GGX, ACES filmic tone mapping.
 #pragma once
 #include "drawing.h"
 #include "simd.h"
 
-// Of light that reflects off any surface straight on.
+// Share of light that a dielectric surface reflects at normal incidence.
 #define SPECULAR 0.04f
 #define PI_F 3.14159265f
 
@@ -35,7 +35,7 @@ typedef struct {
     int32_t width, height;
 } ShadowMap;
 
-// Share of the sun's light that reaches a place in a shadow map: 4 x 4 texels, weighed by a tent; -1 beside the map.
+// Share of the sun's light that reaches a point in a shadow map: 4 x 4 texels, weighted by a tent; -1 outside the map.
 static inline float sunlit(const ShadowMap *m, float u, float v, float d) {
     const float fu = floorf(u), fv = floorf(v), au = u - fu, av = v - fv;
     if (!(fu >= 1 && fv >= 1 && fu < (float)(m->width - 2) && fv < (float)(m->height - 2))) return -1;
@@ -46,10 +46,10 @@ static inline float sunlit(const ShadowMap *m, float u, float v, float d) {
     return (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
 }
 
-// Looks up the shares of eight places where there is none yet.
+// Looks up the shares of eight points that have no share yet.
 static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
     const float *s = m->sun;
-    // outward, and towards the sun: no surface shades itself
+    // an offset along the normal and towards the sun, so that no surface shadows itself
     const V3 p = sum(place, scaled(n, splat(s[12] * 1.3f)));
     const F8 u = s[0] * p.x + s[1] * p.y + s[2] * p.z + (s[3] - 0.5f);
     const F8 v = s[4] * p.x + s[5] * p.y + s[6] * p.z + (s[7] - 0.5f);
@@ -57,7 +57,7 @@ static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
     EACH_LANE(j) if ((*share)[j] < 0)(*share)[j] = sunlit(m, u[j], v[j], d[j]);
 }
 
-// The share of the sun's light that reaches eight places: by the finer map, where there is one, else by the other.
+// The share of the sun's light that reaches eight points: from the finer map if it covers them, else from the other.
 static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
     const ShadowMap near = {f->near_shadow, f->near_sun, f->near_width, f->near_height};
     const ShadowMap far = {f->shadow, f->sun, f->shadow_width, f->shadow_height};
@@ -67,7 +67,7 @@ static inline F8 in_sun(const Frame *f, V3 place, V3 n, F8 nl) {
     return pick(share < splat(0), splat(1), share);
 }
 
-// Light of all lamps that surfaces send to the camera.
+// Light of all lamps that surfaces reflect to the camera.
 static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic, F8 roughness) {
     const F8 zero = splat(0), one = splat(1), rough = greater(roughness, splat(0.0525f)), alpha = rough * rough;
     const F8 a2 = alpha * alpha, nv = greater(dot(n, v), splat(1e-4f));

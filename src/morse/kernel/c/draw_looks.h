@@ -1,10 +1,10 @@
-// What is looked at by the samples of a row of a tile, one after the other.
+// The samples to shade in a row of a tile, one after the other.
 #pragma once
 #include "drawing.h"
 #include "simd.h"
 
 #define MOST_LOOKS (TILE * MOST_SAMPLES)
-// eight of them, of the looks `l` from number `i` on
+// eight samples of `l`, starting at number `i`
 #define AT(name) (*(const F8 *)(l->name + i))
 
 typedef struct {

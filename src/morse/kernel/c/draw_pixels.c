@@ -1,4 +1,4 @@
-// Which triangle each pixel shows, then the colour of what is shown, tile by tile.
+// Finds the visible triangle of each pixel, then shades it, tile by tile.
 #include <math.h>
 #include <stdint.h>
 
@@ -14,7 +14,7 @@ MORSE_EXPORT void morse_draw_pixels(Frame *f);
 
 typedef struct {
     float inverse[MOST_SAMPLES][TILE * TILE];  // 1 / depth
-    int32_t shown[MOST_SAMPLES][TILE * TILE];  // number of the triangle, -1 for none
+    int32_t shown[MOST_SAMPLES][TILE * TILE];  // index of the triangle, -1 for none
 } __attribute__((aligned(32))) Tile;
 
 static const F8 STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -22,11 +22,11 @@ static const uint8_t BAYER[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}
 
 static int texel_of(float coordinate, int32_t size) {
     const float at = floorf(coordinate * (float)size);
-    // not so of what is not a number
+    // false for NaN
     return at > -FARTHEST_TEXEL && at < FARTHEST_TEXEL ? (int)at & (size - 1) : 0;
 }
 
-// Whether a pixel shows a surface that has holes, or that is seen through.
+// Whether a pixel shows a surface with holes or a translucent surface.
 static int opaque(const Frame *f, const Seen *s, float x, float y, int px, int py) {
     const Surface *m = f->materials + s->material;
     if (m->texture >= 0) {
@@ -43,7 +43,7 @@ static int opaque(const Frame *f, const Seen *s, float x, float y, int px, int p
     return m->color[3] > ((float)BAYER[py & 3][px & 3] + 0.5f) / 16;
 }
 
-// Lets a triangle show in the samples of a tile where it is the nearest.
+// Writes a triangle into the samples of a tile where it is the nearest.
 static void cover(const Frame *f, int32_t number, int left, int top, int sample, float nearest, Tile *tile) {
     const Seen *s = f->seen + number;
     const float *shift = f->samples + 2 * sample;
@@ -71,7 +71,7 @@ static void cover(const Frame *f, int32_t number, int left, int top, int sample,
     }
 }
 
-// The colours of some samples, added to the pixels of a row by their shares.
+// Shades some samples, and adds the colours to the pixels of a row by their shares.
 static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, float row[3][TILE]) {
     const float *r = k->axes, *sky = f->sky;
     for (int i = 0; i < count; i += LANES) {
@@ -102,7 +102,7 @@ static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, fl
     }
 }
 
-// The looks of a row of a tile: samples of a pixel that show the same are one.
+// The samples to shade in a row of a tile: samples of a pixel that show the same triangle are merged.
 static int gather(const Frame *f, const Tile *tile, int left, int y, int top, int width, Looks *l) {
     const int samples = f->sample_count;
     int count = 0;
@@ -145,7 +145,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Lo
     }
 }
 
-// All pixels of all tiles, which threads share.
+// All pixels of all tiles, shared by the threads.
 void morse_draw_pixels(Frame *f) {
     Tile tile;
     Looks l;

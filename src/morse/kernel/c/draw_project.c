@@ -1,16 +1,16 @@
-// Which triangles each camera may see, and where in its picture.
+// Finds the triangles that may be visible to each camera, and projects them.
 //
 // Edge functions in homogeneous coordinates (M. Olano and T. Greer, "Triangle scan conversion using 2D homogeneous
-// coordinates", 1997): no triangle is ever clipped, and the same numbers give barycentric coordinates.
+// coordinates", 1997): no triangle is clipped, and the edge functions also give barycentric coordinates.
 #include <math.h>
 #include <stdint.h>
 
 #include "drawing.h"
 #include "export.h"
 
-// Of the vertices of a cluster.
+// Maximum number of vertices of a cluster.
 #define MOST_VERTICES (3 * 256)
-// What is smaller than that many pixels is left out.
+// Clusters smaller than this many pixels are left out.
 #define SMALLEST 0.25f
 
 MORSE_EXPORT int32_t morse_draw_find(Frame *f);
@@ -22,7 +22,7 @@ static int may_be_seen(const Camera *k, const float *m, const float *s) {
     float x[3], q[3], scale = 0, length[4];
     EACH(i, 4) length[i] = sqrtf((i < 2 ? fx * fx : fy * fy) + side[i] * side[i]);
     EACH(i, 3) x[i] = m[4 * i] * s[0] + m[4 * i + 1] * s[1] + m[4 * i + 2] * s[2] + m[4 * i + 3] - k->eye[i];
-    // the Frobenius norm is no less than the largest stretch, sheared or not
+    // the Frobenius norm is an upper bound of the largest stretch, also for sheared parts
     EACH(i, 3) scale += m[i] * m[i] + m[4 + i] * m[4 + i] + m[8 + i] * m[8 + i];
     EACH(i, 3) q[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
     const float size = s[3] * sqrtf(scale);
@@ -32,7 +32,7 @@ static int may_be_seen(const Camera *k, const float *m, const float *s) {
     return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
 }
 
-// Pairs of camera and part that may be seen; returns their number.
+// Pairs of camera and part that may be visible; returns their number.
 int32_t morse_draw_find(Frame *f) {
     int32_t count = 0;
     EACH(c, f->camera_count) EACH(p, f->part_count) {
@@ -43,8 +43,8 @@ int32_t morse_draw_find(Frame *f) {
     return count;
 }
 
-// Pixels whose samples may lie in a triangle, of corners (x w, y w, w, x, y); 0 if none. All, where it reaches behind
-// the camera: tiles tell.
+// Pixels whose samples may lie in a triangle with the corners (x w, y w, w, x, y); 0 if none. If the triangle reaches
+// behind the camera, all pixels: the tiles test it.
 static int bounds(const double *q[3], const Camera *k, double reach, Seen *s) {
     double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
     const int behind = (q[0][2] < k->near) + (q[1][2] < k->near) + (q[2][2] < k->near);
@@ -61,7 +61,7 @@ static int bounds(const double *q[3], const Camera *k, double reach, Seen *s) {
     return s->x0 <= s->x1 && s->y0 <= s->y1;
 }
 
-// Mesh to (x w, y w, w) of a camera. Differences of places are taken first, in double precision.
+// Mesh to (x w, y w, w) of a camera. Differences of positions are computed first, in double precision.
 static void projection(const Camera *k, const float *m, double a[3][4]) {
     const float *r = k->axes;
     EACH(i, 4) {
@@ -73,7 +73,7 @@ static void projection(const Camera *k, const float *m, double a[3][4]) {
     }
 }
 
-// The planes of a triangle; 0 if it is not seen from this side.
+// The planes of a triangle; 0 if it is not visible from this side.
 static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s) {
     double e[3][3];
     EACH(i, 3) {
@@ -82,7 +82,7 @@ static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s)
     }
     const double volume = q[0][0] * e[0][0] + q[0][1] * e[0][1] + q[0][2] * e[0][2];
     if (!(volume > 0 || volume < 0)) return 0;
-    // y runs down: what faces the camera has a negative volume
+    // y points down: the volume of a front face is negative
     s->back = (volume > 0) != ((part->flags & MIRRORED) != 0);
     if (s->back && !(f->materials[s->material].flags & DOUBLE_SIDED)) return 0;
     EACH(i, 3) EACH(n, 3) s->e[i][n] = (float)(volume > 0 ? e[i][n] : -e[i][n]);
@@ -102,7 +102,7 @@ void morse_draw_project(Frame *f) {
             const float *p = f->vertices[cluster->vertex + v].p;
             double *to = screen[v];
             EACH(i, 3) to[i] = a[i][0] * p[0] + a[i][1] * p[1] + a[i][2] * p[2] + a[i][3];
-            // what lies in the plane of the camera is bounded by the picture, not by its corners
+            // triangles in the plane of the camera are bounded by the image, not by their corners
             const double w = to[2] < k->near ? 1 : to[2];
             to[3] = to[0] / w, to[4] = to[1] / w;
         }

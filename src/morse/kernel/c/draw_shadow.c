@@ -1,4 +1,4 @@
-// How near to the sun the nearest surface is, seen from the sun.
+// The shadow map: distances to the nearest surface from the sun.
 #include <math.h>
 #include <stdint.h>
 
@@ -40,8 +40,8 @@ static void fill(const Frame *f, const float *q[3]) {
     }
 }
 
-// Draws the parts of the jobs as the sun sees them, in one thread; rectangles get the texels that each may fill:
-// x0, y0, x1, y1, one past the end.
+// Draws the parts of the jobs into the shadow map, in one thread; each rectangle receives the texels that a job may
+// fill: x0, y0, x1, y1, one past the end.
 void morse_draw_shadow(Frame *f, int32_t (*rectangles)[4]) {
     const float *s = f->sun, size[2] = {(float)f->shadow_width, (float)f->shadow_height};
     float seen[MOST_VERTICES][3], a[3][4];

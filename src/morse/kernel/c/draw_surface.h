@@ -1,4 +1,4 @@
-// The surfaces that samples show.
+// Attributes of the surfaces at samples.
 #pragma once
 #include "draw_looks.h"
 
@@ -15,7 +15,7 @@ static inline void look_at_texture(Looks *l, int k, const float uv[2][3], const 
     l->v[k] = v, l->vx[k] = (uv[1][0] - v * whole_plane[0]) * w, l->vy[k] = (uv[1][1] - v * whole_plane[1]) * w;
 }
 
-// Interpolated once for each run of samples that show the same triangle.
+// Interpolated once for each run of samples with the same triangle.
 static inline void look_at_surfaces(const Frame *f, Looks *l, int count) {
     for (int i = 0, end; i < count; i = end) {
         const int32_t who = l->who[i];
@@ -45,7 +45,7 @@ static inline void look_at_surfaces(const Frame *f, Looks *l, int count) {
         for (int k = i; k < end; k++) {
             const float x = l->x[k], y = l->y[k];
             l->inverse[k] = s->w[0] * x + s->w[1] * y + s->w[2];
-            l->nx[k] = normal[0][0] * x + normal[0][1] * y + normal[0][2];  // of any length
+            l->nx[k] = normal[0][0] * x + normal[0][1] * y + normal[0][2];  // not normalised
             l->ny[k] = normal[1][0] * x + normal[1][1] * y + normal[1][2];
             l->nz[k] = normal[2][0] * x + normal[2][1] * y + normal[2][2];
             l->r[k] = m->color[0], l->g[k] = m->color[1], l->b[k] = m->color[2];

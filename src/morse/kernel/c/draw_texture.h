@@ -1,12 +1,12 @@
-// The colours of pictures on surfaces.
+// Texture sampling.
 #pragma once
 #include "draw_looks.h"
 #include "simd.h"
 
-// Texture coordinates beyond it have no fraction to speak of.
+// Larger texture coordinates have no accurate fraction.
 #define FARTHEST_TEXEL 8e6f
 
-// Texels hold the square roots of linear light, 10 bits each, and 2 bits of alpha on top.
+// Texels contain the square roots of linear light, 10 bits each, and 2 bits of alpha in the highest bits.
 static inline void add_texels(const Frame *f, I8 at, F8 share, F8 *total) {
     I8 t;
     EACH_LANE(j) t[j] = f->texels[at[j]];
@@ -27,7 +27,7 @@ static inline void bilinear(const Frame *f, I8 first, I8 width, I8 height, F8 u,
     add_texels(f, high + x0, top - tr, total), add_texels(f, high + x1, tr, total);
 }
 
-// Trilinear, with up to four looks along the longer side of a pixel's footprint: multiplies the colours of 8 samples.
+// Trilinear, with up to four samples along the longer side of a pixel's footprint: multiplies the colours of 8 samples.
 static inline void add_texture(const Frame *f, Looks *l, int i) {
     const I8 who = *(const I8 *)(l->texture + i), one_texel = splat_int(1);
     if (!any(who >= 0)) return;
@@ -49,14 +49,14 @@ static inline void add_texture(const Frame *f, Looks *l, int i) {
     const I8 last = level >= levels - 1;
     level = pick_int(last, levels - 1, level);
     size = from_bits((bits & 0x7fffff) | 0x3f800000);
-    // the step from level to level is taken within its middle half: elsewhere one look is enough
+    // levels are blended only in the middle half between two levels: elsewhere one sample is enough
     const F8 blend = pick(last, zero, within(2 * size - 2.5f, 0, 1));
     EACH_LANE(j) {
         const Texture *t = f->textures + (who[j] < 0 ? 0 : who[j]);
         first[j] = t->first[level[j]], next[j] = t->first[last[j] ? level[j] : level[j] + 1];
     }
     const I8 wide = greater_int(width >> level, one_texel), high = greater_int(height >> level, one_texel);
-    // on the last level blend is 0, and the next one is never looked at
+    // on the last level blend is 0, and the next level is never read
     const I8 less_wide = pick_int(last, wide, greater_int(width >> (level + 1), one_texel));
     const I8 less_high = pick_int(last, high, greater_int(height >> (level + 1), one_texel));
     for (int n = 0; any(looks > splat((float)n)); n++) {

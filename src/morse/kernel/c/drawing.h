@@ -1,4 +1,4 @@
-// What cameras draw, as both sides see it; the twin of morse/kernel/drawing/structures.py.
+// The data that cameras draw; the twin of morse/kernel/drawing/structures.py.
 #pragma once
 #include <stdint.h>
 
@@ -10,7 +10,7 @@ enum { SUN_LAMP, POINT_LAMP, SPOT_LAMP, HEMISPHERE_LAMP };
 enum { SHADELESS = 1, DOUBLE_SIDED = 2, MASKED = 4, DITHERED = 8 };
 enum { MIRRORED = 2 };
 
-// A pinhole camera. Axes are rows: right, down, forward. Its pixels begin at number `pixel`, its tiles at `tile`.
+// A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile.
 typedef struct {
     float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure;
     int32_t width, height, tile, color;
@@ -22,7 +22,7 @@ typedef struct {
     int32_t texture, flags, spare;
 } Surface;
 
-// Sizes are powers of two; `first` are the first texels of its levels, each half as large as the one before.
+// Sizes are powers of two; `first` are the first texels of the levels, each half as large as the one before.
 typedef struct {
     int32_t width, height, levels, spare, first[16];
 } Texture;
@@ -43,17 +43,17 @@ typedef struct {
     float p[3], n[3], uv[2];
 } Vertex;
 
-// A triangle as a camera sees it: three edges and 1 / depth, each as a plane (d/dx, d/dy, at pixel 0, 0).
+// A triangle in the image of a camera: three edges and 1 / depth, each as a plane (d/dx, d/dy, at pixel 0, 0).
 typedef struct {
     float e[3][3], w[3];
     int16_t x0, y0, x1, y1;
     int32_t triangle, part, material, back;
 } Seen;
 
-// All that is drawn, for all cameras of a tick.
+// Everything that is drawn, for all cameras of a tick.
 typedef struct {
     const Vertex *vertices;
-    const int32_t (*triangles)[4];  // three vertices, counted from the first of the cluster, and the material slot
+    const int32_t (*triangles)[4];  // three vertices, relative to the first of the cluster, and the material slot
     const Cluster *clusters;
     const float (*spheres)[4];  // around clusters: centre, radius
     const Part *parts;
@@ -81,7 +81,7 @@ typedef struct {
     int32_t *ids;
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
     int32_t near_width, near_height;
-    int64_t next;  // the next piece of work that a thread takes
+    int64_t next;  // index of the next piece of work
 } Frame;
 
 static inline int64_t take(Frame *f) { return __atomic_fetch_add(&f->next, 1, __ATOMIC_RELAXED); }

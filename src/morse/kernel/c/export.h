@@ -1,4 +1,4 @@
-// Marks the functions that Python calls. Everything else is static: the library exports nothing by accident.
+// Marks the functions that Python calls. All others are static, so that the library exports nothing else.
 #pragma once
 
 #ifdef _WIN32

@@ -1,4 +1,4 @@
-// Robots that are driven together over a level floor; `driving/reference.py` says the same in Python.
+// Robots that are driven together over a level floor; the twin of `driving/reference.py`.
 #include <math.h>
 #include <stdint.h>
 
@@ -11,24 +11,24 @@ typedef struct {
     int64_t count;                             // N robots
     const int64_t *slots;                      // (N)
     const double *forward, *aside, *rate;      // (N) commands, m/s and rad/s in the axes of the robot
-    const uint8_t *shifts;                     // (N) whether it is to keep no momentum
+    const uint8_t *shifts;                     // (N) 1: moved without momentum
     const int64_t *dofs;                       // (K) address of the velocity
-    const double *speeds, *margins, *extents;  // (K) what gliding has planned for; a negative speed: no glider
-    const uint8_t *plain;                      // (K) 1: nothing else changes commands of the robot
-    const uint8_t *sliding;                    // (K) 1: driven in the tick before
-    const int32_t *trees, *asleep;             // (K) its tree or -1; (T) 0 or more for a tree that sleeps
+    const double *speeds, *margins, *extents;  // (K) limits of gliding; a negative speed: no gliding
+    const uint8_t *plain;                      // (K) 1: nothing else changes the commands of the robot
+    const uint8_t *sliding;                    // (K) 1: driven in the last tick
+    const int32_t *trees, *asleep;             // (K) its tree or -1; (T) 0 or more for a sleeping tree
     const double *rotations;                   // (K, 9)
     double period;                             // s
     double *velocities;                        // of the engine
     uint8_t *done;                             // (N) result, for `morse_glide_end`
     double *cosines, *sines;                   // (N) results
-    int64_t *others;                           // (N) result: rows that somebody else has to see to
+    int64_t *others;                           // (N) result: rows that have to be driven separately
 } Gliders;
 
 MORSE_EXPORT int64_t morse_glide_begin(const Gliders *all);
 MORSE_EXPORT void morse_glide_end(const Gliders *all);
 
-// Writes the velocities of a tick; returns how many rows are left to others.
+// Writes the velocities of a tick; returns the number of rows in `others`.
 int64_t morse_glide_begin(const Gliders *all) {
     int64_t left = 0;
     for (int64_t i = 0; i < all->count; i++) {

@@ -1,6 +1,6 @@
-// Where a ray meets a triangle mesh: watertight, in double precision (Woop, Benthin and Wald 2013).
+// Intersection of a ray with a triangle mesh: watertight, in double precision (Woop, Benthin and Wald 2013).
 //
-// Each operation is the same as in `rays/triangles.py`, so that both give the same bits.
+// Each operation is the same as in `rays/triangles.py`, so that both give bit-identical results.
 #pragma once
 
 #include "ray.h"
@@ -16,11 +16,11 @@ typedef struct {
 _Static_assert(sizeof(Block) == 320, "Python allocates blocks of that size");
 
 typedef struct {
-    const Node *nodes;  // null without any triangle
+    const Node *nodes;  // null without triangles
     const Block *blocks;
 } Mesh;
 
-// A ray sheared so that it runs along an axis: all edges that two triangles share are on the same side for both.
+// A ray, sheared so that it runs along an axis: an edge that two triangles share is on the same side for both.
 typedef struct {
     const Block *blocks;
     const double *origin;
@@ -59,7 +59,7 @@ static inline void meet_block(void *what, int32_t leaf) {
     const Longs near = inside & (distances >= 0.0) & (distances <= q->distance);
     for (uint32_t left = bits4(&near); left; left &= left - 1) {
         const int k = __builtin_ctz(left);
-        // of two triangles that are met at the same distance, the first one counts
+        // of two triangles at the same distance, the first one counts
         if (distances[k] < q->distance || (distances[k] == q->distance && block->faces[k] < q->face)) {
             q->distance = distances[k];
             q->face = block->faces[k];
@@ -67,14 +67,14 @@ static inline void meet_block(void *what, int32_t leaf) {
     }
 }
 
-// The nearest triangle up to a distance that is lowered; false if there is none.
+// The nearest triangle up to a distance, which is lowered; false if there is none.
 static inline int meet_mesh(const Mesh *mesh, const Ray *ray, double *limit, int32_t *face) {
     if (!mesh->nodes) return 0;
     MeshQuery q = mesh_query(mesh, ray, *limit);
     const Slopes slopes = slopes_of(ray);
     walk(mesh->nodes, &slopes, &q.distance, meet_block, &q);
     if (q.face == INT32_MAX) return 0;
-    // no -0.0, as with primitives
+    // no -0.0, as for primitives
     *limit = q.distance + 0.0;
     *face = q.face;
     return 1;

@@ -1,4 +1,4 @@
-// Distances of many rays to many primitives, each ray with its own.
+// Distances of many rays to many primitives, one primitive per ray.
 #include "primitives.h"
 
 #include "export.h"

@@ -1,7 +1,7 @@
 // Where a ray enters and leaves a primitive: the closed formulas of `rays/primitives.py`, one ray at a time.
 //
-// Each operation is the same as there and in the same order, so that both give the same bits. Rays are given in the
-// frame of the primitive, whose axis is Z. A ray that misses enters at infinity and leaves at minus infinity.
+// Each operation is the same as there and in the same order, so that both give bit-identical results. Rays are given in
+// the frame of the primitive, whose axis is Z. A ray that misses enters at infinity and leaves at minus infinity.
 #pragma once
 
 #include <math.h>
@@ -14,10 +14,10 @@ typedef struct {
     double enter, leave;
 } Interval;
 
-// Stands for a direction without any component along an axis: finite quotients, no NaN.
+// Replaces a direction component of 0: finite quotients, no NaN.
 static const double PARALLEL = 1e-200;
 
-// As numpy's minimum and maximum: NaN if either is NaN.
+// Like minimum and maximum of numpy: NaN if either operand is NaN.
 static inline double larger(double a, double b) { return a > b || a != a ? a : b; }
 static inline double smaller(double a, double b) { return a < b || a != a ? a : b; }
 
@@ -38,7 +38,7 @@ static inline Interval slab(double origin, double direction, double half) {
     return (Interval){middle - reach, middle + reach};
 }
 
-// Around `middle`, as far as the root of `rest`, over `scale`; nowhere if `rest` is negative.
+// Around `middle`, up to the root of `rest`, over `scale`; empty if `rest` is negative.
 static inline Interval ball(double middle, double rest, double scale) {
     if (!(rest >= 0.0)) return nowhere();
     const double root = sqrt(rest);
@@ -52,7 +52,7 @@ static inline Interval box_interval(const double *o, const double *d, const doub
 
 static inline Interval sphere_interval(const double *o, const double *d, double radius) {
     const double middle = -dot3(o, d);
-    // the foot of the perpendicular, not o^2 - r^2: far away that difference loses its digits
+    // the foot of the perpendicular, not o^2 - r^2: at large distances, that difference loses digits
     const double foot[3] = {o[0] + d[0] * middle, o[1] + d[1] * middle, o[2] + d[2] * middle};
     return ball(middle, radius * radius - dot3(foot, foot), 1.0);
 }
@@ -69,14 +69,14 @@ static inline Interval ellipsoid_interval(const double *o, const double *d, cons
     return (Interval){unit.enter / length, unit.leave / length};
 }
 
-// An endless cylinder about the Z axis.
+// An infinite cylinder about the Z axis.
 static inline Interval tube(const double *o, const double *d, double radius) {
     const double scale = d[0] * d[0] + d[1] * d[1];
     if (scale < 1e-20) {
         const int inside = o[0] * o[0] + o[1] * o[1] <= radius * radius;
         return inside ? (Interval){-INFINITY, INFINITY} : nowhere();
     }
-    // r^2 (u^2 + v^2) - (x v - y u)^2: the distance from the axis, seen along the ray, keeps its digits
+    // r^2 (u^2 + v^2) - (x v - y u)^2: the distance from the axis, as seen along the ray, keeps its digits
     const double side = o[0] * d[1] - o[1] * d[0];
     return ball(-(o[0] * d[0] + o[1] * d[1]), radius * radius * scale - side * side, scale);
 }
@@ -97,7 +97,7 @@ static inline Interval capsule_interval(const double *o, const double *d, const 
     return r;
 }
 
-// Distance to the first surface ahead, from outside or inside; infinite without one.
+// Distance to the first surface ahead, from outside or inside; infinite if there is none.
 static inline double first_surface(int32_t kind, const double *o, const double *d, const double *size) {
     Interval r;
     switch (kind) {
@@ -120,6 +120,6 @@ static inline double first_surface(int32_t kind, const double *o, const double *
             return INFINITY;
     }
     const double distance = r.enter >= 0.0 ? r.enter : r.leave;
-    // no -0.0: which zero a minimum gives is not said anywhere
+    // no -0.0: IEEE 754 does not define which zero a minimum returns
     return distance < 0.0 ? INFINITY : distance + 0.0;
 }

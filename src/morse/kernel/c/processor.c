@@ -1,9 +1,9 @@
-// Which build of this library the processor can run.
+// Determines the build of this library that the processor can run.
 #include <stdint.h>
 
 #include "export.h"
 
-// Changes whenever a structure or the signature of a function does: Python refuses a library of another version.
+// Increased with every change of a structure or signature: Python refuses a library of another version.
 #define INTERFACE 5
 
 MORSE_EXPORT int32_t morse_interface(void);

@@ -1,4 +1,4 @@
-// A ray, as the boxes of a tree are tested with it.
+// A ray in the form for tests with the boxes of a tree.
 #pragma once
 
 #include <math.h>
@@ -9,8 +9,8 @@ typedef struct {
     double origin[3], direction[3];
 } Ray;
 
-// The ray in single precision, so that no box is missed that the ray meets: `origin_up` is not less than the origin,
-// `origin_down` not more, and WIDER makes up for the rounding of four operations.
+// The ray in single precision, so that no box that the ray hits is missed: `origin_up` is an upper bound of the
+// origin, `origin_down` a lower bound, and WIDER covers the rounding of four operations.
 typedef struct {
     float near_origin[3], far_origin[3], inverse[3];
     int near_side[3], far_side[3];  // rows of `Node.sides`
@@ -28,7 +28,7 @@ static inline Slopes slopes_of(const Ray *ray) {
     for (int k = 0; k < 3; k++) {
         const float at = limited(ray->origin[k]), slack = fabsf(at) * 0x1p-22f + 1e-30f;
         const float d = limited(ray->direction[k]);
-        // neither zero nor infinite: a product of the two would be no number, and children that are not there be met
+        // neither zero nor infinite: their product would be NaN, and missing children would be hit
         s.inverse[k] = 1.0f / (fabsf(d) < 1e-30f ? copysignf(1e-30f, d) : d);
         const int back = s.inverse[k] < 0.0f;
         s.near_side[k] = back ? 3 + k : k;
@@ -39,10 +39,10 @@ static inline Slopes slopes_of(const Ray *ray) {
     return s;
 }
 
-// The distance to look for boxes: no less than `limit`.
+// The distance for tests with boxes: an upper bound of `limit`.
 static inline float rounded_up(double limit) { return limited(limit) * WIDER; }
 
-// Which children of a node a ray meets within a distance, and where it enters them.
+// The children of a node that a ray hits within a distance, and where it enters them.
 static inline uint32_t met_children(const Node *node, const Slopes *s, float limit, Floats *enter) {
     Floats in = EACH(Floats, 0.0f), out = EACH(Floats, limit);
     for (int k = 0; k < 3; k++) {
@@ -63,7 +63,7 @@ typedef struct {
 
 enum { MOST_WAITING = DEEPEST * (WIDTH - 1) + WIDTH };
 
-// Visits the leaves that a ray meets, the nearest first. `visit` may lower `*limit`; it is inlined.
+// Visits the leaves that a ray hits, the nearest first. `visit` may lower `*limit`; it is inlined.
 static inline __attribute__((always_inline)) void walk(const Node *nodes, const Slopes *s, const double *limit,
                                                        void (*visit)(void *, int32_t), void *what) {
     Waiting stack[MOST_WAITING];
@@ -80,7 +80,7 @@ static inline __attribute__((always_inline)) void walk(const Node *nodes, const 
                 met &= met - 1;
                 child = node->children[first];
                 if (!met) continue;
-                // the nearest is next; the others wait, the nearest of them on top
+                // the nearest child is next; the others are pushed, the nearest of them on top
                 float nearest = enter[first];
                 const int bottom = waiting;
                 do {

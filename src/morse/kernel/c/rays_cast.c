@@ -1,4 +1,4 @@
-// Casts rays at solids: the nearest surface of each ray, and of several at the same distance that of the first solid.
+// Casts rays at solids: the nearest surface of each ray; of several at the same distance, that of the first solid.
 #include "export.h"
 #include "primitives.h"
 #include "solids.h"
@@ -49,7 +49,7 @@ static void meet_solid(void *what, int32_t leaf) {
 
 static inline int is_finite(const double *v) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
 
-// Where the rays of a sensor start and how they are turned.
+// The origin of the rays of a sensor, and their rotation.
 static void aim(const Rays *rays, int64_t sensor, double *position, double *rotation) {
     const int64_t slot = rays->slots[sensor];
     const double *p = rays->slot_positions + 3 * slot, *r = rays->slot_rotations + 9 * slot;
@@ -73,7 +73,7 @@ static void cast_one(const Solids *solids, const Rays *rays, const double *posit
         for (int k = 0; k < 3; k++) ray.origin[k] = ray.origin[k] + position[k];
     }
     Query q = {solids, 0, rays->groups, &ray, rays->owners[sensor], -1, rays->limit, -1};
-    // rays from or to places that are not numbers meet nothing
+    // rays whose origin or target is NaN or infinite hit nothing
     if (is_finite(ray.origin) && is_finite(ray.direction)) {
         const Slopes slopes = slopes_of(&ray);
         if (solids->still) {
@@ -91,8 +91,8 @@ static void cast_one(const Solids *solids, const Rays *rays, const double *posit
     rays->faces[i] = q.face;
 }
 
-// Casts the rays first, ..., last - 1 of all rays, counted through all sensors: each ray is worked out by itself, so
-// that it does not matter how they are shared out among threads.
+// Casts the rays first, ..., last - 1 of all rays of all sensors: each ray is computed independently, so that the
+// distribution over threads does not matter.
 void morse_rays_cast(const Solids *solids, const Rays *rays, int64_t first, int64_t last) {
     while (first < last) {
         const int64_t sensor = first / rays->rays, start = sensor * rays->rays;

@@ -1,4 +1,4 @@
-// Puts solids where their rigid groups are, and boxes around them.
+// Places solids at the poses of their rigid groups, with bounding boxes.
 #include <math.h>
 #include <stdint.h>
 
@@ -6,7 +6,7 @@
 #include "primitives.h"
 #include "tree.h"
 
-// Rows are solids, but for the poses of the groups.
+// Rows are solids, except for the poses of the groups.
 typedef struct {
     const double *slot_positions, *slot_rotations;    // (K, 3), (K, 3, 3)
     const double *anchor;                             // (3)
@@ -16,10 +16,10 @@ typedef struct {
     double *positions, *rotations;                    // results, relative to the anchor
 } Placing;
 
-// A tree over some of the solids, and memory to build it in.
+// A tree over some of the solids, and memory to build it.
 typedef struct {
     int32_t count;
-    const int32_t *members;  // numbers of solids
+    const int32_t *members;  // indices of solids
     Box *boxes;
     int32_t *scratch;
     Node *nodes;
@@ -28,10 +28,10 @@ typedef struct {
 
 MORSE_EXPORT int32_t morse_rays_place(const Placing *all, const Gathering *some);
 
-// Larger by what single precision may be wrong, and by what the formulas of surfaces may be.
+// Larger by the rounding errors of single precision and of the surface formulas.
 static float below(double x, double slack) { return (float)(x - slack); }
 
-// Places some solids, and builds the tree over them; returns the number of its nodes.
+// Places some solids, and builds their tree; returns the number of its nodes.
 int32_t morse_rays_place(const Placing *all, const Gathering *some) {
     Box *boxes = some->boxes;
     for (int32_t i = 0; i < some->count; i++) {

@@ -1,4 +1,4 @@
-// Eight numbers at a time, the same operations for every compiler and every width of registers.
+// Operations on eight numbers at a time, the same for every compiler and every register width.
 #pragma once
 #include <math.h>
 #include <stdint.h>
@@ -15,13 +15,13 @@ static inline I8 bits_of(F8 a) { return (I8)a; }
 static inline F8 from_bits(I8 a) { return (F8)a; }
 static inline I8 pick_int(I8 mask, I8 a, I8 b) { return (mask & a) | (~mask & b); }
 static inline F8 pick(I8 mask, F8 a, F8 b) { return from_bits(pick_int(mask, bits_of(a), bits_of(b))); }
-// Where `a` is not a number, `b`: put what is known to be one second.
+// `b` where `a` is NaN: pass the operand that is known to be finite second.
 static inline F8 lesser(F8 a, F8 b) { return pick(a < b, a, b); }
 static inline F8 greater(F8 a, F8 b) { return pick(a > b, a, b); }
 static inline F8 within(F8 a, float low, float high) { return greater(lesser(a, splat(high)), splat(low)); }
 static inline I8 greater_int(I8 a, I8 b) { return pick_int(a > b, a, b); }
 static inline F8 to_float(I8 a) { return __builtin_convertvector(a, F8); }
-// The numbers have to fit.
+// The numbers must be in the range of the result.
 static inline I8 to_int(F8 a) { return __builtin_convertvector(a, I8); }
 
 static inline F8 root(F8 a) {
@@ -42,7 +42,7 @@ static inline int any(I8 mask) {
     return r != 0;
 }
 
-// base ** exponent for positive bases, to about six digits; results below 2**-100 and above 2**100 are cut off.
+// base ** exponent for positive bases, to about six digits; results are clipped to 2**-100 ... 2**100.
 static inline F8 power(F8 base, float exponent) {
     I8 bits = bits_of(base);
     const I8 high = (bits - 0x3f3504f3) >> 23;

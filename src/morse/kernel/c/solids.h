@@ -1,4 +1,4 @@
-// What rays can meet, as `rays/arrays.py` describes it.
+// The solids that rays can hit, as described in `rays/arrays.py`.
 #pragma once
 
 #include "mesh.h"
@@ -7,7 +7,7 @@ typedef struct {
     const int32_t *kinds;                         // (S)
     const double *positions, *rotations, *sizes;  // (S, 3), (S, 3, 3), (S, 3)
     const Mesh *const *meshes;                    // (S), null for primitives
-    // trees, and which solid each of their leaves is; null without anything in it
+    // trees, and the solid of each of their leaves; null if empty
     const Node *still, *moving;
     const int32_t *still_leaves, *moving_leaves;
 } Solids;
@@ -19,11 +19,11 @@ typedef struct {
     const double *anchor;                           // (3)
     const int64_t *slots;                           // (B) the group of each sensor
     const double *offsets, *turns;                  // (B, 3), (B, 3, 3): the pose of each sensor in its group
-    int64_t upright;                                // the directions are along the axes of the world
+    int64_t upright;                                // the directions are in the axes of the world
     const double *directions, *origins;             // (N, 3), (N, 3) or null
     const int64_t *owners, *groups;                 // (B), (S): a ray passes through solids of its own group
-    double limit;                                   // nearer than that
+    double limit;                                   // maximum distance
     double *distances;                              // infinite for nothing
     int64_t *solids;                                // -1 for nothing
-    int32_t *faces;                                 // triangle of the mesh that was met, else -1
+    int32_t *faces;                                 // triangle of the mesh, else -1
 } Rays;

@@ -1,4 +1,4 @@
-// What the floor lends to robots on driven wheels; `driving/reference.py` says the same in Python.
+// Traction of robots on driven wheels; the twin of `driving/reference.py`.
 #include <math.h>
 #include <stdint.h>
 
@@ -7,7 +7,7 @@
 
 typedef struct {
     int64_t count;                               // N robots
-    const int64_t *first;                        // (N + 1) the wheels of robot i begin there
+    const int64_t *first;                        // (N + 1) index of the first wheel of each robot
     const int64_t *geoms, *motors;               // (W) of the wheels
     const double *radii, *levers;                // (W)
     const int64_t *slots, *dofs;                 // (N)
@@ -44,10 +44,10 @@ static void pull(const Chassis *all, int64_t i) {
         speed == 0.0 && rate == 0.0 && sqrt(ahead * ahead + beside * beside) < all->creep && fabs(turning) < all->creep;
     for (int64_t k = first; k < first + wheels; k++) all->dimensions[all->geoms[k]] = stands ? 3 : 1;
     if (stands || share == 0.0) return;
-    // the axle moves straight ahead; seen along the heading in the middle of the tick
+    // the axle moves straight ahead, as seen along the heading in the middle of the tick
     const Turn turn = turn_by(0.5 * rate * all->period);
     const double side = -rate * all->axles[i];
-    // half of what the slope takes away within the tick is given in advance
+    // half of what the slope takes away within the tick is added in advance
     const double slope = 0.5 * all->period * all->gravity;
     double along = turn.cosine * speed - turn.sine * side - ahead + slope * r[6];
     double across = turn.sine * speed + turn.cosine * side - beside + slope * r[7];
@@ -67,7 +67,7 @@ static void pull(const Chassis *all, int64_t i) {
     v[5] = turning + change;
 }
 
-// Brings the velocities of all robots closer to those of their treads.
+// Moves the velocities of all robots closer to those of their treads.
 void morse_traction(const Chassis *all) {
     for (int64_t k = 0; k < all->first[all->count]; k++) all->touched[all->geoms[k]] = 0;
     for (int64_t k = 0; k < 2 * all->pairs; k++)

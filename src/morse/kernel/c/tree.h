@@ -1,6 +1,6 @@
-// A tree of boxes with up to eight children a node, in single precision, rounded outward.
+// A tree of boxes with up to eight children per node, in single precision, rounded outward.
 //
-// What a tree holds is found whatever its form: rays test what is in a leaf exactly, and the boxes are never too small.
+// Results do not depend on the shape of the tree: rays test the solids of a leaf exactly, and no box is too small.
 #pragma once
 
 #include <stdint.h>
@@ -9,8 +9,8 @@
 
 enum { WIDTH = 8, DEEPEST = 56, NO_CHILD = INT32_MIN };
 
-// `sides[axis]` are the lower, `sides[3 + axis]` the upper bounds. A child that is not negative is a node, else it is
-// the leaf `-1 - child`. A child that is not there has bounds that no ray meets.
+// `sides[axis]` are the lower, `sides[3 + axis]` the upper bounds. A child that is not negative is a node, else
+// the leaf `-1 - child`. A missing child has bounds that no ray hits.
 typedef struct {
     Floats sides[6];
     int32_t children[WIDTH];

@@ -9,9 +9,9 @@ enum { BINS = 16, HALVED_FROM = 24 };
 
 typedef struct {
     const Box *boxes;
-    int32_t *members;  // numbers of boxes, sorted on the way
+    int32_t *members;  // indices of boxes, sorted during the build
     Node *nodes;
-    int32_t *leaves;  // (leaves, most) numbers of boxes, -1 for none
+    int32_t *leaves;  // (leaves, most) indices of boxes, -1 for none
     int32_t node_count, leaf_count, most;
 } Builder;
 
@@ -48,7 +48,7 @@ static Box bounds_of(const Builder *b, int32_t first, int32_t count) {
 
 static int bin_of(const Box *box, int axis, float low, float scale) {
     const float place = (middle(box, axis) - low) * scale;
-    // written so that a number that is none gives a bin, too
+    // written so that NaN gives a bin, too
     if (!(place > 0.0f)) return 0;
     return place < (float)BINS ? (int)place : BINS - 1;
 }
@@ -58,7 +58,7 @@ typedef struct {
     float low, scale;
 } Cut;
 
-// The cheapest cut of the boxes between two bins; the axis is -1 if there is none.
+// The cheapest split between two bins; the axis is -1 if there is none.
 static Cut cheapest_cut(const Builder *b, const Range *range) {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (int32_t i = range->first; i < range->first + range->count; i++) {
@@ -106,7 +106,7 @@ static Cut cheapest_cut(const Builder *b, const Range *range) {
     return best;
 }
 
-// Sorts the boxes of a range into two, and returns how many are in the first.
+// Partitions the boxes of a range, and returns the number of boxes in the first part.
 static int32_t divide(const Builder *b, const Range *range, int halve) {
     const Cut cut = halve ? (Cut){-1, 0, 0.0f, 0.0f} : cheapest_cut(b, range);
     if (cut.axis < 0) return range->count / 2;
@@ -164,10 +164,10 @@ static int32_t make_node(Builder *b, const Range *whole, int depth) {
     return number;
 }
 
-// Builds a tree over `count` boxes with at most `most` of them in a leaf, and returns the number of its nodes, 0 if
-// there is nothing in it: boxes that are not finite or turned inside out are left out.
+// Builds a tree over `count` boxes with at most `most` of them in a leaf, and returns the number of its nodes, 0 if it
+// is empty: boxes that are not finite or inverted are left out.
 //
-// There has to be room for `count` members, max(count - 1, 1) nodes and (count, most) numbers in leaves.
+// The caller provides memory for `count` members, max(count - 1, 1) nodes and (count, most) indices in leaves.
 int32_t build_tree(int32_t count, const Box *boxes, int32_t most, int32_t *members, Node *nodes, int32_t *leaves,
                    int32_t *leaf_count) {
     Builder b = {boxes, members, nodes, leaves, 0, 0, most};

@@ -1,10 +1,10 @@
-// Sine and cosine of the same bits everywhere: sums and products alone, as `driving/reference.py` writes them.
+// Sine and cosine, bit-identical on all platforms: sums and products only, as in `driving/reference.py`.
 #pragma once
 
 #include <math.h>
 
 #define TWO_OVER_PI 0.63661977236758134308
-// pi/2 in three parts; the product of the first and a number below 2^20 is exact
+// pi/2 in three parts; the product of the first part and a number below 2^20 is exact
 #define HALF_PI_1 0x1.921fb544p+0
 #define HALF_PI_2 0x1.0b4611a6p-34
 #define HALF_PI_3 0x1.3198a2e037073p-69
@@ -18,7 +18,7 @@ static inline Turn turn_by(double angle) {
     const double quarters = rint(angle * TWO_OVER_PI);
     const double x = ((angle - quarters * HALF_PI_1) - quarters * HALF_PI_2) - quarters * HALF_PI_3;
     const double z = x * x;
-    // Taylor; the next terms are below the last bit within an eighth of a turn
+    // Taylor series; within an eighth of a turn, the next terms are below the last bit
     double s = 1.0 - z / 272.0;
     s = 1.0 - z / 210.0 * s;
     s = 1.0 - z / 156.0 * s;

@@ -1,4 +1,4 @@
-// Eight numbers at once, by the vector extensions that GCC and Clang share: the same source for SSE, AVX and NEON.
+// Eight numbers at once, by the vector extensions of GCC and Clang: the same source for SSE, AVX and NEON.
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,4 @@
-"""What cameras see, drawn from triangles: the C functions, and their twins in numpy."""
+"""Camera images rendered from triangles: the C functions, and their twins in numpy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Drawing", "Light", "Pictures", "Poses", "drawer"]
 
 
 def drawer(drawing: Drawing) -> NativeDrawer | ReferenceDrawer:
-    """What draws: the C functions, or numpy where there are none."""
+    """The renderer: the C functions, or numpy without the kernel."""
     native = library()
     if native is None:
         from morse.kernel.drawing.reference import ReferenceDrawer

@@ -1,4 +1,4 @@
-"""What is drawn, as both the C functions and numpy see it; the twin of ``c/drawing.h``."""
+"""The arrays of a drawing, for the C functions and numpy; the twin of ``c/drawing.h``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 #: pixels along the side of a tile
 TILE = 32
-#: triangles of a cluster, at most
+#: maximum number of triangles of a cluster
 CLUSTER = 256
 #: flags of a material
 SHADELESS, DOUBLE_SIDED, MASKED, DITHERED = 1, 2, 4, 8
@@ -19,7 +19,7 @@ SHADELESS, DOUBLE_SIDED, MASKED, DITHERED = 1, 2, 4, 8
 MOVES, MIRRORED = 1, 2
 #: kinds of lamps
 SUN, POINT, SPOT, HEMISPHERE = range(4)
-#: no surface is that far from the sun
+#: larger than the distance of any surface from the sun
 NO_SURFACE = -1e30
 
 VERTEX = np.dtype([("p", "f4", 3), ("n", "f4", 3), ("uv", "f4", 2)])
@@ -68,7 +68,7 @@ CAMERA = np.dtype(
 )
 SEEN_BYTES = 80
 
-#: places of the samples in a pixel, from its middle; the first, whose depth and id are given, is the middle
+#: positions of the samples in a pixel, relative to its centre; the first sample, for depth and id, is the centre
 SAMPLES = {1: ((0.0, 0.0),), 5: ((0.0, 0.0), (-0.4, -0.2), (-0.2, 0.4), (0.2, -0.4), (0.4, 0.2))}
 
 
@@ -87,7 +87,7 @@ class Drawing(NamedTuple):
 
     Attributes:
         vertices: (V,) `VERTEX`: position, normal and texture coordinates, in the frames of the meshes.
-        triangles: (T, 4) int32, three vertices, counted from the first of the cluster, and the material slot.
+        triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
         parts: (P, 4) int32: cluster, instance, first entry in `slots`, flags (`MOVES`, `MIRRORED`).
@@ -109,7 +109,7 @@ class Drawing(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """Where the instances are.
+    """The poses of the instances.
 
     Attributes:
         models: (I, 12) float32, mesh to world, 3x4 row by row.
@@ -121,14 +121,14 @@ class Poses(NamedTuple):
 
 
 class Light(NamedTuple):
-    """What lights a scene.
+    """The lighting of a scene.
 
     Attributes:
         lamps: (L,) `LAMP`.
         sky: (20,) float32, RGB of horizon, zenith, ground and glow, direction to the sun, begin and depth of mist.
         sun: (16,) float32, world to the shadow map: three rows of a 3x4 matrix, and the width of a texel, m.
-        shadow: (H, W) float32, how near to the sun the nearest surface is, m; None without shadows.
-        near_sun, near_shadow: a finer map of a part of the world, or None; it goes before the other.
+        shadow: (H, W) float32, distance of the nearest surface from the sun, m; None without shadows.
+        near_sun, near_shadow: a finer map of a part of the world, or None; it has priority over the other map.
     """
 
     lamps: NDArray[Any]
@@ -140,12 +140,12 @@ class Light(NamedTuple):
 
 
 class Pictures(NamedTuple):
-    """What cameras see, one after the other.
+    """The images of cameras, one after the other.
 
     Attributes:
-        rgb: (N, 3) uint8; of cameras without colour, anything.
-        depth: (N,) float32, metres along the axis, 0 where nothing is.
-        ids: (N,) int32, number of the instance, -1 where nothing is.
+        rgb: (N, 3) uint8; undefined for cameras without colour.
+        depth: (N,) float32, metres along the axis, 0 without a surface.
+        ids: (N,) int32, index of the instance, -1 without a surface.
     """
 
     rgb: NDArray[np.uint8]
@@ -154,7 +154,7 @@ class Pictures(NamedTuple):
 
 
 def tiles_of(cameras: NDArray[Any]) -> NDArray[np.int32]:
-    """(N, 4) int32, camera, left, top and 0 of all tiles; fills in the first tile and pixel of each camera."""
+    """(N, 4) int32, camera, left, top and 0 of all tiles; sets the first tile and pixel of each camera."""
     found = [np.zeros((0, 4), dtype=np.int32)]
     tile = pixel = 0
     for number, row in enumerate(cameras):

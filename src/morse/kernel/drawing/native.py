@@ -1,4 +1,4 @@
-"""Pictures drawn by the C functions."""
+"""Images rendered by the C functions."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "membe
 
 
 class NativeDrawer:
-    """Draws; see `morse.kernel.drawing.reference.ReferenceDrawer`, its twin.
+    """Renders images; the twin of `morse.kernel.drawing.reference.ReferenceDrawer`.
 
     Attributes:
-        drawing: what is drawn.
+        drawing: the scene.
     """
 
     def __init__(self, library: ctypes.CDLL, drawing: Drawing) -> None:
@@ -36,16 +36,16 @@ class NativeDrawer:
         self._seen = np.empty((0, SEEN_BYTES), np.uint8)
 
     def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
-        """What cameras see.
+        """Render the images of cameras.
 
         Args:
-            cameras: (K,) `CAMERA`; first tiles and pixels are filled in.
-            samples: of each pixel, for its colour: 1 or 5.
+            cameras: (K,) `CAMERA`; their first tiles and pixels are set.
+            samples: number of samples per pixel for the colour: 1 or 5.
         """
         frame, drawing = self._frame, self.drawing
         tiles = tiles_of(cameras)
         self._light(light, poses, samples)
-        # one more than there are: an empty array has no address
+        # one more than needed: an empty array has no address
         jobs = np.empty((len(cameras) * len(drawing.parts) + 1, 2), np.int32)
         frame.point(cameras=cameras, jobs=jobs, tiles=tiles)
         frame.camera_count, frame.tile_count = len(cameras), len(tiles)
@@ -69,7 +69,7 @@ class NativeDrawer:
         """Draw parts into the shadow map.
 
         Returns:
-            (N, 4) the texels that each may have filled: x0, y0, x1, y1, one past the end.
+            (N, 4) the texels that each part may have filled: x0, y0, x1, y1, one past the end.
         """
         frame = self._frame
         self._light(light, poses, 1)
@@ -90,7 +90,7 @@ class NativeDrawer:
         frame.near_height, frame.near_width = (0, 0) if near is None else near.shape
 
     def _bin(self, cameras: int, tiles: int) -> None:
-        """Sort the triangles into tiles: count them, make room, fill it."""
+        """Sort the triangles into tiles: count them, allocate memory, store them."""
         frame = self._frame
         firsts = np.zeros(tiles + 1, np.int64)
         frame.point(firsts=firsts, members=None)
@@ -103,7 +103,7 @@ class NativeDrawer:
         frame.point(firsts=firsts)
 
     def _run(self, name: str, pieces: int) -> None:
-        """Let threads share the pieces of a work."""
+        """Distribute the pieces of a task over threads."""
         self._frame.next = 0
         function, frame = getattr(self._library, name), ctypes.byref(self._frame)
         threads.together(lambda: function(frame), pieces)

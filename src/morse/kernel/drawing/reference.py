@@ -1,4 +1,4 @@
-"""Pictures drawn by numpy, triangle by triangle: what the C functions have to draw as well, to the bit."""
+"""Images rendered by numpy, triangle by triangle: the reference for the C functions, which are bit-identical."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ _LANES = 8
 
 
 class ReferenceDrawer:
-    """Draws; see `morse.kernel.drawing.native.NativeDrawer`, its twin.
+    """Renders images; the twin of `morse.kernel.drawing.native.NativeDrawer`.
 
     Attributes:
-        drawing: what is drawn.
+        drawing: the scene.
     """
 
     def __init__(self, drawing: Drawing) -> None:
         self.drawing = drawing
 
     def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
-        """What cameras (K,) `CAMERA` see."""
+        """The images of cameras (K,) `CAMERA`."""
         tiles_of(cameras)
         with np.errstate(all="ignore"):
             made = [self._draw(camera, poses, light, samples) for camera in cameras]
@@ -39,7 +39,7 @@ class ReferenceDrawer:
         return Pictures(*(np.concatenate(column) for column in zip(empty, *made, strict=True)))
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
-        """Draw parts into the shadow map; returns the texels (N, 4) that each may have filled."""
+        """Draw parts into the shadow map; returns the texels (N, 4) that each part may have filled."""
         with np.errstate(all="ignore"):
             return reference_shadows.cast(self.drawing, parts, poses, light)
 
@@ -69,9 +69,9 @@ class ReferenceDrawer:
         inverse: NDArray[np.float32],
         shown: NDArray[np.int32],
     ) -> None:
-        """Let a triangle show where it is the nearest."""
+        """Write a triangle into the samples where it is the nearest."""
         x0, y0, x1, y1 = seen.box[number].tolist()
-        # the kernel looks at eight pixels at once
+        # the kernel tests eight pixels at once
         x0, x1 = x0 & ~(_LANES - 1), min(x1 | (_LANES - 1), inverse.shape[2] - 1)
         columns, rows = np.arange(x0, x1 + 1), np.arange(y0, y1 + 1)
         e, w = seen.e[number], seen.w[number]
@@ -101,7 +101,7 @@ class ReferenceDrawer:
         columns: NDArray[np.integer],
         rows: NDArray[np.integer],
     ) -> NDArray[np.bool_]:
-        """Where a surface has no holes, and is not seen through."""
+        """Where a surface has no holes, and is not translucent."""
         d = self.drawing
         material = d.materials[seen.material[number]]
         limit = (_BAYER[rows & 3][:, columns & 3] + np.float32(0.5)) / np.float32(16)
@@ -127,7 +127,7 @@ class ReferenceDrawer:
 def _tiles(
     box: NDArray[np.integer], e: NDArray[np.float32], columns: NDArray[np.integer], rows: NDArray[np.integer]
 ) -> NDArray[np.bool_]:
-    """Which pixels of columns and rows lie in tiles that a triangle may reach."""
+    """The pixels of columns and rows in tiles that a triangle may touch."""
     across, down = columns // TILE, rows // TILE
     x0, y0, x1, y1 = (box // TILE).tolist()
     if x1 - x0 + y1 - y0 <= 1:

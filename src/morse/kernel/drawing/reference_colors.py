@@ -1,4 +1,4 @@
-"""The colours of what is shown; the twin of ``c/draw_pixels.c``, ``draw_surface.h`` and ``draw_texture.h``."""
+"""Shading; the twin of ``c/draw_pixels.c``, ``draw_surface.h`` and ``draw_texture.h``."""
 
 from __future__ import annotations
 
@@ -105,13 +105,13 @@ def _colors(
 
 
 def _sum(e: Floats, values: Floats, axis: int) -> Floats:
-    """(N,) of edges (N, 3, 3) and of what the corners have (N, 3): one coefficient of a plane."""
+    """(N,) one coefficient of a plane, from edges (N, 3, 3) and values at the corners (N, 3)."""
     made: Floats = e[:, 0, axis] * values[:, 0] + e[:, 1, axis] * values[:, 1] + e[:, 2, axis] * values[:, 2]
     return made
 
 
 def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: Floats, y: Floats) -> list[Floats]:
-    """Three colours (N,) of textures at places of triangles."""
+    """Three colours (N,) of textures at points of triangles."""
     t = d.textures[numbers]
     whole = [e[:, 0, a] + e[:, 1, a] + e[:, 2, a] for a in range(3)]
     inverse = _ONE / (whole[0] * x + whole[1] * y + whole[2])

@@ -1,4 +1,4 @@
-"""How lamps light surfaces; the twin of ``c/draw_light.h``."""
+"""Shading of surfaces by lamps; the twin of ``c/draw_light.h``."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
     #: of float32
     Floats = NDArray[Any]
-    #: three arrays (N,), or numbers
+    #: three arrays (N,), or three numbers
     Vectors = Sequence[Any]
 
 f = np.float32
 
 
 def within(a: Floats, low: float, high: float) -> Floats:
-    """Between two numbers; what is not a number becomes the high one."""
+    """Clip to two numbers; NaN becomes the upper one."""
     below = np.where(a < f(high), a, f(high))
     return np.where(below > f(low), below, f(low)).astype(np.float32)
 
@@ -35,19 +35,19 @@ def dot(a: Vectors, b: Vectors) -> Floats:
 
 
 def unit(a: Vectors) -> list[Floats]:
-    """Of length 1."""
+    """Normalise vectors."""
     square = dot(a, a)
     factor = f(1) / np.sqrt(np.where(square > f(1e-30), square, f(1e-30)))
     return [part * factor for part in a]
 
 
 def mixed(a: Vectors, b: Vectors, t: Floats) -> list[Floats]:
-    """From a to b."""
+    """Interpolate from a to b."""
     return [p + (q - p) * t for p, q in zip(a, b, strict=True)]
 
 
 def power(base: Floats, exponent: np.float32) -> Floats:
-    """Positive bases to an exponent."""
+    """Positive bases to the power of an exponent."""
     bits = np.asarray(base, np.float32).view(np.int32)
     high = (bits - np.int32(0x3F3504F3)) >> 23
     m = (bits - high * np.int32(8388608)).view(np.float32)
@@ -103,7 +103,7 @@ def tone(c: Vectors) -> list[Floats]:
 
 
 def _in_sun(light: Light, place: Vectors, n: Vectors, nl: Floats) -> Floats:
-    """The share of the sun's light that reaches places: by the finer map, where there is one, else by the other."""
+    """The share of the sun's light that reaches points: from the finer map if it covers them, else from the other."""
     share = np.where(nl > 0, f(-1), f(0))
     for sun, shadow in ((light.near_sun, light.near_shadow), (light.sun, light.shadow)):
         if sun is not None and shadow is not None:
@@ -112,7 +112,7 @@ def _in_sun(light: Light, place: Vectors, n: Vectors, nl: Floats) -> Floats:
 
 
 def _looked_up(s: Floats, shadow: Floats, place: Vectors, n: Vectors) -> Floats:
-    """The shares by one map; -1 beside it."""
+    """The shares from one map; -1 outside the map."""
     p = [a + b * (s[12] * f(1.3)) for a, b in zip(place, n, strict=True)]
     u = s[0] * p[0] + s[1] * p[1] + s[2] * p[2] + (s[3] - f(0.5))
     v = s[4] * p[0] + s[5] * p[1] + s[6] * p[2] + (s[7] - f(0.5))
@@ -135,7 +135,7 @@ def _looked_up(s: Floats, shadow: Floats, place: Vectors, n: Vectors) -> Floats:
 def lit(
     light: Light, place: Vectors, n: Vectors, v: Vectors, base: Vectors, metallic: Floats, roughness: Floats
 ) -> list[Floats]:
-    """Light of all lamps that surfaces send to the camera."""
+    """Light of all lamps that surfaces reflect to the camera."""
     rough = np.where(roughness > f(0.0525), roughness, f(0.0525))
     alpha = rough * rough
     a2 = alpha * alpha

@@ -1,4 +1,4 @@
-"""Which triangles a camera may see, and where; the twin of ``c/draw_project.c``."""
+"""Finds the triangles that may be visible to a camera, and projects them; the twin of ``c/draw_project.c``."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _SMALLEST = np.float32(0.25)
 
 @dataclass
 class Projected:
-    """Triangles as a camera sees them, in the order of parts.
+    """Triangles in the image of a camera, in the order of parts.
 
     Attributes:
         e: (N, 3, 3) float32, the edges as planes (d/dx, d/dy, at pixel 0, 0).
         w: (N, 3) float32, 1 / depth as such a plane.
-        box: (N, 4) pixels x0, y0, x1, y1, included.
-        triangle, part, material: (N,) numbers in the drawing.
-        back: (N,) whether it is seen from behind.
+        box: (N, 4) pixels x0, y0, x1, y1, inclusive.
+        triangle, part, material: (N,) indices in the drawing.
+        back: (N,) whether the back face is visible.
     """
 
     e: NDArray[np.float32]
@@ -48,7 +48,7 @@ class Projected:
 
 
 def project(drawing: Drawing, camera: NDArray[Any], poses: Poses, samples: int) -> Projected:
-    """The triangles that a camera may see."""
+    """The triangles that may be visible to a camera."""
     found = [
         one
         for part in range(len(drawing.parts))

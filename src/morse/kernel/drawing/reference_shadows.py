@@ -1,4 +1,4 @@
-"""How near to the sun the nearest surface is; the twin of ``c/draw_shadow.c``."""
+"""The shadow map: distances to the nearest surface from the sun; the twin of ``c/draw_shadow.c``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ f = np.float32
 
 
 def cast(drawing: Drawing, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
-    """Draw parts into the shadow map; returns the texels (N, 4) that each may have filled."""
+    """Draw parts into the shadow map; returns the texels (N, 4) that each part may have filled."""
     shadow, s = light.shadow, light.sun
     assert shadow is not None
     height, width = shadow.shape

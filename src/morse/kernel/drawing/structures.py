@@ -17,7 +17,7 @@ _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_cou
 
 
 class FrameStructure(ctypes.Structure):
-    """``Frame``. The arrays that it points to are kept as long as it does so."""
+    """``Frame``. It holds references to the arrays that it points to."""
 
     _fields_ = (
         *[(name, ctypes.c_void_p) for name in _ADDRESSES.split()],
@@ -30,11 +30,11 @@ class FrameStructure(ctypes.Structure):
         self._kept: dict[str, NDArray[Any] | None] = {}
 
     def point(self, **arrays: NDArray[Any] | None) -> None:
-        """Let addresses be those of arrays in one piece, or null."""
+        """Set addresses to those of contiguous arrays, or to null."""
         for name, array in arrays.items():
             setattr(self, name, address(array))
         self._kept.update(arrays)
 
     def forget(self, *names: str) -> None:
-        """Let go of arrays that the frame was pointed to."""
+        """Release arrays that the frame points to."""
         self.point(**dict.fromkeys(names))

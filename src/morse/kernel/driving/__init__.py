@@ -15,12 +15,12 @@ __all__ = ["chassis", "gliders"]
 
 
 def gliders(arrays: GliderArrays) -> GliderWork:
-    """What drives robots over a level floor: C, or Python without a kernel."""
+    """The function that drives robots over a level floor: C, or Python without the kernel."""
     loaded = library()
     return reference.Gliders(arrays) if loaded is None else NativeGliders(loaded, arrays)
 
 
 def chassis(arrays: ChassisArrays) -> ChassisWork:
-    """What moves robots on wheels: C, or Python without a kernel."""
+    """The function that moves wheeled robots: C, or Python without the kernel."""
     loaded = library()
     return reference.Chassis(arrays) if loaded is None else NativeChassis(loaded, arrays)

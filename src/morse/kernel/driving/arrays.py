@@ -1,4 +1,4 @@
-"""The arrays of driven robots, as C and Python see them."""
+"""The arrays of driven robots, shared by C and Python."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class GliderArrays:
-    """N robots of a world with K rigid groups ("slots"); all arrays are in one piece, and stay where they are.
+    """N robots of a world with K rigid groups ("slots"); all arrays are contiguous, and their addresses do not change.
 
     Attributes:
-        slots: (N,) of the robots.
+        slots: (N,) slots of the robots.
         forward, aside, rate: (N,) commands in the axes of each robot, m/s and rad/s.
-        shifts: (N,) 1 for robots that are to keep no momentum.
+        shifts: (N,) 1 for robots that are moved without momentum.
         dofs: (K,) address of the velocity.
-        speeds, margins, extents: (K,) what gliding has planned for, m/s and m; a negative speed: does not glide.
+        speeds, margins, extents: (K,) limits for which gliding was checked, m/s and m; a negative speed: no gliding.
         plain: (K,) 1 for robots whose commands nothing else changes.
-        sliding: (K,) 1 for robots that were driven in the tick before.
+        sliding: (K,) 1 for robots that were driven in the last tick.
         trees: (K,) the tree of the engine, or -1.
-        asleep: (T,) 0 or more for trees that sleep.
-        velocities: of the engine.
+        asleep: (T,) 0 or more for sleeping trees.
+        velocities: velocities of the engine.
         period: of a tick, s.
         done: (N,) result of `GliderWork.begin`, for `GliderWork.end`: see ``c/glide.c``.
-        cosines, sines: (N,) of half the angle turned.
+        cosines, sines: (N,) of half the turning angle.
         others: (N,) result: the rows that have to be driven separately.
     """
 
@@ -70,7 +70,7 @@ class GliderWork(Protocol):
         """
 
     def end(self) -> None:
-        """The tick is over: a shift leaves no momentum, a velocity points along the new heading."""
+        """After the tick: a shift leaves no momentum, a velocity points along the new heading."""
 
 
 @dataclass(eq=False)
@@ -79,18 +79,18 @@ class ChassisArrays:
 
     Attributes:
         first: (N + 1,) the wheels of robot i are first[i] to first[i + 1].
-        geoms, motors: (W,) of each wheel.
+        geoms, motors: (W,) geom and motor of each wheel.
         radii, levers: (W,) m; what the speed of each tread adds to the yaw rate, 1/m.
-        slots, dofs: (N,) of the robots.
+        slots, dofs: (N,) slots and velocity addresses of the robots.
         axles: (N,) metres from the origin ahead to the middle of the wheels.
         frictions: (N,) Coulomb coefficients.
         turnings: (N,) m/s^2 of friction to rad/s^2 of the yaw rate.
         driven: (N,) 1 for robots that are commanded as bodies in this tick.
-        touching: (C, 2) geoms that touch, in its first rows; it may be replaced by a longer one.
-        touched: (G,) memory for the work.
-        controls, velocities, dimensions: of the engine.
+        touching: (C, 2) geoms that touch, in its first rows; may be replaced by a larger array.
+        touched: (G,) scratch memory.
+        controls, velocities, dimensions: arrays of the engine.
         period: of a tick, s.
-        creep: a robot whose wheels stand and that moves more slowly, m/s and rad/s, is held by plain friction.
+        creep: a robot with stopped wheels that moves more slowly than this, m/s and rad/s, is held by plain friction.
     """
 
     first: Integers
@@ -117,10 +117,10 @@ class ChassisWork(Protocol):
     """Moves the robots of a `ChassisArrays`."""
 
     def pull(self, rotations: Floats, pairs: int, gravity: float) -> None:
-        """Bring the velocities of the robots closer to those of their treads.
+        """Move the velocities of the robots closer to those of their treads.
 
         Args:
             rotations: (K, 9) of all slots, row by row.
-            pairs: how many rows of `ChassisArrays.touching` count.
+            pairs: number of valid rows of `ChassisArrays.touching`.
             gravity: m/s^2, downward.
         """

@@ -68,7 +68,7 @@ class NativeGliders:
         return count
 
     def end(self) -> None:
-        """The tick is over."""
+        """After the tick: see `GliderWork.end`."""
         self._end(self._all)
 
 
@@ -87,7 +87,7 @@ class NativeChassis:
         self._pull.restype = None
 
     def pull(self, rotations: Floats, pairs: int, gravity: float) -> None:
-        """Bring the velocities of the robots closer to those of their treads."""
+        """Move the velocities of the robots closer to those of their treads."""
         structure = self._structure
         if rotations is not self._known:
             self._known = rotations

@@ -1,4 +1,4 @@
-"""Driven robots in Python: what the C functions must equal, to the bit."""
+"""Driven robots in Python: the reference for the C functions, which give bit-identical results."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
 
 _GLIDES, _TURNS, _SHIFTS = 1, 2, 4
 _ROLLS, _HOLDS = 1, 3  # dimensions of a contact without and with friction
-#: pi/2 in three parts; the product of the first and a number below 2^20 is exact
+#: pi/2 in three parts; the product of the first part and a number below 2^20 is exact
 _HALF_PI = tuple(map(float.fromhex, ("0x1.921fb544p+0", "0x1.0b4611a6p-34", "0x1.3198a2e037073p-69")))
 _TWO_OVER_PI = 0.63661977236758134308
 
 
-@lru_cache(maxsize=1024)  # commands stay the same for many ticks
+@lru_cache(maxsize=1024)  # commands are often equal for many ticks
 def turn_by(angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle, by sums and products alone, so that they are the same bits everywhere."""
+    """Cosine and sine of an angle by sums and products only, bit-identical on all platforms."""
     if not math.isfinite(angle):
         return math.nan, math.nan
     angle += 0.0  # no negative zero
     quarters = float(round(angle * _TWO_OVER_PI))
     x = ((angle - quarters * _HALF_PI[0]) - quarters * _HALF_PI[1]) - quarters * _HALF_PI[2]
     z = x * x
-    # Taylor; the next terms are below the last bit within an eighth of a turn
+    # Taylor series; within an eighth of a turn, the next terms are below the last bit
     s = 1.0 - z / 110.0 * (1.0 - z / 156.0 * (1.0 - z / 210.0 * (1.0 - z / 272.0)))
     s = 1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * s))
     s = x - x * (z / 6.0 * s)
@@ -39,11 +39,11 @@ def turn_by(angle: float) -> tuple[float, float]:
 
 
 def arc(x: float, y: float, half: float) -> tuple[float, float, float, float]:
-    """The chord of an arc: the constant velocity that ends where a turning one does, in the axes at the beginning.
+    """The chord of an arc: the constant velocity that ends at the same position, in the initial axes.
 
     Args:
-        x, y: velocity in its own axes.
-        half: half the angle that it turns, rad.
+        x, y: velocity in the axes of the body.
+        half: half the turning angle, rad.
 
     Returns:
         The velocity; cosine and sine of ``half``.
@@ -94,7 +94,7 @@ class Gliders:
         return count
 
     def end(self) -> None:
-        """The tick is over."""
+        """After the tick: see `GliderWork.end`."""
         all_ = self._arrays
         v = all_.velocities
         for i, (slot, done) in enumerate(zip(all_.slots.tolist(), all_.done.tolist(), strict=True)):
@@ -113,7 +113,7 @@ class Chassis:
         self._arrays = arrays
 
     def pull(self, rotations: Floats, pairs: int, gravity: float) -> None:
-        """Bring the velocities of the robots closer to those of their treads."""
+        """Move the velocities of the robots closer to those of their treads."""
         all_ = self._arrays
         all_.touched[all_.geoms] = 0
         touching = all_.touching[:pairs]
@@ -142,10 +142,10 @@ class Chassis:
         all_.dimensions[geoms] = _HOLDS if stands else _ROLLS
         if stands or share == 0.0:
             return
-        # the axle moves straight ahead; seen along the heading in the middle of the tick
+        # the axle moves straight ahead, as seen along the heading in the middle of the tick
         c, s = turn_by(0.5 * rate * all_.period)
         side = -rate * float(all_.axles[i])
-        # half of what the slope takes away within the tick is given in advance
+        # half of what the slope takes away within the tick is added in advance
         slope = 0.5 * all_.period * gravity
         along = c * speed - s * side - ahead + slope * r[6]
         across = s * speed + c * side - beside + slope * r[7]

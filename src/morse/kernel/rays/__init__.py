@@ -16,7 +16,7 @@ __all__ = ["Fan", "Hits", "Poses", "SolidArrays", "TriangleMesh", "primitives", 
 
 
 def ray_caster(solids: SolidArrays) -> NativeRays | ReferenceRays:
-    """What casts rays at solids: C, or numpy where the kernel is missing or switched off; both give the same bits."""
+    """The function that casts rays: C, or numpy if the kernel is missing or disabled, with bit-identical results."""
     loaded = library()
     if loaded is None:
         from morse.kernel.rays.reference import ReferenceRays

@@ -1,4 +1,4 @@
-"""What rays are cast at, and the rays, as arrays."""
+"""Solids and rays as arrays."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class TriangleMesh:
-    """Triangles in a frame of their own.
+    """Triangles in their own frame.
 
     Attributes:
         vertices: (V, 3) metres.
@@ -31,12 +31,12 @@ class TriangleMesh:
 
 
 class Poses(NamedTuple):
-    """Where the rigid groups are.
+    """The poses of the rigid groups.
 
     Attributes:
         positions: (K, 3) metres, world frame.
         rotations: (K, 3, 3) from each group to the world.
-        anchor: (3,) metres: what rays meet is worked out relative to this place.
+        anchor: (3,) metres: hits are computed relative to this position.
     """
 
     positions: NDArray[np.float64]
@@ -50,7 +50,7 @@ class SolidArrays:
     Attributes:
         kinds: (S,) see `morse.kernel.rays.primitives`.
         sizes: (S, 3) of primitives.
-        slots: (S,) the rigid group that each moves with.
+        slots: (S,) the rigid group of each solid.
         places, turns: (S, 3) metres and (S, 3, 3), the pose in the group.
         centres, halves: (S, 3) metres, the box around each, in its own frame.
         meshes: [S] the triangles, None for primitives.
@@ -82,15 +82,15 @@ class SolidArrays:
 
 
 class Fan:
-    """The rays of some sensors that look into the same directions.
+    """The rays of some sensors with the same directions.
 
     Attributes:
         slots: (B,) the rigid group of each sensor.
         offsets, turns: (B, 3) metres and (B, 3, 3), the pose of each sensor in its group.
         directions: (N, 3) unit vectors in the frame of the sensor.
         origins: (N, 3) metres in the frame of the sensor, None for its origin.
-        upright: directions and origins are along the axes of the world.
-        limit: metres; what is nearer is met.
+        upright: directions and origins are in the axes of the world.
+        limit: maximum distance, metres.
         owners: (B,) the group of solids that the rays of each sensor pass through.
     """
 
@@ -117,17 +117,17 @@ class Fan:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Sensors and rays of each."""
+        """Number of sensors, and of rays of each."""
         return len(self.slots), len(self.directions)
 
 
 class Hits(NamedTuple):
-    """What rays met.
+    """The hits of rays.
 
     Attributes:
-        distances: (B, N) metres, infinite for nothing.
-        solids: (B, N) number of the solid, -1 for nothing.
-        faces: (B, N) triangle of its mesh, -1 for primitives and nothing.
+        distances: (B, N) metres, infinite without a hit.
+        solids: (B, N) index of the solid, -1 without a hit.
+        faces: (B, N) triangle of its mesh, -1 for primitives and without a hit.
     """
 
     distances: NDArray[np.float64]
@@ -136,12 +136,12 @@ class Hits(NamedTuple):
 
     @classmethod
     def empty(cls, shape: tuple[int, int]) -> Hits:
-        """Of some shape, with any numbers."""
+        """Uninitialised hits of some shape."""
         return cls(np.empty(shape), np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int32))
 
     @classmethod
     def nothing(cls, shape: tuple[int, int]) -> Hits:
-        """Rays that met nothing."""
+        """Rays without a hit."""
         return cls(np.full(shape, np.inf), np.full(shape, -1, dtype=np.int64), np.full(shape, -1, dtype=np.int32))
 
 

@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 
     from morse.kernel.rays.arrays import Fan, Poses, SolidArrays, TriangleMesh
 
-#: rays that pay for waking another thread
+#: number of rays that justify another thread
 _RAYS_A_THREAD = 2500
 
 
 class _Memory:
-    """What it takes to build a tree.
+    """Memory to build a tree.
 
     Args:
         count: number of boxes.
-        most: boxes in a leaf.
+        most: maximum number of boxes in a leaf.
     """
 
     def __init__(self, count: int, most: int) -> None:
@@ -84,13 +84,13 @@ class _MeshTree:
 
 
 def _below(numbers: NDArray[np.float64]) -> NDArray[np.float32]:
-    """In single precision, but not more."""
+    """In single precision, rounded down."""
     limited = np.clip(numbers - 1e-6 * np.abs(numbers) - 1e-9, -3e38, 3e38)
     return limited.astype(np.float32)
 
 
 class NativeRays:
-    """Casts rays at solids; see `morse.kernel.rays.reference.ReferenceRays`, its twin."""
+    """Casts rays at solids; the twin of `morse.kernel.rays.reference.ReferenceRays`."""
 
     def __init__(self, library: ctypes.CDLL, solids: SolidArrays) -> None:
         self._library = library
@@ -119,11 +119,11 @@ class NativeRays:
         )
 
     def gather(self, members: NDArray[np.integer], moving: bool) -> None:
-        """Say which solids stand still, or which ones move; `place` them before rays are cast."""
+        """Set the fixed or the moving solids; call `place` before rays are cast."""
         self._gatherings[moving] = _Gathering(members)
 
     def place(self, poses: Poses, moving: bool) -> None:
-        """Put the solids that stand still, or those that move, where their groups are."""
+        """Place the fixed or the moving solids at the poses of their groups."""
         placing, some = self._placing, self._gatherings[moving].structure
         placing.slot_positions, placing.slot_rotations, placing.anchor = self._addresses_of(poses)
         nodes = self._library.morse_rays_place(ctypes.byref(placing), ctypes.byref(some))
@@ -133,7 +133,7 @@ class NativeRays:
             self._solids.still, self._solids.still_leaves = some.nodes if nodes else None, some.leaves
 
     def cast(self, fan: Fan, poses: Poses, groups: NDArray[np.int64]) -> Hits:
-        """What the rays meet first; solids of the group (S,) of a sensor's owner are passed through."""
+        """The first hits of the rays; solids of the group (S,) of a sensor's owner are passed through."""
         hits = Hits.empty(fan.shape)
         rays = self._rays_of(fan)
         rays.slot_positions, rays.slot_rotations, rays.anchor = self._addresses_of(poses)
@@ -150,13 +150,13 @@ class NativeRays:
         return hits
 
     def _addresses_of(self, poses: Poses) -> list[int | None]:
-        """Asked for once for all that happens at one moment: an address takes as long as the rays of a small fan."""
+        """Computed once per moment: obtaining an address takes as long as the rays of a small fan."""
         if self._known is not poses:
             self._known, self._pose_addresses = poses, addresses(*poses)
         return self._pose_addresses
 
     def _rays_of(self, fan: Fan) -> RaysStructure:
-        """What does not change from one cast of a fan to the next."""
+        """The part that is the same in all casts of a fan."""
         rays = self._fans.get(fan)
         if rays is None:
             rays = self._fans[fan] = RaysStructure(rays=fan.shape[1], upright=fan.upright, limit=fan.limit)

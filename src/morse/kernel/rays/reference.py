@@ -1,7 +1,7 @@
-"""Rays cast by numpy: the reference for the C functions, and what does the work where these are missing.
+"""Rays cast by numpy: the reference for the C functions, and their replacement if the kernel is missing.
 
-A ray meets the nearest of all surfaces; of several at the same distance, that of the first solid,
-and of its first triangle. Nothing else counts, so trees, threads and processors change no bit.
+A ray hits the nearest surface; of several at the same distance, that of the first solid, and of that solid the first
+triangle. Results therefore do not depend on trees, threads or processors.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.intp]
 
-#: pairs of rays and solids that are looked at together, for the sake of memory
+#: number of pairs of rays and solids that are processed together, to limit the memory
 _MOST_PAIRS = 2_000_000
 
 
@@ -42,18 +42,18 @@ class ReferenceRays:
         self._radii = np.linalg.norm(solids.halves, axis=1)
 
     def gather(self, members: NDArray[np.integer], moving: bool) -> None:
-        """Say which solids stand still, or which ones move; `place` them before rays are cast."""
+        """Set the fixed or the moving solids; call `place` before rays are cast."""
         self._members[moving] = np.asarray(members, dtype=np.intp)
 
     def place(self, poses: Poses, moving: bool) -> None:
-        """Put the solids that stand still, or those that move, where their groups are."""
+        """Place the fixed or the moving solids at the poses of their groups."""
         members, solids = self._members[moving], self._solids
         positions, rotations = poses.positions[solids.slots[members]], poses.rotations[solids.slots[members]]
         self.positions[members] = turned(rotations, solids.places[members]) + (positions - poses.anchor)
         self.rotations[members] = product(rotations, solids.turns[members])
 
     def cast(self, fan: Fan, poses: Poses, groups: NDArray[np.int64]) -> Hits:
-        """What the rays meet first; solids of the group (S,) of a sensor's owner are passed through."""
+        """The first hits of the rays; solids of the group (S,) of a sensor's owner are passed through."""
         with np.errstate(all="ignore"):
             origins, directions = _aimed(fan, poses)
             owners = fan.owners.repeat(fan.shape[1])
@@ -87,7 +87,7 @@ class ReferenceRays:
         hits.faces.reshape(-1)[where] = faces[nearest]
 
     def _pairs(self, origins: Floats, directions: Floats, limit: float) -> tuple[Numbers, Numbers]:
-        """The pairs of rays and solids whose bounding spheres the rays meet, or nearly so."""
+        """The pairs of rays and solids whose slightly enlarged bounding spheres the rays hit."""
         members = np.concatenate([self._members[False], self._members[True]])
         members = members[np.isfinite(self.positions[members]).all(axis=1)]
         middles = self.positions[members] + turned(self.rotations[members], self._solids.centres[members])
@@ -150,7 +150,7 @@ def _aimed(fan: Fan, poses: Poses) -> tuple[Floats, Floats]:
 
 
 def turned(rotations: Floats, vectors: Floats) -> Floats:
-    """``R v`` (..., 3), term by term: a product of matrices adds up in an order of its own."""
+    """``R v`` (..., 3), term by term: matrix products add in an undefined order."""
     x, y, z = vectors[..., 0, None], vectors[..., 1, None], vectors[..., 2, None]
     result: Floats = rotations[..., 0] * x + rotations[..., 1] * y + rotations[..., 2] * z
     return result

@@ -1,7 +1,7 @@
-"""Where rays meet triangle meshes: the reference for ``c/mesh.h``.
+"""Intersections of rays with triangle meshes: the reference for ``c/mesh.h``.
 
 Watertight, in double precision (Woop, Benthin and Wald 2013). Each operation is the same there, in
-the same order, so that both give the same bits; which triangles are looked at does not matter.
+the same order, so that both give bit-identical results; the order of the tested triangles does not matter.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class ReferenceMesh:
             self._levels.insert(0, np.stack([pairs[:, :, 0].min(axis=1), pairs[:, :, 1].max(axis=1)], axis=1))
 
     def first(self, origins: Floats, directions: Floats, limits: Floats) -> tuple[Floats, NDArray[np.int32]]:
-        """Distance (N,), infinite for none, and triangle (N,), -1 for none, that each ray meets first."""
+        """Distance (N,), infinite without a hit, and triangle (N,), -1 without a hit, of the first hit of each ray."""
         distances, faces = np.full(len(origins), np.inf), np.full(len(origins), -1, dtype=np.int32)
         if not len(self._corners):
             return distances, faces
@@ -61,7 +61,7 @@ class ReferenceMesh:
         return distances, faces
 
     def _near(self, origins: Floats, directions: Floats, limits: Floats) -> tuple[Numbers, Numbers]:
-        """The pairs of rays and leaves whose boxes the rays meet."""
+        """The pairs of rays and leaves whose boxes the rays hit."""
         steps = 1.0 / np.where(np.abs(directions) < 1e-30, np.copysign(1e-30, directions), directions)
         rays, nodes = np.arange(len(origins)), np.zeros(len(origins), dtype=np.intp)
         for level, boxes in enumerate(self._levels):
