@@ -4,7 +4,7 @@ import { defineConfig } from "vite";
 const simulator = "http://127.0.0.1:8765";
 const libraries = ["three", "uplot"];
 
-/** The licences of the libraries go with the page that contains them. */
+/** Adds the licences of the libraries to the page. */
 const licences = {
   name: "licences",
   generateBundle(this: { emitFile(file: { type: "asset"; fileName: string; source: string }): void }) {
@@ -24,6 +24,6 @@ export default defineConfig({
     assetsInlineLimit: 0,
   },
   worker: { format: "es" },
-  // while working on the page: a simulation on the usual port
+  // for development of the page: a simulation on the default port
   server: { proxy: { "/ws": { target: simulator, ws: true }, "/worlds": simulator, "/files": simulator } },
 });

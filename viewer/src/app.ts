@@ -24,10 +24,10 @@ import { pick } from "./view/pick";
 import { Stage } from "./view/stage";
 import { World } from "./world/world";
 
-/** Nearer things are always drawn, m. */
+/** Near clipping distance: nearer objects are always drawn, m. */
 const NEAREST = 0.1;
 
-/** The whole page: what its parts have in common. */
+/** The page: the objects that its parts share. */
 export class App {
   readonly connection = new Connection();
   readonly shell = new Shell();
@@ -49,7 +49,7 @@ export class App {
   readonly panels = new Panels(this);
   readonly pad = new Pad(this.connection);
   readonly accidents = new Accidents(this.keyboard, this.stage.renderer.domElement);
-  /** where services have put the camera of the script since the world was described */
+  /** the camera pose that services have set since the world was described */
   private viewpoint: Viewpoint | null = null;
   private loading = Promise.resolve();
 
@@ -64,7 +64,7 @@ export class App {
       this.listener.enable(drives);
     });
     this.connection.on("world", ({ url }) => {
-      // one after another: the last one told is the one that stays
+      // one after another: the last one is applied last
       this.shell.view.ariaBusy = "true";
       this.loading = this.loading
         .then(() => this.load(url))
@@ -84,7 +84,7 @@ export class App {
     this.stage.start();
   }
 
-  /** Making the graphics card ready takes a while: the simulator is asked for the world before. */
+  /** Initialising the graphics card takes a while: the world is requested before. */
   private makeStage(): Stage {
     this.connection.open();
     try {
@@ -134,20 +134,20 @@ export class App {
     this.stage.invalidate();
   }
 
-  /** A world is shown for the first time since the page was loaded: show what was shown of it before. */
+  /** A world is shown for the first time since the page was loaded: restore what was shown of it before. */
   private begin(key: string): void {
     this.session.world.set(key);
     const selected = this.session.recall<string>("selected");
     if (selected !== null && this.components.selected.value === null) this.components.selected.set(selected);
   }
 
-  /** A service has moved the camera of the script: look from there, and call it home. */
+  /** A service has moved the camera of the script: move there, and use it as home. */
   private moveHome(viewpoint: Viewpoint): void {
-    // told again after a lost connection: the user may have gone elsewhere since
+    // sent again after a lost connection: the user may have moved the camera since
     if (JSON.stringify(viewpoint) === JSON.stringify(this.viewpoint)) return;
     const first = this.viewpoint === null && this.stage.world === null;
     this.viewpoint = viewpoint;
-    if (first) return; // the world comes with it
+    if (first) return; // part of the world
     const { location, rotation, clip } = viewpoint;
     this.follow.release();
     this.stage.view.position.set(...location);
@@ -159,7 +159,7 @@ export class App {
 
   private setCamera({ view, key }: SceneDescription, world: World): void {
     const bounds = world.bounds();
-    // what the script made too short for its own world is drawn all the same
+    // objects of the world beyond the clip distance of the script are drawn nevertheless
     const far = Math.max(view.camera_clip[1], 4 * (bounds.radius + bounds.center.length()), 400);
     this.stage.view.setLens(view.camera_focal_length, Math.min(view.camera_clip[0], NEAREST), Math.min(far, 5000));
     this.stage.view.position.set(...(this.viewpoint?.location ?? view.camera_location));

@@ -6,7 +6,7 @@ import "./style/panels.css";
 import "./style/view.css";
 import "./style/small.css";
 
-/** The page; or, in a browser that cannot show it, a sentence that says so. */
+/** The page, or an error message in a browser that cannot show it. */
 function start(): App | null {
   try {
     return new App();
@@ -20,7 +20,7 @@ function start(): App | null {
 
 const app = start();
 
-// the token has become a cookie: keep it out of the address, of bookmarks and of screenshots
+// the token is now in a cookie: remove it from the address, so that bookmarks and screenshots do not contain it
 const address = new URL(location.href);
 if (address.searchParams.has("token")) {
   address.searchParams.delete("token");
@@ -29,7 +29,7 @@ if (address.searchParams.has("token")) {
 
 declare global {
   interface Window {
-    /** for tests, and for a look from the browser's console */
+    /** for tests and for the browser's console */
     morse: App | null;
   }
 }

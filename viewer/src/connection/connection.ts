@@ -15,7 +15,7 @@ type Of<K extends Kind> = Extract<ServerMessage, { type: K }>;
 type Request = Extract<PageMessage, { request: number }>;
 type WithoutNumber<T> = T extends unknown ? Omit<T, "request"> : never;
 
-/** The link to the simulator: typed messages both ways. */
+/** The connection to the simulator: typed messages in both directions. */
 export class Connection {
   readonly state = new Signal<LinkState>({ open: false, code: 0, reason: "" });
   private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
@@ -38,7 +38,7 @@ export class Connection {
     this.pulse();
   }
 
-  /** For good: this page shows nothing. */
+  /** Close permanently: this page shows nothing any more. */
   close(): void {
     this.worker.terminate();
   }
@@ -53,7 +53,7 @@ export class Connection {
     this.order({ kind: "send", message });
   }
 
-  /** Ask for something that is answered. A lost connection answers, too. */
+  /** Send a request with an answer. A lost connection also counts as an answer. */
   request(message: WithoutNumber<Request>): Promise<Answer> {
     this.requests += 1;
     const request = this.requests;
@@ -63,12 +63,12 @@ export class Connection {
     });
   }
 
-  /** Interrupt the request that was made last. */
+  /** The number of the last request, for interrupting it. */
   get lastRequest(): number {
     return this.requests;
   }
 
-  /** The poses handed out last are on the screen: send newer ones. */
+  /** The last poses are on the screen: request newer ones. */
   drawn(): void {
     this.order({ kind: "drawn" });
   }

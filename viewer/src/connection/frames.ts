@@ -7,11 +7,11 @@ export interface PoseFrame {
   tick: number;
   /** simulated seconds */
   time: number;
-  /** asked for, simulated per wall-clock second; infinite: as fast as possible */
+  /** requested simulated seconds per wall-clock second; infinite: as fast as possible */
   speed: number;
-  /** reached, simulated per wall-clock second */
+  /** reached simulated seconds per wall-clock second */
   realTimeFactor: number;
-  /** x, y, z, qw, qx, qy, qz of each */
+  /** x, y, z, qw, qx, qy, qz of each node */
   poses: Float32Array;
 }
 
@@ -36,7 +36,7 @@ export function decodePoses(frame: ArrayBuffer): PoseFrame {
   };
 }
 
-/** Whether nothing has moved between two frames. */
+/** Whether the poses of two frames are equal. */
 export function samePoses(a: PoseFrame, b: PoseFrame): boolean {
   return a.revision === b.revision && a.poses.length === b.poses.length && a.poses.every((number, i) => number === b.poses[i]);
 }

@@ -1,4 +1,4 @@
-/* The connection lives in a thread of its own: drawing never delays a key or a sign of life. */
+/* The connection runs in a worker: rendering never delays a key or a heartbeat. */
 import type { Hello, PageMessage, SceneDescription, ServerMessage } from "../generated/protocol";
 import { VERSION } from "../generated/protocol";
 import { decodePayload, kindOf, POSES } from "./frames";
@@ -6,7 +6,7 @@ import { decodePayload, kindOf, POSES } from "./frames";
 export type ToWorker =
   | { kind: "open"; url: string; page: string }
   | { kind: "send"; message: PageMessage }
-  /** the page is alive and seen */
+  /** the page is alive and visible */
   | { kind: "pulse" }
   /** the page has drawn the last poses */
   | { kind: "drawn" };
@@ -17,7 +17,7 @@ export type FromWorker =
   | { kind: "poses"; frame: ArrayBuffer };
 
 const BEAT = 150; // ms
-const PULSE_LASTS = 1000; // ms: a page that hangs longer counts as gone
+const PULSE_LASTS = 1000; // ms: a page that hangs longer counts as closed
 const TAKEN_EVERY = 4;
 const RETRY = [300, 600, 1000, 2000, 3000];
 
@@ -43,7 +43,7 @@ function showNewest(): void {
   newest = null;
 }
 
-/** While the page still makes its canvas ready: what it will fetch next is in the browser's cache then. */
+/** While the page initialises its canvas: load what it will fetch next into the browser's cache. */
 async function prefetch(world: string): Promise<void> {
   const { meshes } = (await (await fetch(new URL(world, pageUrl))).json()) as SceneDescription;
   await Promise.all([...new Set(meshes.map((mesh) => mesh.url))].map((file) => fetch(new URL(file, pageUrl))));
@@ -55,7 +55,7 @@ function receive(data: string | ArrayBuffer): void {
     scope.postMessage({ kind: "message", message });
     if (message.type === "world" && !prefetched) {
       prefetched = true;
-      prefetch(message.url).catch(() => {}); // the page says what is wrong
+      prefetch(message.url).catch(() => {}); // the page reports errors
     }
   } else if (kindOf(data) === POSES) {
     taken += 1;

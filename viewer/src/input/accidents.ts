@@ -1,14 +1,14 @@
 import { CAMERA_KEYS } from "./camerakeys";
 import type { Keyboard } from "./keyboard";
 
-/** So long after the last key that flies or drives, or the last look around, the page is held open, ms. */
+/** Time after the last key that flies or drives, or the last look around, for which the page is kept open, ms. */
 const AFTER = 1500;
 
 /**
  * Keeps keys of the browser from closing or reloading the page while the user flies, drives or looks around.
  *
- * Ctrl+R, Ctrl+S, Ctrl+F and the like can be taken from the browser, Ctrl+W cannot: before the page is left at such a
- * moment, the browser asks.
+ * The page can intercept Ctrl+R, Ctrl+S, Ctrl+F and the like, but not Ctrl+W: therefore the browser asks before the
+ * page is left.
  */
 export class Accidents {
   private last = -Infinity;

@@ -1,4 +1,4 @@
-/** The keys that fly the camera, by their places on the keyboard. */
+/** The keys that fly the camera, by their positions on the keyboard. */
 export const FLY = {
   ahead: ["KeyW", "KeyZ"],
   back: ["KeyS"],

@@ -1,9 +1,9 @@
 import type { Connection } from "../connection/connection";
 
 const EVERY = 50; // ms
-const REST = 0.08; // sticks never stand quite still
+const REST = 0.08; // sticks are never exactly at rest
 
-/** The first gamepad: its axes and buttons go to the simulation while it is moved. */
+/** The first gamepad: its axes and buttons are sent to the simulation while it is used. */
 export class Pad {
   private told = "";
 
@@ -21,7 +21,7 @@ export class Pad {
     const buttons = pad.buttons.slice(0, 64).map(({ pressed }) => pressed);
     const busy = axes.some((value) => value !== 0) || buttons.some(Boolean);
     const text = JSON.stringify([axes, buttons]);
-    // while something is held it is told again and again, like the keys
+    // held buttons are sent repeatedly, like keys
     if (text === this.told && !busy) return;
     this.told = text;
     this.connection.send({ type: "gamepad", axes, buttons });

@@ -4,10 +4,10 @@ import { CAMERA_KEYS } from "./camerakeys";
 
 const AGAIN = 250; // ms
 
-/** The keys held down, told to the simulation at every change. */
+/** The pressed keys, sent to the simulation at every change. */
 export class Keyboard {
   readonly held = new Set<string>();
-  /** whether Ctrl is held to look around, so that keys beside it fly */
+  /** whether Ctrl is pressed to look around, so that other keys fly */
   flies: () => boolean = () => false;
 
   constructor(private readonly connection: Connection) {
@@ -17,14 +17,14 @@ export class Keyboard {
     document.addEventListener("visibilitychange", () => {
       if (document.visibilityState === "hidden") this.release();
     });
-    // focus moving into a text field takes the keys along
+    // when focus moves into a text field, all keys count as released
     addEventListener("focusin", (event) => isTyping(event) && this.release());
-    // told again now and then: what was dropped while the page hung holds again
+    // sent again at intervals: messages that were dropped while the page hung are repeated
     setInterval(() => this.held.size > 0 && this.tell(), AGAIN);
     connection.state.watch(({ open }) => open && this.held.size > 0 && this.tell());
   }
 
-  /** A key of the page's own, e.g. of a pad on a touch screen. */
+  /** A key of the page itself, e.g. of the pad on a touch screen. */
   press(code: string, down: boolean): void {
     if (down === this.held.has(code)) return;
     if (down) this.held.add(code);
@@ -49,7 +49,7 @@ export class Keyboard {
   }
 
   private up(event: KeyboardEvent): void {
-    // while Meta is down, browsers do not say that other keys are released
+    // while Meta is pressed, browsers do not report that other keys are released
     if (event.key === "Meta") this.release();
     if (this.held.delete(event.code)) this.tell();
   }

@@ -1,7 +1,7 @@
 import { isTyping } from "../ui/dom";
 
 export interface Shortcut {
-  /** names of keys, as typed or by their place, e.g. "h", "F7", "Space" */
+  /** names of keys, as typed or by position, e.g. "h", "F7", "Space" */
   keys: string[];
   /** shown in the help */
   shown: string;
@@ -10,7 +10,7 @@ export interface Shortcut {
   run: () => void;
 }
 
-/** Keys that do something at once; those held down to drive or fly are elsewhere. */
+/** Keys with an immediate effect; keys that are held to drive or fly are elsewhere. */
 export class Shortcuts {
   readonly list: Shortcut[] = [];
 
@@ -31,7 +31,7 @@ export class Shortcuts {
   }
 }
 
-/** Whether an element is pressed by Space or Enter itself. */
+/** Whether Space or Enter activate an element. */
 function isPressed(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest("button, summary, a, input") !== null;
 }

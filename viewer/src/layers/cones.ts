@@ -8,7 +8,7 @@ const LINES = new LineBasicMaterial({ color: 0x2f7fc2, transparent: true, opacit
 const SEEING = new LineBasicMaterial({ color: 0xd9660c, transparent: true, opacity: 0.9, toneMapped: false });
 const BODY = new MeshBasicMaterial({ color: 0x4f9fe2, transparent: true, opacity: 0.09, depthWrite: false, side: DoubleSide, toneMapped: false });
 
-/** The space that proximity sensors and semantic cameras watch. */
+/** The fields of view of proximity sensors and semantic cameras. */
 export class Cones extends Layer {
   private readonly known = new Map<string, Cone>();
   private around: Surroundings | null = null;
@@ -45,7 +45,7 @@ export class Cones extends Layer {
     const lines = new LineSegments(outline(cone.reach, half), material);
     lines.name = cone.component;
     lines.matrixAutoUpdate = false;
-    // a sphere's cap around Y, turned to look along X
+    // a spherical cap around Y, rotated to point along X
     const body = new Mesh(new SphereGeometry(cone.reach, 32, 12, 0, Math.PI * 2, 0, half).rotateZ(-Math.PI / 2), BODY);
     lines.add(body);
     lines.traverse((object) => (object.raycast = () => {}));

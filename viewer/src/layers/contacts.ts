@@ -4,11 +4,11 @@ import { Layer } from "./layer";
 
 const DOT = new PointsMaterial({ color: 0xd12fae, size: 7, sizeAttenuation: false, depthTest: false, toneMapped: false });
 const FORCE = new LineBasicMaterial({ color: 0xd12fae, depthTest: false, toneMapped: false });
-/** Metres drawn for a newton, and at most. */
+/** Drawn length per newton, and maximum length, m. */
 const METRES = 0.004;
 const LONGEST = 1.5;
 
-/** Where bodies touch, and how hard. */
+/** Contact points and contact forces. */
 export class Contacts extends Layer {
   private readonly dots = new Points(new BufferGeometry(), DOT);
   private readonly forces = new LineSegments(new BufferGeometry(), FORCE);

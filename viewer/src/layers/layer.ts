@@ -8,7 +8,7 @@ export interface Surroundings {
   components: Components;
 }
 
-/** Something drawn over the world that can be switched on and off. */
+/** An overlay of the world that can be switched on and off. */
 export abstract class Layer {
   readonly root = new Group();
   on = false;
@@ -31,10 +31,10 @@ export abstract class Layer {
     if (on && around) this.build(around);
   }
 
-  /** Make what is drawn, for the world as it is now. */
+  /** Create the objects for the present world. */
   build(_around: Surroundings): void {}
 
-  /** Before each frame, while on. */
+  /** Called before each frame while the layer is on. */
   update(_around: Surroundings): void {}
 
   clear(): void {

@@ -18,12 +18,12 @@ import { Trails } from "./trails";
 
 const KEY = "morse.layers";
 const CONTACTS = "contacts";
-/** Rays and cones are shown of so many robots: the selected one, and those nearest to the camera. */
+/** Maximum number of robots with rays and cones: the selected one, and those nearest to the camera. */
 const MOST_ROBOTS = 8;
-/** ms between two looks at which robots are nearest */
+/** ms between two searches for the nearest robots */
 const LOOK = 1000;
 
-/** What can be drawn over the world, and the menu that switches it. */
+/** All overlays of the world, and their menu. */
 export class Layers {
   readonly element = h("fieldset", { class: "layers" }, h("legend", {}, "show"));
   readonly names: Names;
@@ -88,7 +88,7 @@ export class Layers {
     for (const layer of this.list) if (layer.on) layer.switch(true, this.around());
   }
 
-  /** A script may ask for the rays of a sensor (Visible_arc); who has chosen layers before keeps the choice. */
+  /** A script may request the rays of a sensor (Visible_arc); an earlier choice of the user has priority. */
   private showArcs(): void {
     const asked = this.components.all.value.some(({ properties }) =>
       properties.some(({ name, value }) => name === "Visible_arc" && value === true),
@@ -108,7 +108,7 @@ export class Layers {
     return this.stage.world && { world: this.stage.world, components: this.components };
   }
 
-  /** Rays and cones of some robots: what all of many see would fill the picture and the line. */
+  /** Rays and cones of some robots: those of many robots would fill the view and the connection. */
   private tell(): void {
     const on = (id: string): boolean => this.list.some((layer) => layer.id === id && layer.on);
     const all = this.components.all.value;

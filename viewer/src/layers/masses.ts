@@ -6,7 +6,7 @@ import { Layer } from "./layer";
 
 const BALL = new MeshBasicMaterial({ color: 0xe0b000, depthTest: false, transparent: true, opacity: 0.85, toneMapped: false });
 
-/** Where the mass of bodies is centred; the heavier, the larger. */
+/** Centres of mass of bodies; the size grows with the mass. */
 export class Masses extends Layer {
   private readonly known = new Map<string, MassCentre>();
 

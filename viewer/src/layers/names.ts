@@ -7,7 +7,7 @@ import { Layer } from "./layer";
 const MOST = 100;
 const FARTHEST = 80; // metres
 
-/** Pixels: of a line of text, of a letter, and beside the text; asking the page for them would lay it out anew. */
+/** Pixels: of a line of text, of a letter, and beside the text; measuring elements would cause a new layout. */
 const HEIGHT = 22;
 const LETTER = 7.4;
 const PADDING = 14;
@@ -20,7 +20,7 @@ interface Place {
   far: number;
 }
 
-/** The names of robots, written over them. */
+/** Labels with the names of robots. */
 export class Names extends Layer {
   readonly element = h("div", { class: "names", "aria-hidden": "true" });
   private readonly labels = new Map<string, HTMLElement>();
@@ -33,7 +33,7 @@ export class Names extends Layer {
   override build({ world }: Surroundings): void {
     for (const node of world.nodes.filter(({ description }) => description.kind.includes("robot")).slice(0, MOST)) {
       const label = h("span", {}, node.name);
-      label.hidden = true; // until it has a place
+      label.hidden = true; // until it has a position
       this.labels.set(node.name, label);
       this.element.append(label);
     }
@@ -62,7 +62,7 @@ export class Names extends Layer {
     this.spread(places);
   }
 
-  /** Show labels from near to far: one that would cover another moves up a little, or is left out. */
+  /** Show labels from near to far: a label that would cover another one moves up a little, or is left out. */
   private spread(places: Place[]): void {
     const taken: { left: number; right: number; top: number; bottom: number }[] = [];
     for (const { label, x, y } of places.sort((a, b) => a.far - b.far)) {

@@ -5,7 +5,7 @@ import { Layer, discard } from "./layer";
 const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.25, depthWrite: false, toneMapped: false });
 const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
 
-/** A ray that meets nothing is drawn so far only, m: it would hide the world behind it. */
+/** Drawn length of a ray without a hit, m: its full length would hide the world behind it. */
 const MISS = 0.6;
 
 interface Drawn {
@@ -13,7 +13,7 @@ interface Drawn {
   hits: Points;
 }
 
-/** What laser scanners and the like measure: a line for each ray, a dot where it hits. */
+/** Rays of laser scanners and similar sensors: a line for each ray, a dot at each hit. */
 export class Rays extends Layer {
   private readonly drawn = new Map<string, Drawn>();
 
@@ -26,7 +26,7 @@ export class Rays extends Layer {
     });
   }
 
-  /** Forget the rays of sensors that are no longer shown. */
+  /** Delete the rays of sensors that are no longer shown. */
   keep(components: string[]): void {
     for (const [name, { beams, hits }] of this.drawn) {
       if (components.includes(name)) continue;

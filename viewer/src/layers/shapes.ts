@@ -7,7 +7,7 @@ import { Layer } from "./layer";
 
 const EDGES = new LineBasicMaterial({ color: 0x19b37a, transparent: true, opacity: 0.9, toneMapped: false });
 
-/** The shapes that collide. */
+/** The collision shapes. */
 export class Shapes extends Layer {
   constructor() {
     super("shapes", "collision shapes");
@@ -39,7 +39,7 @@ export class Shapes extends Layer {
 
 /** From the frame of the shape to that of its node. */
 function localOf({ kind, position, rotation }: ShapeDescription): Matrix4 {
-  if (kind === "convex") return new Matrix4(); // its points are in the frame of the node
+  if (kind === "convex") return new Matrix4(); // its vertices are in the frame of the node
   const [a, b, c, d, e, f, g, h, i] = rotation as [number, number, number, number, number, number, number, number, number];
   const [x, y, z] = position;
   return new Matrix4().set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);

@@ -5,7 +5,7 @@ import { Layer } from "./layer";
 
 const LENGTH = 3000;
 const STEP = 0.03; // metres
-const LEAP = 2; // metres between two frames: it was moved, not driven
+const LEAP = 2; // metres between two frames: the robot was moved, not driven
 const MOST = 200;
 const COLORS = [0xd9660c, 0x2f7fc2, 0x3a9a4a, 0xb14cc0, 0xc23b4a, 0x0f9a9a];
 
@@ -16,7 +16,7 @@ interface Trail {
   last: Vector3;
 }
 
-/** Where robots have been. */
+/** The past paths of robots. */
 export class Trails extends Layer {
   private trails: Trail[] = [];
   private readonly place = new Vector3();
@@ -35,7 +35,7 @@ export class Trails extends Layer {
       const line = new Line(geometry, new LineBasicMaterial({ color: COLORS[i % COLORS.length] as number, toneMapped: false }));
       line.frustumCulled = false;
       line.raycast = () => {};
-      // lines are a pixel wide everywhere: dots on it let it be seen
+      // lines are always one pixel wide: dots make them visible
       const dots = new Points(geometry, new PointsMaterial({ color: line.material.color, size: 3.5, sizeAttenuation: false, toneMapped: false }));
       dots.frustumCulled = false;
       dots.raycast = () => {};
@@ -59,12 +59,12 @@ export class Trails extends Layer {
     }
   }
 
-  /** As many dots as the way is long, however few pictures are drawn on it. */
+  /** The number of dots depends on the length of the path, not on the frame rate. */
   private extend(trail: Trail, dots: number): void {
     const { geometry } = trail.line;
     const points = geometry.getAttribute("position") as BufferAttribute;
     const surplus = Math.max(0, trail.count + dots - LENGTH);
-    if (surplus > 0) points.array.copyWithin(0, 3 * surplus); // the oldest go
+    if (surplus > 0) points.array.copyWithin(0, 3 * surplus); // delete the oldest
     trail.count -= surplus;
     for (let i = 1; i <= dots; i++) {
       this.dot.copy(this.place);

@@ -7,7 +7,7 @@ export interface Live {
   data: Record<string, unknown>;
 }
 
-/** The last thing that went wrong with a component. */
+/** The last problem of a component. */
 export interface Complaint {
   level: "warning" | "error";
   text: string;
@@ -24,10 +24,10 @@ export class Components {
   private readonly changed = new Set<(component: ComponentDescription) => void>();
 
   constructor(connection: Connection) {
-    // the log comes after this, if there is one
+    // the log is sent after this, if there is one
     connection.on("welcome", () => this.complaints.clear());
     connection.on("tree", ({ components }) => {
-      // a simulation that begins anew has done nothing wrong yet
+      // a restarted simulation has no problems yet
       if (this.all.value.length > 0) this.complaints.clear();
       this.all.set(components);
     });
@@ -68,7 +68,7 @@ export class Components {
     this.changed.add(listener);
   }
 
-  /** Something went wrong; an error is not forgotten for a warning. */
+  /** Report a problem; a warning does not replace an error. */
   complain(name: string, level: Complaint["level"], text: string): void {
     if (level === "warning" && this.complaints.get(name)?.level === "error") return;
     this.complaints.set(name, { level, text });
@@ -80,7 +80,7 @@ export class Components {
     const old = this.all.value[index];
     if (!old) return;
     const changed = change(old);
-    // in place: the tree is drawn anew only when components come or go
+    // in place: the tree is rebuilt only when components are added or removed
     this.all.value[index] = changed;
     for (const listener of this.changed) listener(changed);
   }

@@ -7,7 +7,7 @@ interface Kept {
   parts: Record<string, unknown>;
 }
 
-/** What this tab showed of a world, so that a reload shows it again. */
+/** The state of this tab for a world, so that a reload restores it. */
 export class Session {
   /** the world that is shown, by its key */
   readonly world = new Signal<string>("");
@@ -18,11 +18,11 @@ export class Session {
       const kept = JSON.parse(sessionStorage.getItem(KEY) ?? "null") as Kept | null;
       if (kept !== null && typeof kept.parts === "object") this.kept = kept;
     } catch {
-      // what cannot be read is forgotten
+      // unreadable state is discarded
     }
   }
 
-  /** What a part of the page kept of this world, or null. */
+  /** The state that a part of the page stored for this world, or null. */
   recall<T>(part: string): T | null {
     if (this.kept.world !== this.world.value) return null;
     return (this.kept.parts[part] as T | undefined) ?? null;

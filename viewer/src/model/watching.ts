@@ -2,7 +2,7 @@ import type { Connection } from "../connection/connection";
 
 type Kind = "values" | "overlays" | "images";
 
-/** Tells the simulation what this page shows, so that nothing else is sent. */
+/** Reports to the simulation what this page shows, so that it sends nothing else. */
 export class Watching {
   private readonly wanted: Record<Kind, Map<string, string[]>> = { values: new Map(), overlays: new Map(), images: new Map() };
   private told = "";
@@ -14,7 +14,7 @@ export class Watching {
     });
   }
 
-  /** What one part of the page shows, replacing what it showed before. */
+  /** Set what one part of the page shows, replacing its previous list. */
   set(kind: Kind, part: string, names: string[]): void {
     this.wanted[kind].set(part, names);
     this.tell();

@@ -4,7 +4,7 @@ import { icons } from "../ui/icons";
 import type { Stage } from "../view/stage";
 import type { Toasts } from "./toasts";
 
-/** Keeps what is seen: a picture, or a film. */
+/** Saves the view as a picture or a film. */
 export class Capture {
   readonly element: HTMLElement;
   private readonly film = iconButton(icons.record, "Film the view", () => this.toggleFilm());
@@ -18,10 +18,10 @@ export class Capture {
   }
 
   picture(): void {
-    this.stage.draw(); // what was drawn before is no longer there to be read
+    // the buffer of the last frame can no longer be read
     this.stage.renderer.domElement.toBlob((blob) => {
       if (blob) save(blob, fileName("view", "png"));
-      else this.toasts.show("The browser gave no picture.", "error");
+      else this.toasts.show("The browser did not return a picture.", "error");
     });
   }
 

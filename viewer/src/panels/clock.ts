@@ -8,13 +8,13 @@ import { icons } from "../ui/icons";
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10];
 const LATE = 0.9;
 
-/** Simulated time, how fast it goes, and what controls it. */
+/** Simulated time, its speed, and its controls. */
 export class Clock {
   readonly element: HTMLElement;
   private running = true;
   private readonly time = h("output", { class: "time", title: "simulated time", "aria-label": "simulated time" }, "–");
   private readonly factor = h("output", { class: "factor", title: "real-time factor", "aria-label": "real-time factor" }, "");
-  /** said over the view when the machine cannot keep up */
+  /** shown over the view when the machine cannot keep up */
   readonly warning = h("p", { class: "late", role: "status", hidden: true });
   private readonly play = iconButton(icons.pause, "Pause", () => this.toggle(), "P");
   private readonly stepButton = iconButton(icons.step, "One tick", () => this.step(), ".");
@@ -72,12 +72,12 @@ export class Clock {
     this.connection.send({ type: "step", count: 1 });
   }
 
-  /** Start anew, once that is confirmed. */
+  /** Restart after a confirmation. */
   reset(): void {
     ask("Reset everything to the beginning?", "reset", () => this.connection.send({ type: "reset" }));
   }
 
-  /** End the simulation, once that is confirmed. */
+  /** End the simulation after a confirmation. */
   quit(): void {
     ask("End the simulation? Programs that control robots lose their connection.", "end it", () => this.connection.send({ type: "quit" }));
   }

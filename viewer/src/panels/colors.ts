@@ -1,8 +1,8 @@
-/** Colours that are told apart on light and dark ground, also by those who see no red or green. */
+/** Colours that can be distinguished on light and dark backgrounds, also with red-green colour blindness. */
 const COLORS = ["#d9660c", "#2f7fc2", "#3a9a4a", "#b14cc0", "#c23b4a", "#0f9a9a", "#8a7a1a", "#6a6fd0"];
 
-/** The colour of a curve: none twice. */
+/** The colour of a curve: all are different. */
 export function colorOf(index: number): string {
-  // beyond the chosen ones, hues as far apart as the golden angle makes them
+  // after these, hues at the golden angle
   return COLORS[index] ?? `hsl(${((index * 137.508) % 360).toFixed(0)} 55% ${index % 2 === 0 ? 45 : 58}%)`;
 }

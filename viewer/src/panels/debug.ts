@@ -1,7 +1,7 @@
 import type { Connection } from "../connection/connection";
 import { h } from "../ui/dom";
 
-/** The properties that the script asks to show, over the view. */
+/** The properties that the script displays, over the view. */
 export class DebugList {
   private readonly rows = h("tbody");
   private readonly rest = h("p", { class: "quiet", hidden: true });

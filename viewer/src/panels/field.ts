@@ -1,7 +1,7 @@
 import { h } from "../ui/dom";
 import { parse, write } from "./values";
 
-/** What is known of a value that can be changed. */
+/** Description of a value that can be changed. */
 export interface Changeable {
   name: string;
   type: string;
@@ -13,11 +13,11 @@ export interface Changeable {
 
 export type Field = HTMLInputElement | HTMLSelectElement;
 
-/** An input that fits a value: a box to tick, a list of choices, a number between bounds, or text. */
+/** An input for a value: a check box, a list of choices, a number with limits, or text. */
 export function makeField(what: Changeable, value: unknown): Field {
   if (what.choices && what.choices.length > 0) {
     const select = h("select", { "aria-label": what.name });
-    // a value that is none of the choices is shown all the same
+    // a value that is not among the choices is shown nevertheless
     const options = what.choices.some((choice) => write(choice) === write(value)) ? what.choices : [value, ...what.choices];
     select.append(...options.map((choice) => h("option", { value: write(choice) }, write(choice))));
     fill(select, value);
@@ -41,12 +41,12 @@ export function fill(field: Field, value: unknown): void {
   }
 }
 
-/** What a field says, as the type that the component declares. */
+/** The content of a field, converted to the type that the component declares. */
 export function read(field: Field, type: string): unknown {
   return field instanceof HTMLInputElement && field.type === "checkbox" ? field.checked : parse(field.value, type);
 }
 
-/** Whether somebody may be typing in it. */
+/** Whether the user may be editing it. */
 export function inUse(field: Field): boolean {
   return document.activeElement === field && !(field instanceof HTMLInputElement && field.type === "checkbox");
 }

@@ -5,7 +5,7 @@ import { icons } from "../ui/icons";
 import type { Signal } from "../ui/signal";
 import { formatTime } from "./clock";
 
-/** A slider over the states that can be gone back to, while time stands still; over all of a recorded run, always. */
+/** A slider over the saved states while the simulation is paused; over the whole run during a replay, always. */
 export class HistoryPanel {
   readonly element: HTMLElement;
   private times: number[] = [];
@@ -36,7 +36,7 @@ export class HistoryPanel {
     drives.watch(() => this.show());
   }
 
-  /** Go to the state that was kept before the present one. */
+  /** Go to the saved state before the present one. */
   stepBack(): void {
     this.connection.send({ type: "step_back" });
   }
@@ -49,7 +49,7 @@ export class HistoryPanel {
   private show(): void {
     this.element.hidden = this.poses.value === null || (this.poses.value.running && !this.recorded) || this.times.length === 0 || !this.drives.value;
     if (this.element.hidden) return;
-    // the state that is shown, or the last one before it
+    // the state that is shown, or the last state before it
     let at = this.times.length - 1;
     while (at > 0 && (this.times[at] as number) > this.now + 1e-9) at -= 1;
     if (document.activeElement !== this.slider || !this.slider.matches(":active")) this.slider.value = String(at);

@@ -11,11 +11,11 @@ interface Panel {
   canvas: HTMLCanvasElement;
 }
 
-/** What cameras see, one small panel each. */
+/** Camera images, one small panel each. */
 export class Images {
   readonly element = h("div", { class: "images" });
   private readonly panels = new Map<string, Panel>();
-  /** shown by a single key */
+  /** shown by the shortcut */
   private preferred: string | null = null;
   private capturing = true;
 
@@ -28,13 +28,13 @@ export class Images {
     connection.on("capturing", ({ active }) => this.showCapturing(active));
   }
 
-  /** The camera that the script chose for display: shown, until it is closed. */
+  /** The camera that the script selected for display: shown until it is closed. */
   prefer(camera: string | null): void {
     if (camera !== null && camera !== this.preferred && !this.panels.has(camera)) this.open(camera);
     this.preferred = camera;
   }
 
-  /** Show or hide what a camera sees; without a name, the one that was chosen, or the first. */
+  /** Show or hide the image of a camera; without a name, of the selected camera or the first one. */
   toggle(camera: string | null = null): string | null {
     const name = camera ?? this.preferred ?? this.components.all.value.find(isCamera)?.name ?? null;
     if (name === null) return null;
@@ -63,7 +63,7 @@ export class Images {
     this.tell();
   }
 
-  /** Let all cameras take pictures, or stop them. */
+  /** Start or stop capturing of all cameras. */
   capture(): void {
     this.connection.send({ type: "toggle_capturing" });
   }
@@ -106,7 +106,7 @@ export class Images {
   }
 }
 
-/** The button says what it will do. */
+/** The label of the button is its next action. */
 function dress(button: HTMLButtonElement, capturing: boolean): void {
   button.innerHTML = capturing ? icons.pause : icons.play;
   button.ariaLabel = capturing ? "Stop the cameras" : "Let the cameras take pictures";

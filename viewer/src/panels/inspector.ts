@@ -12,12 +12,12 @@ import { format, numbersIn } from "./values";
 
 export const FIELD = "application/x-morse-field";
 
-/** The selected component: what it measures or obeys, its properties, its services. */
+/** The selected component: its data, its properties, its services. */
 export class Inspector {
   readonly element = h("section", { class: "panel inspector", "aria-label": "inspector" });
   private readonly cells = new Map<string, HTMLElement>();
   private readonly properties = new Map<string, Field>();
-  /** data of an actuator, by field; made when there is a first value */
+  /** data of an actuator, by field; created with the first value */
   private readonly commands = new Map<string, Field>();
   private active: HTMLInputElement | null = null;
   private complaint: HTMLElement | null = null;
@@ -106,7 +106,7 @@ export class Inspector {
     this.scan?.draw(data);
   }
 
-  /** Data of an actuator can be set: as a command, like those of clients. */
+  /** Data of an actuator can be set by a command, as clients do. */
   private updateCommand(component: ComponentDescription, name: string, cell: HTMLElement, value: unknown): void {
     const known = this.commands.get(name);
     if (known) {
@@ -143,7 +143,7 @@ export class Inspector {
     return section("services", ...component.services.map((service) => serviceForm(this.connection, component.name, service)));
   }
 
-  /** Something changed: what is being typed stays. */
+  /** A value has changed: a field that is being edited keeps its content. */
   private refresh({ name, properties, active }: ComponentDescription): void {
     if (this.active) this.active.checked = active;
     this.complain(name);
@@ -167,7 +167,7 @@ export class Inspector {
   }
 }
 
-/** Send a field whenever it is changed; the element shows why that was refused. */
+/** Send a field whenever it is changed; the element shows why a value was refused. */
 function onChange(field: Field, send: () => Promise<Answer>): HTMLElement {
   const error = h("p", { class: "error", role: "alert", hidden: true });
   field.addEventListener("change", () => {
@@ -181,7 +181,7 @@ function onChange(field: Field, send: () => Promise<Answer>): HTMLElement {
   return error;
 }
 
-/** A long name may be broken after its underscores. */
+/** Allow line breaks after the underscores of a long name. */
 function breakable(name: string): (HTMLElement | string)[] {
   return name.split(/(?<=_)/).flatMap((part, i) => (i === 0 ? [part] : [h("wbr"), part]));
 }

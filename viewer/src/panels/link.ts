@@ -5,7 +5,7 @@ const OTHER_VERSION = 4000;
 const NOT_UNDERSTOOD = 4001;
 const GOING_AWAY = 1001;
 
-/** A line across the view while there is no connection. */
+/** A banner over the view while there is no connection. */
 export class LinkBanner {
   readonly element = h("div", { class: "link", role: "alert" }, "Connecting…");
   private ever = false;
@@ -23,7 +23,7 @@ export class LinkBanner {
   }
 
   private explain(code: number, reason: string): void {
-    // attempts to reach what has ended fail, too: it has ended all the same
+    // attempts to reconnect to a simulation that has ended fail, too
     this.ended ||= code === GOING_AWAY;
     if (this.ended) this.say("The simulation has ended. Waiting for it to start again…", false);
     else if (code === NOT_UNDERSTOOD) this.say(`${reason}. Trying again…`, false);
@@ -36,13 +36,13 @@ export class LinkBanner {
     this.element.replaceChildren(text, " ", button || "");
   }
 
-  /** A refused connection says nothing of why; a plain request does. */
+  /** A refused WebSocket gives no reason; a plain HTTP request does. */
   private async whyRefused(): Promise<void> {
     try {
       const answer = await fetch("ws");
       if (answer.status === 403) this.say(await answer.text(), false);
     } catch {
-      // not there at all: that is what the line says
+      // no server: the banner already says so
     }
   }
 }

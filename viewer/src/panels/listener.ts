@@ -5,11 +5,11 @@ import { Signal } from "../ui/signal";
 
 const ALL = "";
 
-/** Which robot obeys the keys. */
+/** Selects the robot that the keys drive. */
 export class Listener {
-  readonly element = h("label", { class: "listener", hidden: true, title: "the robot that obeys the arrow keys" });
+  readonly element = h("label", { class: "listener", hidden: true, title: "the robot that the arrow keys drive" });
   readonly robot = new Signal<string | null>(null);
-  /** the robots that can obey keys */
+  /** the robots that keys can drive */
   readonly robots = new Signal<string[]>([]);
   private readonly select = h("select", { "aria-label": "the robot that obeys the keys" });
 

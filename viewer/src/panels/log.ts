@@ -6,11 +6,11 @@ import type { Toasts } from "./toasts";
 
 const MOST = 500;
 
-/** What the simulation says; a line about a component leads to it. */
+/** The log of the simulation; a line about a component is a link to the component. */
 export class LogPanel {
   readonly element = h("section", { class: "log", role: "log", "aria-label": "messages", tabIndex: 0 });
   private readonly empty = h("p", { class: "quiet" }, "No messages yet.");
-  /** lines that come while the page is told what was said before are no news */
+  /** earlier lines that are sent to a new page do not count as new */
   private fresh = false;
 
   constructor(
@@ -20,7 +20,7 @@ export class LogPanel {
     private readonly onNews: (level: Log["level"]) => void,
   ) {
     this.element.append(this.empty);
-    // what was added while the log was hidden is read from its end
+    // lines that were added while the log was hidden are shown from the end
     new ResizeObserver(() => (this.element.scrollTop = this.element.scrollHeight)).observe(this.element);
     connection.on("welcome", () => {
       this.fresh = false;

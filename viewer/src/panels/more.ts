@@ -2,7 +2,7 @@ import { iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { closeWhenLeft } from "../ui/popup";
 
-/** Opens what the header has no room for; style sheets show it where there is little room. */
+/** Opens the controls that do not fit into the header; style sheets show this button in narrow windows. */
 export class MoreButton {
   readonly element = iconButton(icons.more, "More", () => this.show(!this.open));
 

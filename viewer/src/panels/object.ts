@@ -9,7 +9,7 @@ import type { Stage } from "../view/stage";
 import type { WorldNode } from "../world/node";
 import type { World } from "../world/world";
 
-/** Where the selected object is, and what can be done with it. */
+/** The pose of the selected object, and its actions. */
 export class ObjectPanel {
   private readonly place = h("td", { class: "value" });
   private readonly angles = h("td", { class: "value" });
@@ -26,7 +26,7 @@ export class ObjectPanel {
     stage.onDrawn(() => this.update());
   }
 
-  /** The panel for what has that name, or nothing if it is nowhere in the world. */
+  /** The panel for the object with that name, or nothing if it is not in the world. */
   show(name: string, camera: boolean): HTMLElement | null {
     this.node = this.stage.world?.find(name) ?? null;
     const node = this.node;
@@ -53,12 +53,12 @@ export class ObjectPanel {
         button(icons.eye, "follow", "Follow", () => this.follow.start("third", node)),
         button(icons.move, "move", "Move", () => this.onMove(node), "M"),
         button(icons.copy, "copy", "Copy the pose as builder code", () => void this.copy()),
-        camera && button(icons.camera, "picture", "What it sees", () => this.images.toggle(name), "V"),
+        camera && button(icons.camera, "picture", "Show the camera image", () => this.images.toggle(name), "V"),
       ),
     );
   }
 
-  /** The world was described anew: the object may be another one of the same name. */
+  /** The world was described again: the object may be a new one with the same name. */
   rebind(world: World): void {
     this.node = world.find(this.node?.name ?? "");
   }
@@ -78,7 +78,7 @@ export class ObjectPanel {
       await navigator.clipboard.writeText(code);
       this.toasts.show("The pose is on the clipboard.");
     } catch {
-      // without a secure connection browsers keep the clipboard to themselves
+      // without a secure connection, browsers do not allow access to the clipboard
       this.toasts.show(code);
     }
   }
@@ -90,7 +90,7 @@ export class ObjectPanel {
     this.angles.textContent = angles.map(millimetres).join(", ");
   }
 
-  /** Put a node somewhere, as a client would. */
+  /** Set the pose of a node, as a client would. */
   async teleport(node: WorldNode, position: Vector3, turn: Quaternion): Promise<void> {
     const answer = await this.connection.request({
       type: "teleport",
@@ -108,7 +108,7 @@ function poseOf(node: WorldNode): { position: number[]; angles: number[] } {
   return { position, angles: [angles.x, angles.y, angles.z] };
 }
 
-/** To three decimals, without a minus before nothing. */
+/** To three decimals, without a negative zero. */
 function millimetres(value: number): string {
   return (Math.round(value * 1000) / 1000 + 0).toFixed(3);
 }

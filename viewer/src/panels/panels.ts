@@ -22,7 +22,7 @@ import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
 
-/** All panels, each in its place, and the keys that belong to them. */
+/** All panels with their positions and shortcuts. */
 export class Panels {
   readonly help: Help;
   readonly capture: Capture;
@@ -87,7 +87,7 @@ export class Panels {
     world.watch((now) => (scene.textContent = now?.description.environment ?? ""));
     const themeButton = iconButton(icons.moon, "Light or dark", toggleTheme);
     theme.watch((now) => (themeButton.innerHTML = now === "light" ? icons.moon : icons.sun));
-    // what is needed least often: beside the rest, or behind a button where there is little room
+    // rarely used controls: beside the others, or behind a button in narrow windows
     const more = h(
       "div",
       { class: "extra", id: "extra" },
@@ -123,17 +123,17 @@ export class Panels {
     shortcuts.add("Time", [","], ",", "go back in time", () => this.history.stepBack());
     shortcuts.add("Time", ["F11"], "F11", "reset everything", () => clock.reset());
     shortcuts.add("Time", ["Space"], "Space", "cameras take pictures, or stop", () => this.images.capture());
-    shortcuts.add("View", ["F7"], "F7", "stand near the next robot", () => this.nextRobot());
-    shortcuts.add("View", ["F8"], "F8", "where the script put the camera", () => this.goHome());
+    shortcuts.add("View", ["F7"], "F7", "go to the next robot", () => this.nextRobot());
+    shortcuts.add("View", ["F8"], "F8", "the initial viewpoint", () => this.goHome());
     shortcuts.add("View", ["F9"], "F9", "next camera of the world", () => app.tell(`Camera: ${follow.nextCamera()}`));
     shortcuts.add("View", ["1"], "1", "follow from behind", () => this.viewMenu.start("third"));
-    shortcuts.add("View", ["2"], "2", "ride on board", () => this.viewMenu.start("first"));
+    shortcuts.add("View", ["2"], "2", "view from on board", () => this.viewMenu.start("first"));
     shortcuts.add("View", ["3"], "3", "follow from above", () => this.viewMenu.start("top"));
     shortcuts.add("View", ["0"], "0", "stop following", () => this.viewMenu.start("free"));
-    shortcuts.add("View", ["c", "C"], "C", "bring what is selected into the picture", () => this.focus(app.components.selected.value));
-    shortcuts.add("View", ["v", "V"], "V", "what a robot's camera sees", () => this.toggleImage());
-    shortcuts.add("Page", ["m", "M"], "M", "move what is selected, or stop", () => this.move(this.selectedNode()));
-    shortcuts.add("Page", ["n", "N"], "N", "move: shift or turn", () => this.mover.turn());
+    shortcuts.add("View", ["c", "C"], "C", "show the selected object", () => this.focus(app.components.selected.value));
+    shortcuts.add("View", ["v", "V"], "V", "show the image of a robot's camera", () => this.toggleImage());
+    shortcuts.add("Page", ["m", "M"], "M", "move the selected object, or stop", () => this.move(this.selectedNode()));
+    shortcuts.add("Page", ["n", "N"], "N", "move: translate or rotate", () => this.mover.turn());
     shortcuts.add("Page", ["x", "X"], "X", "screenshot", () => this.capture.picture());
     shortcuts.add("Page", ["Escape"], "Esc", "select nothing", () => this.escape());
     shortcuts.add("Page", ["h", "H", "?"], "H", "this list", () => this.help.toggle());

@@ -6,12 +6,12 @@ import { savePicture, saveTable } from "./plotfiles";
 import { format, numberAt } from "./values";
 
 const KEEP = 3000;
-/** seconds of simulated time that are shown; 0 for all that is kept */
+/** length of the time window, simulated seconds; 0 for all stored data */
 const WINDOWS = [5, 15, 60, 0];
 
 export interface Curve {
   component: string;
-  /** place of the number in the component's data: field, or field.part */
+  /** path of the number in the component's data: field, or field.part */
   path: string;
   unit: string;
 }
@@ -22,7 +22,7 @@ export interface Awaited {
   field: string;
 }
 
-/** Curves over simulated time, in one picture. */
+/** Curves over simulated time, in one diagram. */
 export class Plot {
   readonly element: HTMLElement;
   readonly curves: Curve[] = [];
@@ -68,7 +68,7 @@ export class Plot {
     new ResizeObserver(() => this.chart?.setSize(this.size())).observe(this.canvas);
   }
 
-  /** Seconds of simulated time that are shown; 0 for all. */
+  /** Length of the time window, simulated seconds; 0 for all. */
   get window(): number {
     return this.seconds;
   }
@@ -88,13 +88,13 @@ export class Plot {
     this.build();
   }
 
-  /** Say that a field will be plotted as soon as it has a value. */
+  /** Show that a field will be plotted as soon as it has a value. */
   await(field: Awaited): void {
     this.awaited.push(field);
     this.label(-1);
   }
 
-  /** The field is awaited no longer. */
+  /** The field has a value now. */
   arrived(field: Awaited): void {
     this.awaited.splice(this.awaited.indexOf(field), 1);
     this.label(-1);
@@ -115,12 +115,12 @@ export class Plot {
     this.stale = true;
   }
 
-  /** In the colours of the theme. */
+  /** Redraw in the colours of the theme. */
   paint(): void {
     if (this.chart) this.build();
   }
 
-  /** Draw what has come since the last time. */
+  /** Draw the new data. */
   draw(): void {
     if (!this.stale || !this.chart) return;
     this.stale = false;
@@ -139,7 +139,7 @@ export class Plot {
     this.element.remove();
   }
 
-  /** The simulation went back in time, or began anew: what was to come is not. */
+  /** The simulation went back in time or was restarted: delete later data. */
   private forget(time: number): void {
     let length = this.times.length;
     while (length > 0 && (this.times[length - 1] as number) > time) length -= 1;
@@ -173,7 +173,7 @@ export class Plot {
     this.label(-1);
   }
 
-  /** The curves by component and field, with their values at an index. */
+  /** The legend: curves by component and field, with their values at an index. */
   private label(index: number): void {
     const items = this.curves.map(({ component, path, unit }, i) => {
       const value = this.values[i]?.[index];

@@ -3,7 +3,7 @@ import { fileName, save } from "../ui/files";
 import { colorOf } from "./colors";
 import type { Curve } from "./plot";
 
-/** Keep what a plot shows, with the names of its curves, as a picture. */
+/** Save a plot with the names of its curves as a picture. */
 export function savePicture(drawn: HTMLCanvasElement, curves: Curve[]): void {
   const picture = h("canvas", { width: drawn.width, height: drawn.height + 40 });
   const context = picture.getContext("2d");

@@ -15,7 +15,7 @@ interface KeptPlot {
   window: number;
 }
 
-/** The plots, side by side; a field that is dropped makes a new one or joins one. */
+/** The plots, side by side; a dropped field creates a new plot or is added to one. */
 export class PlotsPanel {
   readonly element = h("section", { class: "plots", "aria-label": "plots" });
   readonly plots: Plot[] = [];
@@ -45,7 +45,7 @@ export class PlotsPanel {
     session.world.watch(() => this.recall());
   }
 
-  /** The plots that this tab had before it was loaded again. */
+  /** Restore the plots of this tab after a reload. */
   private recall(): void {
     for (const { curves, awaited, window } of this.session.recall<KeptPlot[]>("plots") ?? []) {
       if (this.plots.some((plot) => JSON.stringify(plot.curves) === JSON.stringify(curves))) continue;
@@ -63,7 +63,7 @@ export class PlotsPanel {
     this.session.keep("plots", kept);
   }
 
-  /** Plot all numbers of a field, in a plot of its own or in one that is there. */
+  /** Plot all numbers of a field, in a new plot or in an existing one. */
   plot(component: string, field: string, into: Plot | null = null): void {
     const curves = this.curvesOf(component, field);
     if (curves !== null && curves.length === 0) {
@@ -77,7 +77,7 @@ export class PlotsPanel {
     this.onFirst();
   }
 
-  /** What a plot waits for has its first value: its numbers become curves. */
+  /** A field that a plot waits for has its first value: create its curves. */
   private settle(plot: Plot, component: string): void {
     for (const awaited of plot.awaited.filter((one) => one.component === component)) {
       const curves = this.curvesOf(component, awaited.field);
@@ -109,7 +109,7 @@ export class PlotsPanel {
     return plot;
   }
 
-  /** The numbers of a field, or null as long as it has no value. */
+  /** The numbers of a field, or null while it has no value. */
   private curvesOf(component: string, field: string): Curve[] | null {
     const value = this.components.valuesOf(component)?.data[field] ?? null;
     if (value === null) return null;

@@ -1,7 +1,7 @@
 import { h } from "../ui/dom";
 import type { Stage } from "../view/stage";
 
-/** How many pictures a second are drawn, where the script asks for that. */
+/** Rendered frames per second, if the script requests it. */
 export class Rate {
   readonly element = h("p", { class: "rate", hidden: true });
 

@@ -3,10 +3,10 @@ import { h } from "../ui/dom";
 import { theme } from "../ui/theme";
 
 const SIZE = 220;
-/** fields that hold the distances of a scan, in their order */
+/** fields with the distances of a scan, in order of priority */
 const RANGES = ["range_list", "ranges"];
 
-/** A scan as seen from above, the sensor in the middle, its X axis upward. */
+/** A scan from above: the sensor is at the centre, its X axis points up. */
 export class Scan {
   readonly element: HTMLElement;
   private readonly canvas = h("canvas", { width: SIZE * 2, height: SIZE * 2, role: "img" });
@@ -16,14 +16,14 @@ export class Scan {
     private readonly field: string,
     /** full angle, degrees */
     private readonly window: number,
-    /** m: a distance as long as that means that nothing was met */
+    /** m: a distance of this length means no hit */
     private readonly farthest: number,
   ) {
     this.canvas.ariaLabel = "the scan, from above";
     this.element = h("figure", { class: "scan" }, this.canvas, this.caption);
   }
 
-  /** The scan of a component, if it measures one. */
+  /** The scan of a component, or null if it is not a scanner. */
   static of(component: ComponentDescription): Scan | null {
     const field = component.data.find(({ name }) => RANGES.includes(name));
     const number = (property: string): number | null => {
@@ -81,7 +81,7 @@ export class Scan {
   }
 }
 
-/** A round number of metres that holds all. */
+/** A round number of metres that covers all distances. */
 function niceReach(most: number): number {
   const power = 10 ** Math.floor(Math.log10(most));
   return [1, 2, 4, 8, 10].map((step) => step * power).find((reach) => reach >= most) ?? most;

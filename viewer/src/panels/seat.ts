@@ -4,7 +4,7 @@ import { h } from "../ui/dom";
 import { icons } from "../ui/icons";
 import { Signal } from "../ui/signal";
 
-/** Who drives: shown, asked for and handed over. */
+/** Shows the page that has control, requests control and hands it over. */
 export class SeatPanel {
   readonly element = h("div", { class: "seat" });
   readonly drives = new Signal(false);
@@ -41,7 +41,7 @@ export class SeatPanel {
   }
 
   private askButton(asked: boolean, free: boolean): HTMLElement {
-    const text = asked ? "asked to drive…" : free ? "take the wheel" : "ask to drive";
+    const text = asked ? "request sent…" : free ? "take control" : "ask to drive";
     return h("button", { type: "button", disabled: asked, onclick: () => this.ask() }, text);
   }
 

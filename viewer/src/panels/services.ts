@@ -15,7 +15,7 @@ export function serviceForm(connection: Connection, component: string, service: 
 
   const run = async (): Promise<void> => {
     const values = inputs.map((input, i) => (input.value === "" ? null : parse(input.value, service.arguments[i]?.type ?? "")));
-    // what is left empty at the end takes its default
+    // empty arguments at the end use their defaults
     while (values.length > 0 && values.at(-1) === null && inputs[values.length - 1]?.value === "") values.pop();
     const answer = connection.request({ type: "call_service", component, service: service.name, arguments: values });
     running = connection.lastRequest;

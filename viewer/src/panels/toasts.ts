@@ -6,7 +6,7 @@ export class Toasts {
 
   show(text: string, kind: "info" | "error" = "info"): void {
     const toast = h("div", { class: `toast ${kind}` }, text);
-    // the same thing said twice is one toast
+    // repeated messages are shown once
     for (const other of this.element.children) if (other.textContent === text) other.remove();
     this.element.append(toast);
     setTimeout(() => toast.remove(), kind === "error" ? 8000 : 4000);

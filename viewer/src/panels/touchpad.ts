@@ -3,12 +3,12 @@ import { h } from "../ui/dom";
 import type { Signal } from "../ui/signal";
 
 const KEYS = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"] as const;
-/** Share of the radius that the thumb has to move before anything happens. */
+/** Dead zone as a share of the radius. */
 const DEAD = 0.3;
-/** Share of the deflection that counts for an axis: beyond it, two keys are held at once. */
+/** Share of the deflection from which an axis is active: diagonals press two keys at once. */
 const SLANT = 0.38;
 
-/** Drives by a thumb where there are no arrow keys. */
+/** Drives by touch on devices without arrow keys. */
 export class TouchPad {
   readonly element: HTMLElement;
   private readonly knob = h("span", { class: "knob" });

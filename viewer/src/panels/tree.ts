@@ -13,7 +13,7 @@ interface Row {
   label: string;
   icon: string;
   level: number;
-  /** key of what folds it */
+  /** rows that are folded with it */
   children: Row[];
 }
 
@@ -92,7 +92,7 @@ export class TreePanel {
     return item;
   }
 
-  /** Whether a component acts, and whether something went wrong with it. */
+  /** Show whether a component is active, and whether it has a problem. */
   private dress(name: string, item = this.item(name)): void {
     if (!item) return;
     item.classList.toggle("asleep", this.components.find(name)?.active === false);

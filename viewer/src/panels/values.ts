@@ -1,4 +1,4 @@
-/** A value as people read it; numbers to the precision that matters, those declared to be real with decimals even if they are whole. */
+/** Format a value for display; numbers with the relevant precision, those declared as float with decimals even if they are whole. */
 export function format(value: unknown, type = ""): string {
   if (typeof value === "number") return formatNumber(value, type.includes("float"));
   if (typeof value === "boolean") return value ? "yes" : "no";
@@ -17,7 +17,7 @@ export function format(value: unknown, type = ""): string {
   return String(value);
 }
 
-/** Less is the rounding of the computer, not something measured. */
+/** Smaller numbers are rounding errors. */
 const NOTHING = 1e-9;
 
 function formatNumber(value: number, real: boolean): string {
@@ -27,7 +27,7 @@ function formatNumber(value: number, real: boolean): string {
   return (size < 1e-3 || size >= 1e7) ? value.toExponential(2) : value.toFixed(3);
 }
 
-/** The numbers in a value, each with its place in it: x, 0, position.1 */
+/** The numbers in a value, each with its path: x, 0, position.1 */
 export function numbersIn(value: unknown, path: string[] = []): [string, number][] {
   if (typeof value === "number") return [[path.join("."), value]];
   if (typeof value === "boolean") return [[path.join("."), value ? 1 : 0]];
@@ -36,7 +36,7 @@ export function numbersIn(value: unknown, path: string[] = []): [string, number]
   return entries.length > 16 ? [] : entries.flatMap(([name, part]) => numbersIn(part, [...path, name]));
 }
 
-/** The number at a place in a value. */
+/** The number at a path in a value. */
 export function numberAt(value: unknown, path: string): number | null {
   let part: unknown = value;
   for (const name of path.split(".")) {
@@ -46,7 +46,7 @@ export function numberAt(value: unknown, path: string): number | null {
   return typeof part === "number" ? part : typeof part === "boolean" ? Number(part) : null;
 }
 
-/** What a person typed, as the type that a component declares it to have; a wrong one is refused there. */
+/** Typed text as the type that a component declares; the component refuses wrong values. */
 export function parse(text: string, type: string): unknown {
   const trimmed = text.trim();
   if (/^str/.test(type)) return text;
@@ -55,7 +55,7 @@ export function parse(text: string, type: string): unknown {
     return JSON.parse(python);
   } catch {
     try {
-      // tuples and quotes as Python writes them
+      // tuples and quotes in Python syntax
       return JSON.parse(python.replace(/'/g, '"').replace(/\(/g, "[").replace(/\)/g, "]"));
     } catch {
       return text;
@@ -63,7 +63,7 @@ export function parse(text: string, type: string): unknown {
   }
 }
 
-/** A value as it is typed. */
+/** A value as text for editing. */
 export function write(value: unknown): string {
   return typeof value === "string" ? value : JSON.stringify(value);
 }

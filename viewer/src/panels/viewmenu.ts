@@ -20,7 +20,7 @@ const SIDES: [Preset, string][] = [
   ["corner", "corner"],
 ];
 
-/** Where the view is from, and what is drawn over the world. */
+/** The viewpoint and the overlays. */
 export class ViewMenu {
   readonly element: HTMLDetailsElement;
   private readonly modes = new Map<FollowMode, HTMLButtonElement>();
@@ -52,7 +52,7 @@ export class ViewMenu {
     closeWhenLeft([element], summary, () => element.open, () => (element.open = false));
   }
 
-  /** Follow the selected object, or else a robot. */
+  /** Follow the selected object, or a robot if none is selected. */
   start(mode: FollowMode): void {
     const node = this.node();
     if (mode === "free" || !node) this.follow.release();

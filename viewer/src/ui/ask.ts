@@ -1,6 +1,6 @@
 import { h } from "./dom";
 
-/** Ask before something is done that cannot be undone. */
+/** Ask for confirmation before an irreversible action. */
 export function ask(question: string, yes: string, run: () => void): void {
   if (document.querySelector("dialog.ask")) return;
   const close = (): void => dialog.remove();

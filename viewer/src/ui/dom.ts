@@ -1,7 +1,7 @@
 type Child = Node | string | null | undefined | false;
 type Properties = Record<string, unknown>;
 
-/** An element: properties that begin with "on" are listeners, "class" and names with a dash are attributes. */
+/** Create an element: properties that begin with "on" are listeners, "class" and names with a dash are attributes. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   properties: Properties = {},
@@ -18,7 +18,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Whether keys typed now belong to a text field. */
+/** Whether a text field receives the typed keys. */
 export function isTyping(event: Event): boolean {
   const target = event.target;
   if (!(target instanceof HTMLElement)) return false;
@@ -26,7 +26,7 @@ export function isTyping(event: Event): boolean {
   return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement || target.isContentEditable;
 }
 
-/** A button that shows a picture; the label is read out and shown as a hint. */
+/** A button with an icon; the label is its accessible name and its tooltip. */
 export function iconButton(icon: string, label: string, onclick: () => void, keys = ""): HTMLButtonElement {
   const button = h("button", {
     class: "icon",

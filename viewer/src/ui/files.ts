@@ -1,4 +1,4 @@
-/** Let the user keep something as a file. */
+/** Let the user save a file. */
 export function save(content: Blob | string, name: string): void {
   const blob = typeof content === "string" ? new Blob([content], { type: "text/plain" }) : content;
   const link = document.createElement("a");
@@ -8,7 +8,7 @@ export function save(content: Blob | string, name: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** A name for a file that was made now. */
+/** A file name with the present time. */
 export function fileName(what: string, ending: string): string {
   const now = new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
   return `morse-${what.replace(/[^\w.-]+/g, "_")}-${now}.${ending}`;

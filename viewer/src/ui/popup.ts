@@ -1,4 +1,4 @@
-/** Close a popup when something else is pressed or focused, and by Escape, which gives the focus back to what opens it. */
+/** Close a popup when another element is pressed or focused, and by Escape, which returns the focus to the opener. */
 export function closeWhenLeft(parts: Element[], opener: HTMLElement, isOpen: () => boolean, close: () => void): void {
   const leave = ({ target }: Event): void => {
     const inside = target instanceof Node && parts.some((part) => part.contains(target));
@@ -8,7 +8,7 @@ export function closeWhenLeft(parts: Element[], opener: HTMLElement, isOpen: () 
   addEventListener("focusin", leave);
   const escape = (event: Event): void => {
     if (!(event instanceof KeyboardEvent) || event.key !== "Escape" || !isOpen()) return;
-    event.stopPropagation(); // what is selected stays so
+    event.stopPropagation(); // the selection stays
     close();
     opener.focus();
   };

@@ -2,11 +2,11 @@ import { h, iconButton } from "./dom";
 import { icons } from "./icons";
 
 const KEY = "morse.panels";
-const NARROW = 900; // pixels: less has no room for panels beside the view
+const NARROW = 900; // pixels: in narrower windows, panels cover the view
 
 export type Place = "left" | "right" | "bottom";
 
-/** The places of the page that panels are put into. */
+/** The areas of the page that contain panels. */
 export class Shell {
   readonly header = h("header", { class: "bar" });
   readonly left = h("aside", { class: "left", "aria-label": "robots and components" });
@@ -14,7 +14,7 @@ export class Shell {
   readonly bottom = h("section", { class: "bottom", "aria-label": "plots and messages" });
   readonly view = h("main", { class: "view", "aria-label": "the simulated world" });
   readonly corner = h("div", { class: "corner" });
-  /** the user wants details of what is selected */
+  /** whether the user wants the details of the selection */
   private wanted: boolean;
   readonly toggles: Record<Place, HTMLButtonElement>;
 
@@ -45,7 +45,7 @@ export class Shell {
     localStorage.setItem(KEY, JSON.stringify(open));
   }
 
-  /** Whether there is anything to show at the right: without, the room goes to the view. */
+  /** Whether there is content for the right panel; without content, the view uses its area. */
   fill(something: boolean): void {
     if (this.narrow) this.set("right", something && !this.right.hidden);
     else this.set("right", something && this.wanted);
@@ -55,7 +55,7 @@ export class Shell {
     if (this[place].hidden) this.toggle(place);
   }
 
-  /** There is news at a place that is closed. */
+  /** A closed area has new content. */
   flag(place: Place, level: string): void {
     if (this[place].hidden) this.toggles[place].dataset["news"] = level;
   }
@@ -64,7 +64,7 @@ export class Shell {
     this[place].hidden = !open;
     if (open) delete this.toggles[place].dataset["news"];
     this.toggles[place].setAttribute("aria-pressed", String(open));
-    // one drawer at a time where they lie over the view
+    // only one panel at a time if they cover the view
     if (open && this.narrow) for (const other of ["left", "right", "bottom"] as const) if (other !== place && !this[other].hidden) this.set(other, false);
   }
 }

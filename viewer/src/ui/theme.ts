@@ -6,7 +6,7 @@ export type Choice = Theme | "auto";
 const KEY = "morse.theme";
 const system = matchMedia("(prefers-color-scheme: dark)");
 
-/** What the user chose: light, dark, or as the system has it. */
+/** The choice of the user: light, dark, or as the system. */
 export const choice = new Signal<Choice>((localStorage.getItem(KEY) as Choice | null) ?? "auto");
 export const theme = new Signal<Theme>("light");
 

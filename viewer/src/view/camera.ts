@@ -11,7 +11,7 @@ export interface CameraPose {
   roll: number;
 }
 
-/** The point of view: a place, a heading (about +Z, from +X), a pitch (upward) and a roll, in metres and radians. */
+/** The viewpoint: a position, a heading (about +Z, from +X), a pitch (upward) and a roll, in metres and radians. */
 export class ViewCamera {
   readonly camera = new PerspectiveCamera(50, 1, 0.05, 500);
   readonly position = this.camera.position;
@@ -24,7 +24,7 @@ export class ViewCamera {
     this.camera.up.copy(UP);
   }
 
-  /** As scripts say it: Euler angles XYZ of a camera that looks along its -Z. */
+  /** As in scripts: Euler angles XYZ of a camera that looks along its -Z axis. */
   setRotation([x, y, z]: [number, number, number]): void {
     this.setQuaternion(new Quaternion().setFromEuler(new Euler(x, y, z, "ZYX")));
   }
@@ -33,7 +33,7 @@ export class ViewCamera {
     const ahead = new Vector3(0, 0, -1).applyQuaternion(rotation);
     const top = new Vector3(0, 1, 0).applyQuaternion(rotation);
     this.pitch = Math.asin(Math.max(-1, Math.min(1, ahead.z)));
-    // straight up or down: the top of the picture tells the heading
+    // looking straight up or down: the up vector of the image gives the heading
     const flat = Math.hypot(ahead.x, ahead.y) > 1e-5 ? ahead : top.clone().multiplyScalar(-Math.sign(ahead.z));
     this.yaw = Math.atan2(flat.y, flat.x);
     this.roll = 0;
@@ -58,7 +58,7 @@ export class ViewCamera {
     return this.right.cross(this.ahead);
   }
 
-  /** Turn by angles; the pitch stops short of the vertical. */
+  /** Rotate by angles; the pitch is limited below the vertical. */
   turn(yaw: number, pitch: number): void {
     this.yaw += yaw;
     this.pitch = Math.max(-1.569, Math.min(1.569, this.pitch + pitch));
@@ -82,14 +82,14 @@ export class ViewCamera {
     Object.assign(this, { yaw, pitch, roll });
   }
 
-  /** Focal length in mm for a sensor 32 mm wide, along the longer side of the picture. */
+  /** Focal length in mm for a sensor 32 mm wide, along the longer side of the image. */
   setLens(focal: number, near: number, far: number): void {
     this.focal = focal;
     Object.assign(this.camera, { near, far });
     this.setAspect(this.camera.aspect);
   }
 
-  /** Nearest and farthest distance that is drawn, m. */
+  /** Near and far clipping distances, m. */
   setClip(near: number, far: number): void {
     Object.assign(this.camera, { near, far });
     this.camera.updateProjectionMatrix();
@@ -102,7 +102,7 @@ export class ViewCamera {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Bring three's camera in line. */
+  /** Update the camera of three.js. */
   update(): void {
     const { camera } = this;
     camera.quaternion.setFromEuler(new Euler(this.pitch + Math.PI / 2, 0, this.yaw - Math.PI / 2, "ZYX"));

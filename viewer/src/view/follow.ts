@@ -16,7 +16,7 @@ const PRESETS = {
 };
 export type Preset = keyof typeof PRESETS;
 
-/** Keeps the camera with a node, or brings it somewhere. */
+/** Lets the camera follow a node, or moves it to a viewpoint. */
 export class Follow {
   readonly mode = new Signal<FollowMode>("free");
   node: WorldNode | null = null;
@@ -43,18 +43,18 @@ export class Follow {
     this.stage.invalidate();
   }
 
-  /** The world was described anew: stay with the node of the same name. */
+  /** The world was described again: follow the node of the same name. */
   rebind(world: World): void {
     if (this.node) this.node = world.find(this.node.name);
     if (!this.node) this.release();
   }
 
-  /** Where the script put the camera. */
+  /** Use the viewpoint of the script as home. */
   setHome(): void {
     this.home = this.stage.view.pose;
   }
 
-  /** Back to where the script put the camera. */
+  /** Return to the viewpoint of the script. */
   goHome(): void {
     this.release();
     this.lastCamera = -1;
@@ -62,7 +62,7 @@ export class Follow {
     this.stage.invalidate();
   }
 
-  /** Stand near the next robot, looking at it. */
+  /** Go near the next robot and look at it. */
   nextRobot(): WorldNode | null {
     const robots = this.stage.world?.nodes.filter((node) => node.description.kind.includes("robot")) ?? [];
     if (robots.length === 0) return null;
@@ -73,7 +73,7 @@ export class Follow {
     return robot;
   }
 
-  /** Look at a node from a place from which nothing hides it. */
+  /** Look at a node from an unobstructed position. */
   private standNear(node: WorldNode): void {
     const { view, world, target } = this.stage;
     if (!world) return;
@@ -84,12 +84,12 @@ export class Follow {
     this.stage.invalidate();
   }
 
-  /** From where something of that radius fills the picture, m. */
+  /** Distance at which an object of that radius fills the image, m. */
   private distanceTo(radius: number): number {
     return (Math.max(radius, 0.3) * 2.4) / Math.sin((Math.min(this.stage.view.camera.fov, 60) * Math.PI) / 360) / 1.6;
   }
 
-  /** Look through the next camera of the world; after the last one, from the user's own place again. */
+  /** Look through the next camera of the world; after the last one, from the user's viewpoint. */
   nextCamera(): string {
     const cameras = this.stage.world?.nodes.filter((node) => node.description.camera !== null) ?? [];
     this.lastCamera += 1;
@@ -102,7 +102,7 @@ export class Follow {
     return camera.name;
   }
 
-  /** Bring a node into the picture, from where the camera is or from a side of the node. */
+  /** Show a node in the image, from the present direction or from a side of the node. */
   frameNode(node: WorldNode, preset: Preset | null = null): void {
     const { view, world, target } = this.stage;
     if (!world) return;
@@ -134,7 +134,7 @@ export class Follow {
     return view.position.distanceTo(new Vector3(...position)) > 1e-4 || Math.abs(view.yaw - yaw) + Math.abs(view.pitch - pitch) > 1e-5;
   }
 
-  /** Without anything to follow, shadows are wanted around the ground ahead. */
+  /** Without a followed node, shadows are centred on the ground ahead. */
   private aim(): void {
     const { view, target } = this.stage;
     const reach = view.ahead.z < -0.05 && view.position.z > 0 ? Math.min(-view.position.z / view.ahead.z, 60) : 12;

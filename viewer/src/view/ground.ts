@@ -2,15 +2,15 @@ import { Vector3 } from "three";
 import type { World } from "../world/world";
 import type { Hit } from "./pick";
 
-/** An object that is larger than that to both sides, m, may be the ground. */
+/** An object that is larger than this in both directions, m, may be the ground. */
 const LARGE = 5;
-/** A face that leans less is a floor: cosine of the angle to the horizontal. */
+/** Faces with a smaller slope are floors: cosine of the angle to the horizontal. */
 const LEVEL = 0.9;
-/** Floors are in the lowest part of a building; of what is flat, everything is: shares of the height and the width. */
+/** Floors are in the lowest part of a building; flat objects are floors entirely: shares of the height and the width. */
 const LOW = 0.35;
 const FLAT = 0.05;
 
-/** Whether what was hit is the ground, or a floor: a click on it means nothing. */
+/** Whether a hit is on the ground or a floor: a click on it selects nothing. */
 export function isGround({ node, point, normal }: Hit, world: World): boolean {
   if (node.moves || node.find(({ description }) => description.kind !== "") || normal.z < LEVEL) return false;
   const box = world.boxOf([node]);

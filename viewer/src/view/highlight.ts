@@ -3,7 +3,7 @@ import { theme } from "../ui/theme";
 import type { WorldNode } from "../world/node";
 import type { Stage } from "./stage";
 
-/** A thin box around what is selected. */
+/** A thin box around the selected object. */
 export class Highlight {
   private readonly box = new Box3();
   private readonly lines = new Box3Helper(this.box);

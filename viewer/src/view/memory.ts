@@ -4,7 +4,7 @@ import type { Stage } from "./stage";
 const KEY = "morse.cameras";
 const MOST = 50;
 
-/** Remembers for each simulation where its user last looked from. */
+/** Stores the last viewpoint of the user for each simulation. */
 export class CameraMemory {
   private key = "";
   private taken = false;
@@ -14,7 +14,7 @@ export class CameraMemory {
     addEventListener("pagehide", () => this.keep());
   }
 
-  /** The camera of that simulation, if it was ever moved. */
+  /** The viewpoint for that simulation, if the user has moved the camera. */
   recall(key: string): CameraPose | null {
     this.key = key;
     this.taken = false;
@@ -26,7 +26,7 @@ export class CameraMemory {
     this.taken = true;
   }
 
-  /** The user wants the script's camera again. */
+  /** Return to the viewpoint of the script. */
   forget(): void {
     this.taken = false;
     localStorage.setItem(KEY, JSON.stringify(this.all().filter(([name]) => name !== this.key)));

@@ -8,10 +8,10 @@ import type { Stage } from "./stage";
 
 const EVERY = 60; // ms between two messages
 
-/** Moves things by hand: handles put them somewhere; a pull at the thing itself is a force while time runs. */
+/** Moves objects: handles set the pose; dragging the object itself applies a force while time runs. */
 export class Mover {
   readonly node = new Signal<WorldNode | null>(null);
-  /** whether time advances: then a pull is a force */
+  /** whether time advances: dragging then applies a force */
   running: () => boolean = () => false;
   private readonly handles: TransformControls;
   private readonly proxy = new Object3D();
@@ -44,7 +44,7 @@ export class Mover {
     addEventListener("blur", () => this.letGo());
   }
 
-  /** Take hold of a node, or let go of it. */
+  /** Attach the handles to a node, or detach them. */
   toggle(node: WorldNode | null): void {
     const mover = node?.find(({ description }) => description.frame === "world") ?? node;
     this.node.set(mover === this.node.value ? null : mover);
@@ -53,12 +53,12 @@ export class Mover {
     this.stage.invalidate();
   }
 
-  /** The handles turn instead of shifting, or the other way round. */
+  /** Switch the handles between translation and rotation. */
   turn(): void {
     this.handles.setMode(this.handles.mode === "translate" ? "rotate" : "translate");
   }
 
-  /** A press of the mouse: ours if it is at a handle, or at the thing itself. */
+  /** A press of the mouse: handled here if it hits a handle or the object itself. */
   claims(event: PointerEvent): boolean {
     const node = this.node.value;
     if (!node || event.button !== 0 || event.ctrlKey || event.shiftKey) return false;

@@ -4,18 +4,18 @@ import type { Keyboard } from "../input/keyboard";
 import { pointUnder } from "./pick";
 import type { Stage } from "./stage";
 
-const AIM = 0.0035; // radians a pixel
-const CLICK = 4; // pixels: a drag is longer
+const AIM = 0.0035; // radians per pixel
+const CLICK = 4; // pixels: longer movements are drags
 const FAST = 4;
 
 /** Moves the camera: flies by keys, aims by Ctrl and mouse, orbits, pans and zooms by mouse or fingers. */
 export class Navigation {
-  /** metres a second */
+  /** metres per second */
   speed = 2;
-  /** called when the user takes the camera in hand */
+  /** called when the user moves the camera */
   onTaken: () => void = () => {};
   onClick: (x: number, y: number) => void = () => {};
-  /** something else takes the drag that begins here, e.g. a handle */
+  /** whether another object, e.g. a handle, handles the drag that begins here */
   claims: (event: PointerEvent) => boolean = () => false;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private readonly pivot = new Vector3();
@@ -85,7 +85,7 @@ export class Navigation {
   private orbit(dx: number, dy: number): void {
     const { view } = this.stage;
     const arm = view.position.clone().sub(this.pivot);
-    // the arm in the axes of the camera stays the same while the camera turns
+    // the offset to the pivot is constant in the axes of the camera while it rotates
     const [side, over, along] = [arm.dot(view.right), arm.dot(view.above), arm.dot(view.ahead)];
     view.turn(-dx * AIM * 1.6, -dy * AIM * 1.6);
     view.position.copy(this.pivot).addScaledVector(view.right, side).addScaledVector(view.above, over).addScaledVector(view.ahead, along);
@@ -116,7 +116,7 @@ export class Navigation {
     this.zoom(Math.exp(Math.max(-120, Math.min(120, pixels)) * 0.0016), event.clientX, event.clientY);
   }
 
-  /** Come closer to what is under the pointer, by a factor. */
+  /** Zoom towards the point under the pointer, by a factor. */
   private zoom(factor: number, x: number, y: number): void {
     const { view } = this.stage;
     const target = pointUnder(this.stage, x, y);
@@ -135,7 +135,7 @@ export class Navigation {
     wanted.z += on(FLY.up) - on(FLY.down);
     const fast = this.keyboard.held.has("ShiftLeft") || this.keyboard.held.has("ShiftRight") ? FAST : 1;
     if (wanted.lengthSq() > 0) wanted.normalize().multiplyScalar(this.speed * fast);
-    // gather and lose speed within a tenth of a second
+    // accelerate and decelerate within a tenth of a second
     this.velocity.lerp(wanted, 1 - Math.exp(-seconds * 14));
     if (this.velocity.length() < this.speed * 0.01) {
       this.velocity.set(0, 0, 0);

@@ -7,11 +7,11 @@ import type { World } from "../world/world";
 const TURNS = [0.78, -0.78, 1.57, -1.57, 0.3, -0.3, 2.36, -2.36, 3.14];
 /** Angles above the horizon. */
 const HEIGHTS = [0.52, 0.9, 1.2];
-/** Free room that is wanted around the camera, m. */
+/** Free space around the camera, m. */
 const ROOM = 0.4;
 const ray = new Raycaster();
 
-/** A place to look at a node from, at about that distance: one from which nothing stands before it. */
+/** A position at about that distance from a node, from which nothing obstructs the view of it. */
 export function outlook(world: World, node: WorldNode, center: Vector3, heading: number, distance: number): Vector3 {
   let best = new Vector3();
   let most = -1;
@@ -30,7 +30,7 @@ export function outlook(world: World, node: WorldNode, center: Vector3, heading:
   return best;
 }
 
-/** How far a way is free of what does not belong to the node, seen from either side. */
+/** The free length of a line from other objects than the node, tested in both directions. */
 function clear(world: World, node: WorldNode, from: Vector3, way: Vector3, reach: number): number {
   const others = (origin: Vector3, direction: Vector3): number[] => {
     ray.set(origin, direction);
@@ -44,7 +44,7 @@ function clear(world: World, node: WorldNode, from: Vector3, way: Vector3, reach
       .map((hit) => hit.distance);
   };
   const ahead = others(from, way)[0] ?? reach;
-  // walls that are seen from behind only stop nobody on the way out
+  // walls that are visible only from behind do not count on the way out
   const back = others(from.clone().addScaledVector(way, reach), way.clone().negate()).at(-1);
   return Math.min(ahead, back === undefined ? reach : reach - back);
 }

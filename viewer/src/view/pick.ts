@@ -7,7 +7,7 @@ import type { Stage } from "./stage";
 export interface Hit {
   node: WorldNode;
   point: Vector3;
-  /** of the face that was hit, in the world */
+  /** normal of the face that was hit, in the world frame */
   normal: Vector3;
 }
 
@@ -19,12 +19,12 @@ function aim(stage: Stage, x: number, y: number): void {
   ray.setFromCamera(at, stage.view.camera);
 }
 
-/** What is drawn at a point of the page. */
+/** The object drawn at a point of the page. */
 export function pick(stage: Stage, x: number, y: number): Hit | null {
   if (!stage.world) return null;
   aim(stage, x, y);
   stage.world.root.traverseVisible((object) => {
-    if (object instanceof InstancedMesh) object.boundingSphere = null; // they have moved
+    if (object instanceof InstancedMesh) object.boundingSphere = null; // the instances have moved
   });
   const shown = (hit: Intersection): boolean => nodeOf(hit.object, hit.instanceId)?.visible === true;
   const hit = ray.intersectObject(stage.world.root, true).find(shown);
@@ -39,13 +39,13 @@ function normalOf({ object, face, instanceId }: Intersection): Vector3 {
   return normal.dot(ray.ray.direction) > 0 ? normal.negate() : normal;
 }
 
-/** The point of a plane under a point of the page. */
+/** The point of a plane at a point of the page. */
 export function pickPlane(stage: Stage, x: number, y: number, plane: Plane): Vector3 | null {
   aim(stage, x, y);
   return ray.ray.intersectPlane(plane, new Vector3());
 }
 
-/** What is under a point of the page: something drawn, else the ground, else something straight ahead. */
+/** The point in the world at a point of the page: on an object, else on the ground, else straight ahead. */
 export function pointUnder(stage: Stage, x: number, y: number): Vector3 {
   const hit = pick(stage, x, y);
   if (hit) return hit.point;

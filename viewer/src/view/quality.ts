@@ -1,7 +1,7 @@
 export interface Level {
-  /** most pixels of the card for one of the page */
+  /** maximum device pixels per CSS pixel */
   pixels: number;
-  /** pixels along the side of the shadow map; 0 for no shadows */
+  /** side of the shadow map, pixels; 0 for no shadows */
   shadows: number;
 }
 
@@ -12,22 +12,22 @@ const LEVELS: Level[] = [
   { pixels: 0.75, shadows: 1024 },
   { pixels: 0.6, shadows: 512 },
 ];
-const SLOW = 40; // ms a frame
+const SLOW = 40; // ms per frame
 const FRAMES = 12;
-/** ms without a change after which the picture is refined */
+/** ms without a change after which the image is refined */
 const STILL = 300;
-/** ms that a refined picture may take to draw */
+/** maximum time to render a refined image, ms */
 const PATIENCE = 1200;
-/** most pixels of the card for one of the page in a refined picture */
+/** maximum device pixels per CSS pixel in a refined image */
 const FINEST = 2;
 
-/** Draws as well as the machine can without getting slow, and better when nothing moves. */
+/** Renders as well as the machine can at an acceptable rate, and better when nothing moves. */
 export class Quality {
   private level: number;
   private readonly fixed: boolean;
   private readonly mayRefine: boolean;
   private previous = 0;
-  /** ms of a frame, about */
+  /** smoothed time of a frame, ms */
   private took: number;
   private refined = false;
   private times: number[] = [];
@@ -45,7 +45,7 @@ export class Quality {
     this.use();
   }
 
-  /** A frame was begun at that time; only frames that follow on each other tell how long one takes. */
+  /** A frame began at that time; only consecutive frames measure the time of a frame. */
   measure(began: number): void {
     const took = began - this.previous;
     this.previous = began;
@@ -62,20 +62,20 @@ export class Quality {
     }
   }
 
-  /** Something moves: pixels as the machine can draw them quickly. */
+  /** An object moves: use the resolution for a high rate. */
   coarse(): void {
     if (!this.refined) return;
     this.refined = false;
     this.use();
   }
 
-  /** Nothing has moved for a while: switch to more pixels, if that is due; whether it was. */
+  /** Nothing has moved for a while: switch to a higher resolution if it is time; returns whether it was. */
   fine(): boolean {
     if (!this.mayRefine || this.refined || performance.now() - this.previous < STILL) return false;
     this.refined = true;
     const level = LEVELS[this.level] as Level;
     const usual = Math.min(devicePixelRatio, level.pixels);
-    // drawing takes longer by as much as there are more pixels
+    // the time grows with the number of pixels
     const affordable = usual * Math.sqrt((this.software ? PATIENCE / 4 : PATIENCE) / Math.max(this.took, 1));
     const pixels = Math.min((this.software ? 1 : FINEST) * devicePixelRatio, affordable, 4);
     if (pixels < 1.2 * usual) return false;
@@ -89,27 +89,27 @@ export class Quality {
   }
 }
 
-/** What the machine and the address of the page allow. */
+/** Options from the machine and the address of the page. */
 export interface Means {
-  /** "high" or "low", if the address says so */
+  /** "high" or "low", if the address contains it */
   asked: string | null;
-  /** the processor stands in for a graphics card */
+  /** rendering without a graphics card */
   software: boolean;
-  /** smooth edges: the processor would take twice as long */
+  /** antialiasing: doubles the time in software */
   smooth: boolean;
 }
 
 const KEY = "morse.drawnBy";
 const SOFTWARE = "software";
 
-/** Found out before there is a canvas: whether its edges are smooth cannot be changed later. */
+/** Determined before there is a canvas: antialiasing cannot be changed later. */
 export function meansOfDrawing(): Means {
   const asked = new URLSearchParams(location.search).get("quality");
   const software = (localStorage.getItem(KEY) ?? probe()) === SOFTWARE;
   return { asked, software, smooth: asked === "high" || (asked !== "low" && !software) };
 }
 
-/** Keep what draws, so that the next page need not find out. */
+/** Store the renderer, so that the next page need not determine it. */
 export function rememberMeans(context: Context): void {
   localStorage.setItem(KEY, drawnBy(context));
 }

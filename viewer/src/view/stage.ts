@@ -10,10 +10,10 @@ import type { World } from "../world/world";
 import { ViewCamera } from "./camera";
 import { meansOfDrawing, Quality, rememberMeans } from "./quality";
 
-/** Without a world, the empty ground is drawn after so many milliseconds: no time is lost on it before. */
+/** Without a world, the empty ground is drawn after this many milliseconds: earlier, it would delay the world. */
 const EMPTY_AFTER = 700;
 
-/** The canvas: draws the world whenever something has changed. */
+/** The canvas: renders the world after every change. */
 export class Stage {
   readonly scene = new Scene();
   readonly view = new ViewCamera();
@@ -22,7 +22,7 @@ export class Stage {
   readonly lights: Lights;
   readonly sky: Sky;
   readonly quality: Quality;
-  /** what the camera looks at, about */
+  /** point at which the camera looks, approximately */
   readonly target = new Vector3();
   world: World | null = null;
   frames = 0;
@@ -54,17 +54,17 @@ export class Stage {
     theme.watch((now) => this.paint(now));
   }
 
-  /** Something changed: draw again soon. */
+  /** Something has changed: render a frame soon. */
   readonly invalidate = (): void => {
     this.stale = true;
   };
 
-  /** Have something done before each frame; it says whether it changed anything. */
+  /** Register a function to call before each frame; it returns whether it changed anything. */
   onStep(step: (seconds: number) => boolean): void {
     this.steps.push(step);
   }
 
-  /** Have something brought in line just before each frame, when the camera is where it will be. */
+  /** Register a function to call just before each frame, after the camera was moved. */
   onDraw(prepare: () => void): void {
     this.before.push(prepare);
   }
@@ -88,7 +88,7 @@ export class Stage {
     const frame = (): void => {
       requestAnimationFrame(frame);
       const now = performance.now();
-      // a page that was asleep must not leap
+      // a page that was suspended must not jump
       const seconds = Math.min((now - last) / 1000, 0.25);
       last = now;
       for (const step of this.steps) if (step(seconds)) this.stale = true;
@@ -99,7 +99,7 @@ export class Stage {
     requestAnimationFrame(frame);
   }
 
-  /** Draw now. */
+  /** Render now. */
   draw(): void {
     this.stale = false;
     this.quality.coarse();
@@ -110,7 +110,7 @@ export class Stage {
     for (const done of this.drawn) done();
   }
 
-  /** Nothing moves: draw the same again with more pixels, once. */
+  /** Nothing moves: render the same frame once more with more pixels. */
   private refine(): void {
     if (this.quality.fine()) this.render();
   }

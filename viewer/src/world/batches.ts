@@ -3,28 +3,28 @@ import { DynamicDrawUsage, Frustum, InstancedMesh, Matrix4, Sphere } from "three
 import { coarse } from "./coarse";
 import type { WorldNode } from "./node";
 
-/** With more triangles in all, what is seen small is drawn with fewer. */
+/** If the world has more triangles, small objects are drawn with fewer. */
 const MANY = 100_000;
-/** Cells along a mesh, and below which radius in pixels it is drawn so: a cell is two pixels at most. */
+/** Cells along a mesh, and the radius in pixels below which it is used: a cell is at most two pixels. */
 const LEVELS = [
   { cells: 24, below: 24 },
   { cells: 8, below: 8 },
   { cells: 4, below: 4 },
 ];
-/** Radius in pixels: what is smaller is not seen. */
+/** Radius in pixels: smaller objects are invisible. */
 const SPECK = 0.6;
-/** Metres that the shadow of something beyond the edge of the picture may reach into it. */
+/** Metres by which the shadow of an object outside the image may reach into it. */
 const SHADOW = 8;
 
 interface Level {
   mesh: InstancedMesh;
   /** radius in pixels below which this level is used */
   below: number;
-  /** what its instances show, in their order */
+  /** the nodes of its instances, in order */
   nodes: WorldNode[];
 }
 
-/** How the world is looked at: the camera's position in it, its frustum, and pixels for a metre at a distance of one. */
+/** The view: the camera's position in the world, its frustum, and pixels per metre at a distance of one metre. */
 export interface Look {
   frustum: Frustum;
   camera: PerspectiveCamera;
@@ -36,7 +36,7 @@ export function lookOf(camera: PerspectiveCamera, height: number): Look {
   return { frustum: new Frustum().setFromProjectionMatrix(seen), camera, pixels: height / 2 / Math.tan((camera.fov * Math.PI) / 360) };
 }
 
-/** Many nodes with the same mesh and materials, drawn in one go; those that are seen small with fewer triangles. */
+/** Many nodes with the same mesh and materials, drawn in one call; small ones with fewer triangles. */
 export class Batch {
   readonly levels: Level[];
   private readonly place = new Matrix4();
@@ -56,7 +56,7 @@ export class Batch {
   private makeLevel(geometry: BufferGeometry, materials: Material[], below: number): Level {
     const mesh = new InstancedMesh(geometry, materials.length === 1 ? (materials[0] as Material) : materials, this.nodes.length);
     mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    // what is outside the picture is left out here, one by one
+    // nodes outside the frustum are culled one by one
     mesh.frustumCulled = false;
     mesh.castShadow = mesh.receiveShadow = true;
     const level = { mesh, below, nodes: [] };
@@ -64,7 +64,7 @@ export class Batch {
     return level;
   }
 
-  /** Choose for each node how it is drawn now, if at all, and take over its frame. */
+  /** Choose the level of each node, if it is visible, and update its frame. */
   sort({ frustum, camera, pixels }: Look): void {
     for (const level of this.levels) level.nodes.length = 0;
     const { boundingSphere } = this.geometry;
@@ -93,13 +93,13 @@ export class Batch {
     level.nodes.push(node);
   }
 
-  /** The node is drawn otherwise from now on. */
+  /** The node is no longer drawn by this batch. */
   leave(node: WorldNode): void {
     this.left.add(node);
   }
 }
 
-/** The node that a drawn object shows. */
+/** The node of a drawn object. */
 export function nodeOf(object: Object3D, instance: number | undefined): WorldNode | null {
   const level = object.userData["level"] as Level | undefined;
   if (level !== undefined && instance !== undefined) return level.nodes[instance] ?? null;

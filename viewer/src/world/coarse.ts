@@ -3,9 +3,9 @@ import { BufferAttribute, BufferGeometry, Vector3 } from "three";
 const known = new WeakMap<BufferGeometry, Map<number, BufferGeometry>>();
 
 /**
- * A mesh of fewer triangles for where it is seen small: vertices in one cell of a grid become one, at their mean
+ * A mesh with fewer triangles for small sizes on the screen: the vertices in one cell of a grid are merged at their mean
  * (vertex clustering; J. Rossignac and P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993).
- * The grid has so many cells along the longest side of the mesh.
+ * The grid has the given number of cells along the longest side of the mesh.
  */
 export function coarse(geometry: BufferGeometry, cells: number): BufferGeometry {
   const levels = known.get(geometry) ?? new Map<number, BufferGeometry>();
@@ -20,7 +20,7 @@ export function coarse(geometry: BufferGeometry, cells: number): BufferGeometry 
 
 function cluster(geometry: BufferGeometry, cells: number): BufferGeometry {
   const places = cellsOf(geometry, cells);
-  // what looks another way stays apart, so that edges stay edges in the light; but not its place: no gaps open
+  // vertices with different normals stay separate, so that edges stay sharp; their positions are merged: no gaps
   const corners = apart(places, geometry.getAttribute("normal").array);
   const made = new BufferGeometry();
   const positions = mean(geometry, "position", places);
@@ -36,7 +36,7 @@ function cluster(geometry: BufferGeometry, cells: number): BufferGeometry {
     for (let i = start; i < start + count; i += 3) {
       const triangle = [0, 1, 2].map((k) => geometry.index?.array[i + k] as number);
       const [a, b, c] = triangle.map((vertex) => places.of[vertex]);
-      if (a === b || b === c || c === a) continue; // it has shrunk to a line or a point
+      if (a === b || b === c || c === a) continue; // degenerated to a line or a point
       const shrunk = triangle.map((vertex) => corners.of[vertex] as number);
       const key = [...shrunk].sort().join();
       if (!seen.has(key)) index.push(...shrunk);
@@ -50,7 +50,7 @@ function cluster(geometry: BufferGeometry, cells: number): BufferGeometry {
   return made;
 }
 
-/** Vertices put together: the number of the group that each is in, and how many groups there are. */
+/** Merged vertices: the group of each vertex, and the number of groups. */
 interface Groups {
   of: Uint32Array;
   count: number;
@@ -78,7 +78,7 @@ function cellsOf(geometry: BufferGeometry, cells: number): Groups {
   return group(array.length / 3, (vertex) => (at(vertex, 0) * (cells + 1) + at(vertex, 1)) * (cells + 1) + at(vertex, 2));
 }
 
-/** The same groups, each divided by the six ways that its vertices may look. */
+/** The same groups, each divided by the six main directions of the normals. */
 function apart({ of }: Groups, normals: ArrayLike<number>): Groups {
   return group(of.length, (vertex) => {
     const [x, y, z] = [0, 1, 2].map((axis) => normals[3 * vertex + axis] as number) as [number, number, number];

@@ -19,7 +19,7 @@ varying vec2 place;
 float lines(vec2 p, float step, float width) {
   vec2 c = p / step, w = fwidth(c);
   vec2 a = abs(fract(c - 0.5) - 0.5) / max(w, 1e-6);
-  // lines closer than two pixels blur into nothing
+  // lines closer than two pixels are faded out
   vec2 seen = 1.0 - smoothstep(0.25, 0.5, w);
   vec2 on = (1.0 - min(a / width, 1.0)) * seen;
   return max(on.x, on.y);
@@ -36,10 +36,10 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-/** Metres: floors at the height of the ground hide it. */
+/** Offset below floors at the height of the ground, m. */
 const BELOW = -0.02;
 
-/** Lines on the ground every metre and every ten, X red and Y green. */
+/** Ground lines at every metre and every ten metres, X red and Y green. */
 export class Ground {
   private readonly uniforms = {
     line: { value: new Color() },
@@ -58,7 +58,7 @@ export class Ground {
       transparent: true,
       depthWrite: false,
       side: DoubleSide,
-      // a floor at the same height hides it, from far away as well
+      // a floor at the same height hides it, also at large distances
       polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 16,
@@ -68,11 +68,11 @@ export class Ground {
     this.mesh.frustumCulled = false;
     this.mesh.raycast = () => {};
     this.mesh.onBeforeRender = (_renderer, _scene, camera) => {
-      // the closer to the ground, the less far lines are told apart
+      // near the ground, lines can be distinguished only at short distances
       const [x, y, z] = camera.matrixWorld.elements.slice(12, 15) as [number, number, number];
       const reach = Math.min(300, 30 + 8 * Math.abs(z));
       this.uniforms.reach.value = reach;
-      // no larger than is seen: over vast triangles graphics cards are wrong about depth by more than a floor is above it
+      // no larger than visible: for very large triangles, the depth error of graphics cards exceeds the offset
       this.mesh.position.set(x, y, BELOW);
       this.mesh.scale.setScalar(2 * reach);
       this.mesh.updateMatrixWorld();

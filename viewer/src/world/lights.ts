@@ -5,17 +5,17 @@ import type { Theme } from "../ui/theme";
 import type { WorldNode } from "./node";
 import type { World } from "./world";
 
-/** A white surface that a lamp of energy 1 lights straight on shows its full colour. */
+/** A white surface under perpendicular light of a lamp of energy 1 has its full colour. */
 const FULL = Math.PI;
-/** Graphics cards take only so many lights. */
+/** Graphics cards support a limited number of lights. */
 const MOST_LAMPS = 8;
-/** Half of the angle that an area lamp lights, radians: all before it, less and less to the sides. */
+/** Half of the angle of an area lamp, radians: it lights everything in front of it, less and less to the sides. */
 const AREA = 1.5;
-/** Falls off as a lamp that has faded to half at its distance does, over the distances that matter. */
+/** Approximates a lamp that fades to half at its distance, over the relevant distances. */
 const DECAY = 0.3;
-/** Beside other lamps, which cast no shadows here, a sun is made so much stronger, and they and the sky weaker: its shadows stay visible. */
+/** With other lamps, which cast no shadows here, a sun is stronger, and lamps and sky are weaker: its shadows stay visible. */
 const BESIDE = { sun: 1.5, lamps: 0.7, sky: 0.65 };
-/** Metres around the point of view within which the sun casts shadows. */
+/** Radius around the viewpoint in which the sun casts shadows, metres. */
 const SHADOWS = 22;
 /** Width of the soft edge of a shadow, metres. */
 const SOFT = 0.05;
@@ -27,7 +27,7 @@ export class Lights {
   private readonly lamps: Object3D[] = [];
   private readonly direction = new Vector3(0.45, -0.55, 0.75).normalize();
   private lit = false;
-  /** a sun shines, and other lamps */
+  /** whether the world has a sun and other lamps */
   private mixed = false;
 
   constructor(scene: Scene) {
@@ -50,7 +50,7 @@ export class Lights {
     this.sun.shadow.map = null;
   }
 
-  /** Take the lamps of a world; a sun among them becomes the sun. */
+  /** Install the lamps of a world; a sun among them replaces the sun. Returns the names of lamps that are not shown. */
   install(world: World): string[] {
     for (const lamp of this.lamps) lamp.removeFromParent();
     this.lamps.length = 0;
@@ -71,7 +71,7 @@ export class Lights {
     if (!sunny) {
       this.direction.set(0.45, -0.55, 0.75).normalize();
       this.sun.color.set(0xfff3e2);
-      // lamps light the world: the sun is left faint, for shape and shadows
+      // lamps light the world: a weak sun remains, for shape and shadows
       this.sun.userData["energy"] = this.lit ? 0.35 : 0.95;
     }
     return strongest.slice(MOST_LAMPS).map((node) => node.name);
@@ -87,7 +87,7 @@ export class Lights {
     this.sky.intensity = FULL * (this.lit ? 0.5 : 0.62) * dim * (this.mixed ? BESIDE.sky : 1);
   }
 
-  /** Let shadows fall around the point that is looked at; in steps, so that their edges stay still. */
+  /** Centre the shadows on a point; in steps, so that their edges do not flicker. */
   follow(target: Vector3, distance: number): void {
     const half = Math.min(SHADOWS * 3, Math.max(SHADOWS / 3, distance * 1.4));
     const size = 2 ** Math.ceil(Math.log2(half));
@@ -99,7 +99,7 @@ export class Lights {
       shadow.far = 8 * size + 60;
       shadow.updateProjectionMatrix();
     }
-    // the coarser the map, the farther off a surface must look for what shades it
+    // the coarser the map, the larger the offset that a surface needs
     const texel = (2 * size) / this.sun.shadow.mapSize.x;
     this.sun.shadow.radius = Math.min(4, Math.max(1, SOFT / texel));
     this.sun.shadow.normalBias = texel * 1.2 * this.sun.shadow.radius;
@@ -121,13 +121,13 @@ export class Lights {
   }
 }
 
-/** The lamps by the light that they give where the script puts the camera: near ones come before far ones. */
+/** The lamps by their light at the initial viewpoint: near lamps precede distant ones. */
 function strongestFirst(world: World): WorldNode[] {
   const place = new Vector3(...world.description.view.camera_location);
   const lamp = new Vector3();
   const given = (node: WorldNode): number => {
     const { type, energy, distance } = node.description.light as LightDescription;
-    if (type === "SUN" || type === "HEMI") return energy; // the same everywhere
+    if (type === "SUN" || type === "HEMI") return energy; // independent of the position
     return energy / (1 + lamp.setFromMatrixPosition(node.frame.matrixWorld).distanceToSquared(place) / Math.max(distance, 0.01) ** 2);
   };
   const lamps = world.nodes.filter((node) => node.description.light !== null).map((node): [WorldNode, number] => [node, given(node)]);

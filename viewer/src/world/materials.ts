@@ -4,11 +4,11 @@ import type { MaterialDescription } from "../generated/protocol";
 
 type Rgba = [number, number, number, number];
 
-/** Pictures are kept from world to world: what is described anew looks the same at once. */
+/** Textures are kept from world to world, so that a reloaded world is complete at once. */
 const textures = new Map<string, Texture>();
 const loader = new TextureLoader();
 
-/** The materials of one world, made when first used. */
+/** The materials of one world, created on first use. */
 export class MaterialStore {
   private readonly made = new Map<string, Material>();
 
@@ -19,7 +19,7 @@ export class MaterialStore {
     private readonly onLoad: () => void,
   ) {}
 
-  /** A material; the colour, where one is given, replaces its own. */
+  /** A material; the colour, if given, replaces its own. */
   get(index: number, color: Rgba | null): Material {
     const key = `${index}/${color?.join() ?? ""}`;
     let material = this.made.get(key);
@@ -41,7 +41,7 @@ export class MaterialStore {
       opacity: alpha,
       depthWrite: alpha >= 0.99,
       wireframe: this.wireframe,
-      // shadows of thin walls: what faces the light casts them
+      // shadows of thin walls: front faces cast them
       shadowSide: description.double_sided ? DoubleSide : FrontSide,
     };
     if (description.shadeless) {
@@ -58,7 +58,7 @@ export class MaterialStore {
   private texture(url: string): Texture {
     let texture = textures.get(url);
     if (!texture) {
-      texture = loader.load(url, this.onLoad, undefined, () => console.error(`the picture ${url} cannot be shown`));
+      texture = loader.load(url, this.onLoad, undefined, () => console.error(`the texture ${url} cannot be shown`));
       texture.colorSpace = SRGBColorSpace;
       texture.wrapS = texture.wrapT = RepeatWrapping;
       texture.anisotropy = this.anisotropy;

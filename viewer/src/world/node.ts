@@ -2,18 +2,18 @@ import type { Object3D } from "three";
 import { Group, Matrix4 } from "three";
 import type { NodeDescription } from "../generated/protocol";
 
-/** A node of the world: its rigid frame, and what is drawn in it. */
+/** A node of the world: its rigid frame, and its drawn objects. */
 export class WorldNode {
   /** the rigid frame of the node */
   readonly frame = new Group();
   /** scale and shear of its mesh */
   readonly stretch = new Matrix4();
   readonly children: WorldNode[] = [];
-  /** moves by itself, or with a parent that does */
+  /** moves by itself, or with a parent */
   moves = false;
   visible: boolean;
   color: [number, number, number, number] | null;
-  /** the mesh, if it is drawn alone */
+  /** the mesh, if it is not drawn by a batch */
   drawn: Object3D | null = null;
 
   constructor(
@@ -39,13 +39,13 @@ export class WorldNode {
     return this.description.name;
   }
 
-  /** The node and all below it. */
+  /** The node and its descendants. */
   *walk(): Generator<WorldNode> {
     yield this;
     for (const child of this.children) yield* child.walk();
   }
 
-  /** The nearest node, from here upward, for which something holds. */
+  /** The nearest node, from here upward, that fulfils a condition. */
   find(test: (node: WorldNode) => boolean): WorldNode | null {
     if (test(this)) return this;
     return this.parent?.find(test) ?? null;

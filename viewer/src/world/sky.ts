@@ -30,7 +30,7 @@ void main() {
   #include <colorspace_fragment>
 }`;
 
-/** The sky: a soft gradient from the horizon up, with the mist that hides what is far. */
+/** The sky: a gradient from the horizon up, with the mist that hides distant objects. */
 export class Sky {
   private readonly uniforms = {
     horizon: { value: new Color() },
@@ -65,7 +65,7 @@ export class Sky {
     return this.uniforms.horizon.value;
   }
 
-  /** Colours of the theme, or those that the script asked for. */
+  /** Colours of the theme, or those of the script. */
   paint(theme: Theme, view: ViewDescription | null, towardsSun: Vector3): void {
     const { horizon, zenith, nadir, glow, sun } = this.uniforms;
     const asked = view?.horizon_color;

@@ -8,12 +8,12 @@ import { GeometryStore } from "./geometry";
 import { MaterialStore } from "./materials";
 import { WorldNode } from "./node";
 
-/** So many nodes of one look are drawn as a batch. */
+/** Minimum number of nodes with the same appearance that are drawn as a batch. */
 const BATCH_FROM = 4;
 
 const geometries = new GeometryStore();
 
-/** A world as described, at the poses that came last. */
+/** A world as described, at the latest poses. */
 export class World {
   readonly root = new Group();
   readonly nodes: WorldNode[] = [];
@@ -39,7 +39,7 @@ export class World {
       node.moves = described.frame !== "" || (parent?.moves ?? false);
       this.nodes.push(node);
       this.names.set(described.name, node);
-      // poses in the world frame: whatever it hangs under in the tree
+      // poses in the world frame, independent of the parent
       (parent && described.frame !== "world" ? parent.frame : this.root).add(node.frame);
     });
     this.moving = description.moving.map((index) => this.nodes[index] as WorldNode);
@@ -51,7 +51,7 @@ export class World {
     return this.names.get(name) ?? null;
   }
 
-  /** Take over poses; false if they belong to another world. */
+  /** Apply poses; false if they belong to another world. */
   apply({ revision, poses }: PoseFrame): boolean {
     if (revision !== this.description.revision) return false;
     this.moving.forEach(({ frame }, i) => {
@@ -63,12 +63,12 @@ export class World {
     return true;
   }
 
-  /** Before each frame: what is seen large, small or not at all. */
+  /** Called before each frame: select the levels of nodes. */
   sort(look: Look): void {
     for (const batch of this.batches) batch.sort(look);
   }
 
-  /** A node is hidden, shown or recoloured. */
+  /** A node was hidden, shown or recoloured. */
   change({ node: name, visible, color }: Appearance): void {
     const node = this.find(name);
     if (!node) return;
@@ -81,17 +81,17 @@ export class World {
       this.drawAlone(node);
     }
     if (node.drawn) node.drawn.visible = visible;
-    // what is in a hidden frame gives no light
+    // lamps in a hidden frame give no light
     if (node.description.light) node.frame.visible = visible;
   }
 
-  /** A sphere around all that is drawn. */
+  /** A sphere around all drawn objects. */
   bounds(): Sphere {
     const box = this.boxOf(this.nodes);
     return box.isEmpty() ? new Sphere(new Vector3(), 5) : box.getBoundingSphere(new Sphere());
   }
 
-  /** A box around a node and what belongs to it, along the axes of the world; empty if nothing is drawn. */
+  /** A box around a node and its descendants, along the axes of the world; empty if nothing is drawn. */
   boxOf(nodes: Iterable<WorldNode>): Box3 {
     const box = new Box3();
     const part = new Box3();
@@ -103,7 +103,7 @@ export class World {
     return box;
   }
 
-  /** A sphere around a node and what belongs to it. */
+  /** A sphere around a node and its descendants. */
   boundsOf(node: WorldNode): Sphere {
     const box = this.boxOf(node.walk());
     if (box.isEmpty()) return new Sphere(node.frame.getWorldPosition(new Vector3()), 0.5);
@@ -116,7 +116,7 @@ export class World {
     this.materials.dispose();
   }
 
-  /** Poses in the world frame before the first snapshot: from the pose in the parent's frame. */
+  /** Poses in the world frame before the first snapshot: computed from the poses in the parent's frame. */
   private placeMovers(): void {
     for (const node of this.nodes) {
       if (node.description.frame !== "world" || !node.parent) continue;
@@ -124,7 +124,7 @@ export class World {
       node.frame.applyMatrix4(node.parent.frame.matrixWorld);
     }
     this.root.updateMatrixWorld(true);
-    // what stands still need not be worked out again
+    // matrices of fixed nodes need not be updated
     for (const node of this.nodes) node.frame.matrixAutoUpdate = node.description.frame !== "";
   }
 
@@ -133,7 +133,7 @@ export class World {
     for (const node of this.nodes) {
       const { mesh, materials, color } = node.description;
       if (mesh < 0) continue;
-      // a mirrored mesh turns its triangles round: a batch cannot hold both kinds
+      // a mirrored mesh has the opposite winding: a batch cannot contain both
       const key = node.stretch.determinant() < 0 ? `${node.index}` : `${mesh}/${materials.join()}/${color?.join() ?? ""}`;
       const group = alike.get(key);
       if (group) group.push(node);
