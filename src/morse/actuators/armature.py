@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from morse.actuators.dynamic_joints import DynamicJoints
 from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
-from morse.actuators.joint_services import JointServices
 from morse.core import status
 from morse.core.builder_defaults import BuilderDefaults
 from morse.core.exceptions import MorseRPCInvokationError
@@ -18,11 +18,20 @@ from morse.helpers.components import add_kind, add_property, each
 from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
+from morse.scene import Control
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+def _is_told(control: Control) -> Callable[[Any], bool]:
+    return lambda component: component.control is control
+
 
 _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
 
-class Armature(JointServices):
+class Armature(DynamicJoints):
     """Moves the revolute and prismatic joints of an armature.
 
     The joints are the bones of the armature with an unlocked axis (Bone > Inverse Kinematics in Blender) or, for
@@ -31,6 +40,12 @@ class Armature(JointServices):
 
     Bones with a target follow it as soon as the target is moved, until a joint gets a setpoint. A target is the wanted
     pose of the tip of its bone, with the Y axis along the bone.
+
+    If the joints are dynamic (property ``Dynamic``), motors move them against gravity, contacts and friction. A motor
+    is
+    told a position, a velocity or an effort (property ``Control``): the field of its joint is then in rad, rad/s or
+    N·m,
+    or in m, m/s or N for prismatic joints. Services, trajectories and targets are for motors that are told a position.
     """
 
     _name = "Armature Actuator"
@@ -38,7 +53,9 @@ class Armature(JointServices):
     _builder = BuilderDefaults()
     _products = (BuilderDefaults("KukaLWR", doc="A KUKA LWR arm with seven revolute joints"),)
 
-    add_kind("joints", names=each("joints"), position=each("joints"))
+    add_kind("joints", names=each("joints"), position=each("joints"), when=_is_told(Control.POSITION))
+    add_kind("joints", names=each("joints"), velocity=each("joints"), when=_is_told(Control.VELOCITY))
+    add_kind("joints", names=each("joints"), effort=each("joints"), when=_is_told(Control.EFFORT))
     add_property(
         "_ik_rotation_speed",
         0.5,

@@ -42,7 +42,7 @@ class Bodies:
         """Set the pose of a slot in the world; its velocity is unchanged."""
         state = self._state
         slot, data = state.slots[index], state.data
-        if slot.frame.motion is Motion.HINGE:
+        if slot.frame.motion in (Motion.HINGE, Motion.JOINT):
             return
         state.is_stirred = True
         self._gliding.unsettle(index)
@@ -59,12 +59,13 @@ class Bodies:
         state.positions[index], state.rotations[index], state.quaternions[index] = tuple(position), tuple(rotation), q
         state.touched.add(index)
         state.stamp += 1
-        for other in state.wheels.get(index, ()):
-            wheel = state.slots[other]
-            state.touched.add(other)
+        attached = (*state.wheels.get(index, ()), *state.links.get(index, ()))
+        if attached:
             mujoco.mj_kinematics(state.model, data)
-            state.positions[other] = data.xpos[wheel.body].tolist()
-            state.rotations[other] = data.xmat[wheel.body].tolist()
+        for other in attached:
+            state.touched.add(other)
+            state.positions[other] = data.xpos[state.slots[other].body].tolist()
+            state.rotations[other] = data.xmat[state.slots[other].body].tolist()
 
     def _settle_fixed(self, index: int) -> None:
         self._gliding.leave_all()
@@ -119,6 +120,8 @@ class Bodies:
             return v[:3], rigid.turn(state.rotations[index], v[3:])
         if slot.frame.motion is Motion.HINGE:
             return self._hinge_velocity(index, slot)
+        if slot.frame.motion is Motion.JOINT:
+            return self._link_velocity(index, slot)
         return state.kinematic.get(index, _AT_REST)
 
     def _hinge_velocity(self, index: int, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
@@ -135,6 +138,25 @@ class Bodies:
             tuple(a + b for a, b in zip(linear, carried, strict=True)),
             tuple(a + speed * b for a, b in zip(angular, axle, strict=True)),
         )
+
+    def _link_velocity(self, index: int, slot: Slot) -> tuple[Sequence[float], Sequence[float]]:
+        state = self._state
+        model, data = state.model, state.data
+        assert slot.frame.parent is not None
+        outer = state.slot_of[slot.frame.parent.node]
+        carried, turning = self.velocity(outer)
+        place = np.array(state.positions[index])
+        angular = np.array(turning, dtype=np.float64)
+        linear = np.array(carried) + np.cross(angular, place - np.array(state.positions[outer]))
+        for joint in slot.joints:
+            number = int(model.dof_jntid[joint.dof])
+            along = float(data.qvel[joint.dof]) * data.xaxis[number]
+            if model.jnt_type[number] == mujoco.mjtJoint.mjJNT_SLIDE:
+                linear += along
+            else:
+                angular = angular + along
+                linear += np.cross(along, place - data.xanchor[number])
+        return linear.tolist(), angular.tolist()
 
     def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
         """Set the velocity of a free slot, in world axes; slots that are not free are unchanged."""
@@ -174,7 +196,7 @@ class Bodies:
         """
         state = self._state
         slot = state.slots[index]
-        if slot.frame.motion is not Motion.FREE or slot.body < 0:
+        if slot.frame.motion not in (Motion.FREE, Motion.JOINT) or slot.body < 0:
             return
         linear, angular = self.velocity(index)
         speed = np.add(linear, np.cross(angular, np.subtract(held, state.positions[index])))

@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING
 
 import mujoco
 
-from morse.physics.layout import Motion
-
 if TYPE_CHECKING:
     from morse.physics.engine_state import EngineState
     from morse.scene import Node
 
 
 def bottom_of(state: EngineState, node: Node) -> float | None:
-    """Return the height of the lowest point of a body with its wheels, m; None if it has no collision shapes."""
+    """Return the height of the lowest point of a body with wheels and links, m; None if it has no collision shapes."""
     own = state.slots[state.slot_of[node]]
-    wheels = [slot for slot in state.slots if slot.frame.parent is own.frame and slot.frame.motion is Motion.HINGE]
-    geoms = [geom for slot in (own, *wheels) for numbers in slot.geoms.values() for geom in numbers]
+    index = state.slot_of[node]
+    attached = [state.slots[i] for i in (*state.wheels.get(index, ()), *state.links.get(index, ()))]
+    geoms = [geom for slot in (own, *attached) for numbers in slot.geoms.values() for geom in numbers]
     return min((_lowest(state, geom) for geom in geoms if state.model.geom_contype[geom]), default=None)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
+from morse.physics.articulated import Articulated, JointSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
@@ -63,6 +64,7 @@ class Slot:
         actuator: id of the wheel motor.
         geoms: geom ids by node, one for each shape of the node.
         feet: geom ids of the spheres on which a driven robot stands.
+        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first.
     """
 
     frame: Frame
@@ -74,6 +76,14 @@ class Slot:
     actuator: int = -1
     geoms: dict[Node, list[int]] = field(default_factory=dict)
     feet: list[int] = field(default_factory=list)
+    joints: list[JointSlot] = field(default_factory=list)
+
+    @property
+    def numbers(self) -> tuple[int, int]:
+        """How many positions and velocities the engine has for the slot."""
+        if self.qpos < 0:
+            return 0, 0
+        return (7, 6) if self.frame.motion is Motion.FREE else (len(self.joints) or 1, len(self.joints) or 1)
 
 
 @dataclass(eq=False, slots=True)
@@ -115,6 +125,7 @@ def _compile(scene: Scene) -> Compiled:
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
+    builder.articulated.finish(spec.option.timestep)
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -131,10 +142,11 @@ def _compile(scene: Scene) -> Compiled:
 
 def _not_moved_by_engine(frame: Frame) -> bool:
     # a stable sort, so that moving bodies get the ids 1, 2, ... in the order of the scene
-    return not frame.solid or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
+    return not frame.has_body or frame.motion in (Motion.FIXED, Motion.VIRTUAL)
 
 
 def _set_options(spec: Any, gravity: float, step: float) -> None:
+    spec.compiler.degree = False
     option = spec.option
     option.timestep = step
     option.gravity = [0.0, 0.0, -gravity]
@@ -149,6 +161,7 @@ def _set_options(spec: Any, gravity: float, step: float) -> None:
 class _Builder:
     def __init__(self, spec: Any) -> None:
         self._spec = spec
+        self.articulated = Articulated(spec)
         self._bodies: dict[Frame, Any] = {}
         self._geoms: list[tuple[Any, Node, Slot]] = []
         self._feet: list[tuple[Any, Node, Slot]] = []
@@ -157,14 +170,17 @@ class _Builder:
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
-        if frame.motion is Motion.VIRTUAL or not frame.solid:
+        if not frame.has_body:
             return slot
         body = self._add_body(frame, slot)
         self._bodies[frame] = body
+        has_links = self.articulated.set_inertia(frame, slot.pose, body) if frame.carries or frame.joints else False
+        if frame.joints:
+            slot.joints = self.articulated.add_joints(frame, slot.pose, body)
         if frame.motion is Motion.HINGE:
             self._add_wheel(frame, slot, body)
         else:
-            self._add_geoms(frame, slot, body)
+            self._add_geoms(frame, slot, body, has_links)
         return slot
 
     def _add_body(self, frame: Frame, slot: Slot) -> Any:
@@ -184,10 +200,10 @@ class _Builder:
                 body.gravcomp = 1.0
         return body
 
-    def _add_geoms(self, frame: Frame, slot: Slot, body: Any) -> None:
+    def _add_geoms(self, frame: Frame, slot: Slot, body: Any, has_links: bool) -> None:
         heavy = [node for node in frame.solid if node.body.type is not PhysicsType.SENSOR]
         total = sum(volume(shape) for node in heavy or frame.solid for shape in node.shapes or ()) or 1.0
-        mass = frame.node.body.mass if frame.motion is Motion.FREE else 0.0
+        mass = frame.node.body.mass if frame.motion is Motion.FREE and not has_links else 0.0
         lower, upper = np.full(3, np.inf), np.full(3, -np.inf)
         stand, floor = self._stance(frame, slot), caster_floor(frame, slot.pose)
         for node in frame.solid:
@@ -205,7 +221,7 @@ class _Builder:
                 self._geoms.append((geom, node, slot))
                 low, high = bounding_box(shape, position, rotation)
                 lower, upper = np.minimum(lower, low), np.maximum(upper, high)
-        if frame.robot is not None and frame.motion is Motion.FREE:
+        if frame.robot is not None and frame.motion is Motion.FREE and not has_links:
             body.explicitinertial = True
             body.mass = mass
             body.ipos, body.inertia = robot_inertia(mass, lower, upper)
@@ -223,7 +239,7 @@ class _Builder:
 
     def _stance(self, frame: Frame, slot: Slot) -> Stance | None:
         """Return the stance of a robot that is driven as one body over a floor; wheels, rotors and props have none."""
-        if frame.robot is None or frame.motion is not Motion.FREE or frame.robot.options.get("wheels"):
+        if frame.robot is None or frame.motion is not Motion.FREE or frame.robot.options.get("wheels") or frame.carries:
             return None
         if slot.pose.rotation[2][2] < 0.99 or not frame.node.properties.get("GroundRobot"):
             return None
@@ -314,6 +330,7 @@ class _Builder:
 
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
+        self.articulated.resolve(model)
         geom_node: list[Any] = [None] * model.ngeom
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node

@@ -257,6 +257,9 @@ class Drives:
             if not is_caster(node):
                 self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
         self._set_contact(slot.feet, sliding, fixed)
+        for link in state.links.get(index, ()):
+            for node, geoms in state.slots[link].geoms.items():
+                self._set_contact(geoms, sliding, fixed or node.body.friction is not None)
 
     def _set_contact(self, geoms: Sequence[int], sliding: bool, fixed: bool) -> None:
         model = self._state.model

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import mujoco
     from numpy.typing import NDArray
 
+    from morse.physics.articulated import JointSlot
     from morse.physics.compile import Compiled, Slot
     from morse.scene import Node
 
@@ -30,6 +31,8 @@ class EngineState:
         slots: indices of each rigid group in the arrays of the engine.
         slot_of: index of the slot of each node.
         wheels: slot of a robot to the slots of its wheels.
+        links: slot of a body to all slots that joints attach to it.
+        joints: armature to its joints by name.
         geom_node: node of each geom.
         steps: physics steps per tick.
         period: seconds per tick.
@@ -70,8 +73,17 @@ class EngineState:
         }
         self.wheels: dict[int, list[int]] = {}
         for index, slot in enumerate(self.slots):
-            if slot.frame.parent is not None:
+            if slot.frame.motion is Motion.HINGE and slot.frame.parent is not None:
                 self.wheels.setdefault(self.slot_of[slot.frame.parent.node], []).append(index)
+        self.links: dict[int, list[int]] = {}
+        self.joints: dict[Node, dict[str, JointSlot]] = {}
+        for index, slot in enumerate(self.slots):
+            for joint in slot.joints:
+                self.joints.setdefault(joint.armature, {})[joint.name] = joint
+            outer = slot.frame.parent if slot.frame.motion is Motion.JOINT else None
+            while outer is not None:
+                self.links.setdefault(self.slot_of[outer.node], []).append(index)
+                outer = outer.parent
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )

@@ -10,6 +10,7 @@ from morse.physics import rigid
 from morse.physics.command import Command
 from morse.physics.convert import demand_rotation, floats3
 from morse.physics.gone import Gone
+from morse.physics.joint_handle import JointHandle
 from morse.physics.layout import Motion
 from morse.physics.legacy_names import LegacyNames
 from morse.physics.limits import ANGULAR_VELOCITY, FORCE, POINT, POSITION, TORQUE, VELOCITY
@@ -125,8 +126,8 @@ class GameObject(LegacyNames):
 
     @property
     def is_dynamic(self) -> bool:
-        """Whether the object is a dynamic body."""
-        return self._world.slots[self.slot].frame.motion is Motion.FREE
+        """Whether the object is a dynamic body, or a link that a joint moves."""
+        return self._world.slots[self.slot].frame.motion in (Motion.FREE, Motion.JOINT)
 
     @property
     def mass(self) -> float:
@@ -371,6 +372,10 @@ class GameObject(LegacyNames):
         world = self._world
         wheels = (world.slots[index].frame.node for index in world.wheels.get(self.slot, ()))
         return [Wheel(world, world.object_of(node), self) for node in wheels]
+
+    def joints(self) -> JointHandle | None:
+        """The joints of an armature, or None if the physics does not move them."""
+        return JointHandle(self._world, self.node) if self.node in self._world.joints else None
 
     # -- distances and rays ----------------------------------------------------------------
 

@@ -82,7 +82,7 @@ class Gliding:
 
     @staticmethod
     def _is_able(slot: Slot) -> bool:
-        return len(slot.feet) == 4
+        return len(slot.feet) == 4 and not slot.frame.carries
 
     def _reach(self, slot: Slot) -> float:
         """Return the horizontal distance from the origin of a robot to its outermost foot, m."""

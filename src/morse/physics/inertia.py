@@ -79,3 +79,36 @@ def robot_inertia(
     centre[2] = lower[2] + ROBOT_CENTRE_HEIGHT * (upper[2] - lower[2])
     squares = size**2
     return centre, mass / 12 * (squares.sum() - squares)
+
+
+#: kg/m^3, of links whose masses a file does not say
+_DENSITY = 1000.0
+
+
+def mass_of(
+    shape: CollisionShape, position: NDArray[np.float64], rotation: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Return mass (kg), centre (3,) and inertia (3, 3) about the centre of a shape with the density of water.
+
+    The inertia is that of a solid box of the size of the shape.
+
+    Args:
+        position: of the node in the wanted frame, m.
+        rotation: (3, 3) of the node in the wanted frame.
+    """
+    mass = _DENSITY * volume(shape)
+    if shape.kind is ShapeKind.CONVEX:
+        assert shape.vertices is not None
+        low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+        centre, half, turned = (low + high) / 2.0, (high - low) / 2.0, rotation
+    else:
+        centre, half = np.asarray(shape.position), half_sizes(shape)
+        turned = rotation @ np.reshape(shape.rotation, (3, 3))
+    squares = (2.0 * half) ** 2
+    moments = mass / 12.0 * (squares.sum() - squares)
+    return mass, position + rotation @ centre, turned @ np.diag(moments) @ turned.T
+
+
+def moved_inertia(inertia: NDArray[np.float64], mass: float, by: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inertia (3, 3) about a point at a distance from the centre of mass (parallel axis theorem)."""
+    return np.asarray(inertia + mass * (float(by @ by) * np.eye(3) - np.outer(by, by)))

@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from morse.scene import PhysicsType
+from morse.scene import JointKind, PhysicsType, is_dynamic
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from morse.scene import ComponentDeclaration, Node, Scene
 
 
@@ -19,6 +21,7 @@ class Motion(StrEnum):
     FREE = "free"
     KINEMATIC = "kinematic"
     HINGE = "hinge"
+    JOINT = "joint"
     VIRTUAL = "virtual"
 
 
@@ -29,11 +32,15 @@ class Frame:
     Attributes:
         node: the node whose frame it is.
         motion: free frames are dynamic; kinematic frames are moved by explicit calls and push others; hinge frames
-            rotate about the local Z axis of their node; virtual frames have no shape.
+            rotate about the local Z axis of their node; joint frames are moved by joints of an armature; virtual frames
+            have no shape.
         members: the node and the nodes below it that move with it.
         solid: the members with a shape that collides or is hit by rays.
-        parent: the frame to which a hinge is attached.
+        parent: the frame to which a hinge or joint frame is attached.
         robot: the declaration of the robot if the frame is a robot, else None.
+        armature: the armature of a joint frame, else None.
+        joints: indices of the bones of the armature whose joints move a joint frame, the innermost first.
+        carries: whether joint frames are attached to the frame.
     """
 
     node: Node
@@ -42,6 +49,14 @@ class Frame:
     solid: list[Node] = field(default_factory=list)
     parent: Frame | None = None
     robot: ComponentDeclaration | None = None
+    armature: Node | None = None
+    joints: tuple[int, ...] = ()
+    carries: bool = False
+
+    @property
+    def has_body(self) -> bool:
+        """Whether the engine has a body for the frame."""
+        return self.motion is not Motion.VIRTUAL and (bool(self.solid) or self.carries or bool(self.joints))
 
 
 def has_shape(node: Node) -> bool:
@@ -76,15 +91,71 @@ def frames_of(scene: Scene) -> list[Frame]:
         frame.members.append(node)
         if has_shape(node):
             frame.solid.append(node)
+        hanging = _Hanging(node) if is_dynamic(node) else None
         for child in node.children:
-            visit(child, frame)
+            if hanging is None or child not in hanging.nodes:
+                visit(child, frame)
+        if hanging is not None:
+            hang(hanging, -1, frame)
+
+    def hang(hanging: _Hanging, bone: int, outer: Frame) -> None:
+        """Add the frames of the bones below a bone, parents before their children."""
+        for joints, nodes in hanging.below(bone):
+            frame = Frame(nodes[0], Motion.JOINT, parent=outer, armature=hanging.armature, joints=joints)
+            outer.carries = True
+            frames.append(frame)
+            for node in nodes:
+                visit(node, frame)
+            hang(hanging, joints[-1], frame)
 
     for root in scene.roots:
         visit(root, None)
     for frame in frames:
-        if frame.motion is Motion.KINEMATIC and not frame.solid:
+        if frame.carries and frame.motion is Motion.FIXED:
+            frame.motion = Motion.KINEMATIC
+        if frame.motion is Motion.KINEMATIC and not frame.solid and not frame.carries:
             frame.motion = Motion.VIRTUAL
     return frames
+
+
+class _Hanging:
+    """The nodes that hang on the moving bones of an armature.
+
+    Attributes:
+        nodes: all of them.
+    """
+
+    def __init__(self, armature: Node) -> None:
+        self.armature = armature
+        bones = armature.bones
+        index = {bone.name: i for i, bone in enumerate(bones)}
+        moving: list[int] = []
+        for i, bone in enumerate(bones):
+            moving.append(i if bone.kind is not JointKind.FIXED else moving[bone.parent] if bone.parent >= 0 else -1)
+        self._on: dict[int, list[Node]] = {}
+        for child in armature.children:
+            if child.bone in index and moving[index[child.bone]] >= 0:
+                self._on.setdefault(moving[index[child.bone]], []).append(child)
+        # what hangs on the moving bone itself comes first, and gives the frame its name
+        for i, nodes in self._on.items():
+            nodes.sort(key=lambda node: node.bone != bones[i].name)
+        self.nodes = {node for nodes in self._on.values() for node in nodes}
+        self._children: dict[int, list[int]] = {}
+        for i, bone in enumerate(bones):
+            if moving[i] == i:
+                self._children.setdefault(moving[bone.parent] if bone.parent >= 0 else -1, []).append(i)
+
+    def below(self, bone: int) -> Iterator[tuple[tuple[int, ...], list[Node]]]:
+        """Return for each body below a moving bone the bones that move it, and its nodes.
+
+        Bones on which nothing hangs move the next body; those at whose end there is no body are left out.
+        """
+        for child in self._children.get(bone, ()):
+            path = [child]
+            while path[-1] not in self._on and len(self._children.get(path[-1], ())) == 1:
+                path.append(self._children[path[-1]][0])
+            if path[-1] in self._on:
+                yield tuple(path), self._on[path[-1]]
 
 
 def _motion(node: Node, is_robot: bool) -> Motion:

@@ -42,9 +42,11 @@ def overlaps(state: EngineState) -> str:
 
 
 def _frame(state: EngineState, geom: int) -> Frame:
-    """Return the body of a shape; for a wheel, the robot."""
+    """Return the body of a shape; for a wheel or a link, the robot."""
     frame = state.slots[state.slot_of[state.geom_node[geom]]].frame
-    return frame.parent or frame
+    while frame.parent is not None:
+        frame = frame.parent
+    return frame
 
 
 def _moves(frame: Frame) -> bool:

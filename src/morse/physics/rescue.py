@@ -140,8 +140,9 @@ class Rescue:
             if slot.dof < 0:
                 continue
             free = slot.frame.motion is Motion.FREE
-            speeds = data.qvel[slot.dof : slot.dof + (6 if free else 1)]
-            places = data.qpos[slot.qpos : slot.qpos + (7 if free else 1)]
+            count, dofs = slot.numbers
+            speeds = data.qvel[slot.dof : slot.dof + dofs]
+            places = data.qpos[slot.qpos : slot.qpos + count]
             if not np.isfinite(places).all():
                 found.append((slot, "its position is not a number any more"))
             elif not np.isfinite(speeds).all():
@@ -175,7 +176,7 @@ class Rescue:
     def _urge(self, slot: Slot, speeds: NDArray[np.float64], pushes: NDArray[np.float64]) -> float:
         """Return the speed of a body before a step plus the speed that the forces add in the step."""
         model = self._state.model
-        dofs = 6 if slot.frame.motion is Motion.FREE else 1
+        dofs = slot.numbers[1]
         mass = max(float(model.body_mass[slot.body]), 1e-9)
         added = float(pushes[slot.body]) / mass * float(model.opt.timestep)
         return float(np.abs(speeds[slot.dof : slot.dof + dofs]).max()) + added
@@ -186,9 +187,14 @@ class Rescue:
         """Put a body with its wheels to where it was before the tick; if that is lost, to where the scene has it."""
         state = self._state
         data = state.data
-        if slot.frame.parent is not None:
+        while slot.frame.parent is not None:
             slot = state.slots[state.slot_of[slot.frame.parent.node]]
         index = state.slot_of[slot.frame.node]
+        links = [state.slots[link] for link in state.links.get(index, ())]
+        for link in links:
+            self._stop_joints(link)
+        if slot.frame.motion is not Motion.FREE:
+            return
         self._gliding.unsettle(index)
         pose = data.qpos[slot.qpos : slot.qpos + 7]
         turned = float(np.dot(pose[3:], pose[3:])) if np.isfinite(pose).all() else 0.0
@@ -204,3 +210,13 @@ class Rescue:
                 data.ctrl[part.actuator] = 0.0
                 if not math.isfinite(data.qpos[part.qpos]) or abs(data.qpos[part.qpos]) > RUNAWAY_DISTANCE:
                     data.qpos[part.qpos] = 0.0
+
+    def _stop_joints(self, link: Slot) -> None:
+        """Put the joints of a link to rest; a joint whose value is lost returns to its start."""
+        data = self._state.data
+        for joint in link.joints:
+            for values in (data.qvel, data.qacc_warmstart, data.qfrc_applied):
+                values[joint.dof] = 0.0
+            if not abs(data.qpos[joint.qpos]) <= RUNAWAY_DISTANCE:
+                data.qpos[joint.qpos] = self._state.model.qpos0[joint.qpos]
+        data.xfrc_applied[link.body] = 0.0

@@ -117,9 +117,8 @@ class Transfer:
     def _carry_motion(self, a: Slot, b: Slot) -> None:
         """Transfer the positions, velocities and forces of a slot."""
         old, new = self._old.data, self._new.data
-        free = b.frame.motion is Motion.FREE
-        if b.qpos >= 0:
-            count, dofs = (7, 6) if free else (1, 1)
+        if b.qpos >= 0 and a.numbers == b.numbers:
+            count, dofs = b.numbers
             new.qpos[b.qpos : b.qpos + count] = old.qpos[a.qpos : a.qpos + count]
             for name in ("qvel", "qacc_warmstart", "qfrc_applied"):
                 getattr(new, name)[b.dof : b.dof + dofs] = getattr(old, name)[a.dof : a.dof + dofs]
@@ -127,6 +126,10 @@ class Transfer:
             new.mocap_pos[b.mocap], new.mocap_quat[b.mocap] = old.mocap_pos[a.mocap], old.mocap_quat[a.mocap]
         if b.actuator >= 0:
             new.ctrl[b.actuator] = old.ctrl[a.actuator]
+        before = {joint.name: joint for joint in a.joints}
+        for joint in b.joints:
+            if joint.actuator >= 0 and joint.name in before and before[joint.name].actuator >= 0:
+                new.ctrl[joint.actuator] = old.ctrl[before[joint.name].actuator]
         if b.body >= 0:
             new.xfrc_applied[b.body] = old.xfrc_applied[a.body]
 
@@ -142,8 +145,8 @@ class Transfer:
                 model["geom_contype"][other] = model["geom_conaffinity"][other] = old.geom_contype[one]
         if b.body >= 0 and "geom_margin" in names:
             model["body_margin"][b.body] = old.body_margin[a.body]
-        if b.dof >= 0:
-            dofs = 6 if b.frame.motion is Motion.FREE else 1
+        if b.dof >= 0 and a.numbers == b.numbers:
+            dofs = b.numbers[1]
             model["dof_damping"][b.dof : b.dof + dofs] = old.dof_damping[a.dof : a.dof + dofs]
 
     def _contacts(self, before: saved.SavedWorld) -> NDArray[np.int32]:

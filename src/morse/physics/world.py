@@ -236,6 +236,7 @@ class World(ObjectWorld):
             getattr(self.model, name)[:] = values
         self.bodies.moved_shapes.reset()
         mujoco.mj_resetData(self.model, self.data)
+        self._hold_joints()
         self.gliding.reset()
         self._steps.reset()
         self._rescue.reset()
@@ -252,6 +253,13 @@ class World(ObjectWorld):
         self.known_contacts = None
         mujoco.mj_forward(self.model, self.data)
         kinematics.refresh(self)
+
+    def _hold_joints(self) -> None:
+        """Tell the motors of joints to stay where they start."""
+        for joints in self.joints.values():
+            for joint in joints.values():
+                if joint.actuator >= 0:
+                    self.data.ctrl[joint.actuator] = joint.start
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
@@ -351,7 +359,7 @@ class World(ObjectWorld):
         """Return the name, mass (kg) and centre of mass (m, in its own frame) of every dynamic body."""
         found = []
         for slot in self.slots[: self.moving]:
-            if slot.frame.motion in (Motion.FREE, Motion.HINGE):
+            if slot.frame.motion in (Motion.FREE, Motion.HINGE, Motion.JOINT):
                 x, y, z = self.model.body_ipos[slot.body].tolist()
                 found.append((slot.frame.node.name, float(self.model.body_mass[slot.body]), (x, y, z)))
         return found

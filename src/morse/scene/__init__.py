@@ -2,6 +2,7 @@
 
 from morse.scene.appearance import Camera, Image, Light, Material
 from morse.scene.armature import Bone, JointKind
+from morse.scene.articulation import Articulation, Control, Inertial, JointDynamics, controls_of, is_dynamic
 from morse.scene.body import BodySettings, Bounds, PhysicsType
 from morse.scene.component import (
     ComponentDeclaration,
@@ -20,6 +21,7 @@ from morse.scene.settings import Mist, Settings, TimeStrategies, ViewSettings
 from morse.scene.shapes import CollisionShape, ShapeKind
 
 __all__ = [
+    "Articulation",
     "BodySettings",
     "Bone",
     "Bounds",
@@ -27,7 +29,10 @@ __all__ = [
     "Choice",
     "CollisionShape",
     "ComponentDeclaration",
+    "Control",
     "Image",
+    "Inertial",
+    "JointDynamics",
     "JointKind",
     "Library",
     "Light",
@@ -49,6 +54,8 @@ __all__ = [
     "TimeStrategies",
     "ViewSettings",
     "Zone",
+    "controls_of",
+    "is_dynamic",
     "is_shown",
     "slot_materials",
 ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.mathutils.rotations import Rotation9
+    from morse.scene.articulation import JointDynamics
 
 
 class JointKind(StrEnum):
@@ -38,6 +39,7 @@ class Bone:
         high: largest value.
         value: initial value.
         leader: index of the bone whose joint this one follows, as ``factor * value + offset``; -1 for none.
+        dynamics: friction, limits and motor of the joint where the physics moves it, or None for the defaults.
     """
 
     name: str
@@ -54,3 +56,4 @@ class Bone:
     leader: int = -1
     factor: float = 1.0
     offset: float = 0.0
+    dynamics: JointDynamics | None = None

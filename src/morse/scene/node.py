@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.scene.appearance import Camera, Light, Material
     from morse.scene.armature import Bone
+    from morse.scene.articulation import Articulation, Inertial
     from morse.scene.mesh import Mesh
     from morse.scene.shapes import CollisionShape
 
@@ -52,6 +53,8 @@ class Node:
         color: RGBA that replaces the colour of every material, or None.
         bones: bones of an armature, parents before their children.
         bone: name of the bone of the parent to which the node is attached; empty for the parent itself.
+        inertial: mass of a link whose joint the physics moves, or None.
+        articulation: of an armature whose joints the physics moves, and of the robot that it belongs to, or None.
     """
 
     name: str
@@ -75,6 +78,8 @@ class Node:
     shapes: list[CollisionShape] | None = None
     bones: tuple[Bone, ...] = ()
     bone: str = ""
+    inertial: Inertial | None = None
+    articulation: Articulation | None = None
 
     @property
     def plain_name(self) -> str:

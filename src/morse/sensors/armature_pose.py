@@ -21,14 +21,23 @@ if TYPE_CHECKING:
 class ArmaturePose(Sensor):
     """Measures the joint values of the armature to which it is appended: ``arm.append(pose)``.
 
-    It has a field for each joint: the angle of a revolute joint, the displacement of a prismatic joint.
+    It has a field for each joint: the angle of a revolute joint, the displacement of a prismatic joint. The
+    velocities of
+    dynamic joints and the efforts of their motors are in the slots ``velocity`` and ``effort`` of its messages, and
+    returned by services.
     """
 
     _name = "Armature Pose Sensor"
     _short_desc = "Measures where the joints of an armature are"
     _builder = BuilderDefaults()
 
-    add_kind("joints", names=each("joints"), position=each("joints"))
+    add_kind(
+        "joints",
+        names=each("joints"),
+        position=each("joints"),
+        velocity=lambda sensor: sensor.velocities,
+        effort=lambda sensor: sensor.efforts,
+    )
 
     not_state = ("_bones",)
 
@@ -44,6 +53,9 @@ class ArmaturePose(Sensor):
         chain = Chain(holder.node.bones)
         self._bones = tuple(chain.bones[index] for index in chain.joints)
         self.local_data.update((bone.name, bone.value) for bone in self._bones)
+        #: rad/s or m/s, and N m or N, in the order of the joints; None unless the joints are dynamic
+        self.velocities: tuple[float, ...] | None = None
+        self.efforts: tuple[float, ...] | None = None
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -69,8 +81,10 @@ class ArmaturePose(Sensor):
 
     def measure(self) -> None:
         """Measure the joint values."""
-        values = self.context.components[self._armature].joint_values  # type: ignore[attr-defined]
-        self.local_data.update(zip(self.joints, values, strict=True))
+        armature: Any = self.context.components[self._armature]
+        self.local_data.update(zip(self.joints, armature.joint_values, strict=True))
+        if getattr(armature, "is_dynamic", False):
+            self.velocities, self.efforts = armature.joint_velocities, armature.joint_efforts
 
     @service(changes=False)
     def get_joints(self) -> list[str]:
@@ -88,6 +102,16 @@ class ArmaturePose(Sensor):
         """Return the value of a joint, rad or m."""
         self._check(joint)
         return float(self.local_data[joint])
+
+    @service(changes=False)
+    def get_velocities(self) -> dict[str, float]:
+        """Return the velocities of all joints: name to rad/s or m/s; empty unless the joints are dynamic."""
+        return dict(zip(self.joints, self.velocities or (), strict=False))
+
+    @service(changes=False)
+    def get_efforts(self) -> dict[str, float]:
+        """Return the efforts of the motors of all joints: name to N m or N; empty unless the joints are dynamic."""
+        return dict(zip(self.joints, self.efforts or (), strict=False))
 
     @service(changes=False)
     def get_joints_length(self) -> dict[str, float]:

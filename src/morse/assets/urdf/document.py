@@ -8,13 +8,19 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
+from morse.assets.inertial import inertial_of
 from morse.mathutils import Euler, Matrix
+from morse.scene import JointDynamics
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from morse.scene import Inertial
+
 _MOST_BYTES = 64 << 20
 _FARTHEST = 1e6
+#: links, and joints in a row
+_MOST_LINKS, _DEEPEST = 2000, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
@@ -44,11 +50,11 @@ class Link:
     """A rigid body.
 
     Attributes:
-        mass: kg; None if the file does not say it.
+        inertial: None if the file does not say it.
     """
 
     name: str
-    mass: float | None = None
+    inertial: Inertial | None = None
     visuals: list[Shape] = field(default_factory=list)
     collisions: list[Shape] = field(default_factory=list)
 
@@ -60,6 +66,7 @@ class Joint:
     Attributes:
         origin: 4x4 of the child in the frame of the parent, at the value 0.
         axis: unit vector in the frame of the child.
+        dynamics: damping, friction, and limits of the motor.
         mimic: name of the joint that this one follows, factor and offset; or None.
     """
 
@@ -71,6 +78,7 @@ class Joint:
     axis: tuple[float, float, float]
     low: float
     high: float
+    dynamics: JointDynamics
     mimic: tuple[str, float, float] | None = None
 
 
@@ -171,12 +179,28 @@ class _Parser:
 
     def link(self, element: ElementTree.Element) -> Link:
         name = self.name(element, "link")
+        return Link(
+            name, self.inertial(name, element), self.shapes(element, "visual"), self.shapes(element, "collision")
+        )
+
+    def inertial(self, link: str, element: ElementTree.Element) -> Inertial | None:
         inertial = element.find("inertial")
         given = None if inertial is None else inertial.find("mass")
-        mass = None if given is None else self.numbers(given, "value", (0.0,))[0]
-        if mass is not None and mass < 0.0:
-            raise self.fail(f"the link '{name}' has the mass {mass:g} kg")
-        return Link(name, mass, self.shapes(element, "visual"), self.shapes(element, "collision"))
+        if inertial is None or given is None:
+            return None
+        mass = self.numbers(given, "value", (0.0,))[0]
+        if mass < 0.0:
+            raise self.fail(f"the link '{link}' has the mass {mass:g} kg")
+        origin, tensor = self.origin(inertial), inertial.find("inertia")
+        moments = None
+        if tensor is not None:
+            moments = tuple(
+                self.numbers(tensor, name, (0.0,))[0] for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+            )
+        found, remark = inertial_of(mass, origin, moments)
+        if remark:
+            self.warnings.append(f"the link '{link}': {remark}")
+        return found
 
     def joint(self, element: ElementTree.Element) -> Joint:
         name, kind = self.name(element, "joint"), element.get("type") or ""
@@ -189,7 +213,7 @@ class _Parser:
         length = math.sqrt(x * x + y * y + z * z)
         if length < 1e-9 and kind != "fixed":
             raise self.fail(f"the joint '{name}' has an axis of length 0")
-        limit = element.find("limit")
+        limit, dynamics = element.find("limit"), element.find("dynamics")
         (low,), (high,) = self.numbers(limit, "lower", (0.0,)), self.numbers(limit, "upper", (0.0,))
         if kind == "continuous":
             low, high = -_ENDLESS, _ENDLESS
@@ -199,7 +223,16 @@ class _Parser:
         axis = (x / length, y / length, z / length) if length >= 1e-9 else (1.0, 0.0, 0.0)
         parent = self.name(element.find("parent"), "parent", "link")
         child = self.name(element.find("child"), "child", "link")
-        return Joint(name, kind, parent, child, self.origin(element), axis, low, high, self.mimic(element))
+        (effort,), (speed,) = self.numbers(limit, "effort", (0.0,)), self.numbers(limit, "velocity", (0.0,))
+        (damping,), (friction,) = self.numbers(dynamics, "damping", (0.0,)), self.numbers(dynamics, "friction", (0.0,))
+        moves = JointDynamics(
+            damping=max(damping, 0.0),
+            friction=max(friction, 0.0),
+            effort=effort if effort > 0.0 else math.inf,
+            speed=speed if speed > 0.0 else math.inf,
+            limited=low > -_ENDLESS or high < _ENDLESS,
+        )
+        return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
 
     def mimic(self, element: ElementTree.Element) -> tuple[str, float, float] | None:
         mimic = element.find("mimic")
@@ -240,6 +273,8 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     """The root, and the joints in an order in which the parent of each is known."""
     if not links:
         raise parser.fail("it has no links")
+    if len(links) > _MOST_LINKS:
+        raise parser.fail(f"it has {len(links)} links, more than {_MOST_LINKS}")
     names: set[str] = set()
     above: dict[str, Joint] = {}
     below: dict[str, list[Joint]] = {}
@@ -258,11 +293,15 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     if len(roots) != 1:
         what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "joints in a circle"
         raise parser.fail(f"it has {what}")
-    ordered, waiting = [], [roots[0]]
+    ordered, waiting, depth = [], [roots[0]], {roots[0]: 0}
     while waiting:
-        for joint in below.get(waiting.pop(0), ()):
+        link = waiting.pop(0)
+        if depth[link] > _DEEPEST:
+            raise parser.fail(f"more than {_DEEPEST} joints follow each other, up to the link '{link:.60}'")
+        for joint in below.get(link, ()):
             ordered.append(joint)
             waiting.append(joint.child)
+            depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
         raise parser.fail("it has joints in a circle")
     for joint in ordered:

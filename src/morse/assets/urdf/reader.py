@@ -11,7 +11,18 @@ from morse.assets.urdf.document import Joint, Link, Shape, parse
 from morse.assets.urdf.meshes import MeshError, find_mesh, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
-from morse.scene import BodySettings, Bone, Bounds, JointKind, Library, Material, Node, NodeKind, PhysicsType
+from morse.scene import (
+    Articulation,
+    BodySettings,
+    Bone,
+    Bounds,
+    JointKind,
+    Library,
+    Material,
+    Node,
+    NodeKind,
+    PhysicsType,
+)
 
 if TYPE_CHECKING:
     from morse.assets.urdf.document import Document
@@ -52,17 +63,16 @@ class _Reader:
 
     def library(self) -> Library:
         document = self.document
-        masses = [link.mass for link in document.links.values() if link.mass is not None]
-        mass = sum(masses)
-        is_fixed = document.root == _WORLD or (bool(masses) and not mass)
+        mass = sum(link.inertial.mass for link in document.links.values() if link.inertial is not None)
         body = BodySettings(
-            type=PhysicsType.STATIC if is_fixed else PhysicsType.RIGID_BODY,
+            type=PhysicsType.STATIC if self._is_fixed(mass) else PhysicsType.RIGID_BODY,
             compound=True,
             mass=max(mass, _LIGHTEST) if mass else 1.0,
         )
         root = Node(document.name, body=body, source_name=document.name)
         armature = Node(f"{document.name}_joints", NodeKind.ARMATURE, source_name=f"{document.name}_joints")
         armature.bones = tuple(self._bones())
+        root.articulation = armature.articulation = Articulation(mass=mass)
         root.attach(armature)
         frames, turned = self._start(armature.bones), {joint.child: _turn(joint) for joint in document.joints}
         moved = {joint.child: joint.name for joint in document.joints}
@@ -74,6 +84,21 @@ class _Reader:
                 node.location, node.rotation_euler = list(frame.translation), list(frame.to_euler())
             armature.attach(node)
         return Library(str(self.path), roots=[root], warnings=self.warnings)
+
+    def _is_fixed(self, mass: float) -> bool:
+        """Whether the robot is bolted to the world: the links that move with the first one have no mass."""
+        document = self.document
+        if document.root == _WORLD:
+            return True
+        if not any(link.inertial is not None for link in document.links.values()):
+            return False
+        if not mass:
+            return True
+        rigid = {document.root}
+        for joint in document.joints:
+            if joint.kind not in _KINDS and joint.parent in rigid:
+                rigid.add(joint.child)
+        return not any(i.mass for name in rigid if (i := document.links[name].inertial) is not None)
 
     # -- joints ----------------------------------------------------------------------------
 
@@ -108,6 +133,7 @@ class _Reader:
                     leader=index[leader] if leader else -1,
                     factor=factor,
                     offset=offset,
+                    dynamics=joint.dynamics,
                 )
             )
         return found
@@ -129,7 +155,7 @@ class _Reader:
     # -- links -----------------------------------------------------------------------------
 
     def _link(self, link: Link) -> Node:
-        node = Node(link.name, source_name=link.name)
+        node = Node(link.name, source_name=link.name, inertial=link.inertial)
         for number, shape in enumerate(link.visuals, 1):
             self._add(node, f"{link.name}_visual{number}", shape, is_solid=False)
         for number, shape in enumerate(link.collisions, 1):

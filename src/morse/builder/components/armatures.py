@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
@@ -10,7 +11,8 @@ from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
 from morse.helpers.chain import Chain
 from morse.mathutils import Matrix
-from morse.scene import Node, NodeKind
+from morse.scene import Articulation, Control, Node, NodeKind
+from morse.scene.articulation import DYNAMIC
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -62,6 +64,34 @@ class Armature(ActuatorCreator):
             known = f"one of {', '.join(found)}" if found else "it holds none"
             raise MorseBuilderNoComponentError(f"{type(self).__name__}: which armature of '{model}'? {known}")
         return found[0]
+
+    def control(self, control: str, joints: Iterable[str] | None = None) -> None:
+        """Set what the motors of dynamic joints are told; see `morse.actuators.armature.Armature`.
+
+        If joints are named, the armature becomes dynamic.
+
+        Args:
+            control: ``position``, ``velocity`` or ``effort``.
+            joints: names of joints; None for all.
+
+        Raises:
+            MorseBuilderError: there is no such joint.
+        """
+        kind = Control(checks.choice(control, [str(one) for one in Control], "control(control)"))
+        if joints is None:
+            self.properties(Control=str(kind))
+            return
+        known = Chain(self.scene_node.bones).names
+        chosen = [joints] if isinstance(joints, str) else list(joints)
+        for joint in chosen:
+            if joint not in known:
+                raise MorseBuilderError(
+                    f"control: '{self.name}' has no joint {checks.shown(joint)}{checks.suggestion(joint, known)}"
+                )
+        settings = self.scene_node.articulation or Articulation()
+        told = dict(settings.control) | dict.fromkeys(chosen, kind)
+        self.scene_node.articulation = replace(settings, control=tuple(told.items()))
+        self.scene_node.properties.setdefault(DYNAMIC, True)
 
     def create_ik_targets(self, bones: Iterable[str]) -> None:
         """Create targets for bones, which follow them: ``ik_target.<name of the component>.<bone>``.

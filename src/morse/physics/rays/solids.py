@@ -159,16 +159,17 @@ def _remissions(node: Node) -> list[float]:
 
 
 def owner(world: ObjectWorld, slot: int) -> int:
-    """Return the slot to which a slot belongs: a wheel belongs to the body to which it is attached."""
+    """Return the slot to which a slot belongs: wheels and links belong to the body to which they are attached."""
     parent = world.slots[slot].frame.parent
-    if parent is None:
-        return slot
-    return next(index for index, other in enumerate(world.slots) if other.frame is parent)
+    while parent is not None:
+        slot = world.slot_of[parent.node]
+        parent = parent.parent
+    return slot
 
 
 def body_of(world: ObjectWorld, part: GameObject) -> GameObject:
     """Return the body of a part: hits on the shapes of a compound are reported as hits on the compound."""
     if not part.is_dynamic:
         return part
-    body = world.object_of(world.slots[part.slot].frame.node)
+    body = world.object_of(world.slots[owner(world, part.slot)].frame.node)
     return body if body.node.body.compound else part

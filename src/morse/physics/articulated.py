@@ -1,0 +1,321 @@
+"""Adds the joints of armatures to the model of the engine: their masses, limits and motors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.physics.inertia import mass_of, moved_inertia
+from morse.physics.layout import Motion
+from morse.physics.motors import Load, drive, weight
+from morse.physics.poses import as_array, relative_pose
+from morse.scene import Articulation, JointDynamics, JointKind, controls_of
+from morse.scene.bone_frames import start_frames, start_value
+from morse.scene.frames import rigid_frame
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from numpy.typing import NDArray
+
+    from morse.physics.layout import Frame
+    from morse.scene import Bone, Node
+    from morse.scene.frames import RigidFrame
+
+#: smallest mass, kg, and moment of inertia, kg m^2, of a link that a joint moves
+_LIGHTEST, _SMALLEST = 1e-3, 1e-6
+_NOTHING = JointDynamics()
+_TYPES = {JointKind.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE, JointKind.PRISMATIC: mujoco.mjtJoint.mjJNT_SLIDE}
+
+
+@dataclass(eq=False, slots=True)
+class JointSlot:
+    """The indices of a joint in the arrays of the engine.
+
+    Attributes:
+        armature: the node of the armature.
+        name: of the bone.
+        qpos: address of its value, rad or m.
+        dof: address of its velocity.
+        actuator: id of its motor; -1 for a joint that follows another.
+        start: what its motor is told at the start.
+        is_servo: whether its motor is told a position.
+    """
+
+    armature: Node
+    name: str
+    qpos: int = -1
+    dof: int = -1
+    actuator: int = -1
+    start: float = 0.0
+    is_servo: bool = False
+
+
+@dataclass(eq=False, slots=True)
+class _Made:
+    """A joint that was added, for the parts that need all joints of an armature."""
+
+    frame: Frame
+    bone: Bone
+    slot: JointSlot
+    joint: Any
+    anchor: NDArray[np.float64]
+    limit: JointDynamics
+
+
+@dataclass(eq=False, slots=True)
+class _Group:
+    """A frame with its body in the engine, its mass (kg), centre of mass (3, world, m) and joints."""
+
+    frame: Frame
+    body: Any
+    mass: float
+    centre: NDArray[np.float64]
+    joints: list[_Made] = field(default_factory=list)
+
+
+class Articulated:
+    """The joints of all armatures of a scene whose joints the physics moves."""
+
+    def __init__(self, spec: Any) -> None:
+        self._spec = spec
+        self._groups: dict[Frame, _Group] = {}
+        self._made: list[_Made] = []
+
+    # -- masses ----------------------------------------------------------------------------
+
+    def set_inertia(self, frame: Frame, pose: RigidFrame, body: Any) -> bool:
+        """Set mass and inertia of a body from its links; return False if the model of the frame has no links."""
+        links = [node for node in frame.members if node.inertial is not None]
+        is_root = frame.motion is not Motion.JOINT
+        if is_root and (frame.motion is not Motion.FREE or frame.node.articulation is None or not frame.carries):
+            self._groups[frame] = _Group(frame, body, frame.node.body.mass, np.array(pose.position))
+            return False
+        scale = _scale(frame)
+        parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+        for node in links:
+            position, rotation = relative_pose(node, pose)
+            inertial = node.inertial
+            assert inertial is not None
+            inertia = rotation @ np.reshape(inertial.inertia, (3, 3)) @ rotation.T
+            parts.append((scale * inertial.mass, position + rotation @ np.array(inertial.centre), scale * inertia))
+        if not any(mass for mass, _, _ in parts) and not _has_masses(frame):
+            parts = [mass_of(shape, *relative_pose(node, pose)) for node in frame.solid for shape in node.shapes or ()]
+        mass = sum((part[0] for part in parts), 0.0)
+        body.explicitinertial = True
+        if mass < _LIGHTEST:
+            mass, centre = _LIGHTEST, np.zeros(3)
+            inertia = np.eye(3) * _SMALLEST
+        else:
+            centre = sum((m * c for m, c, _ in parts), np.zeros(3)) / mass
+            inertia = sum((moved_inertia(i, m, c - centre) for m, c, i in parts), np.zeros((3, 3)))
+        body.mass, body.ipos = mass, centre
+        moments, axes = np.linalg.eigh(inertia)
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 0] *= -1.0
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
+        body.iquat = quaternion
+        # rounding and careless files: no moment may exceed the sum of the others
+        moments = np.maximum(moments, max(_SMALLEST * min(mass, 1.0), 0.5 * (moments[2] - moments[1])))
+        body.inertia = moments
+        place = np.array(pose.position) + as_array(pose.rotation) @ centre
+        self._groups[frame] = _Group(frame, body, float(mass), place)
+        return True
+
+    # -- joints ----------------------------------------------------------------------------
+
+    def add_joints(self, frame: Frame, pose: RigidFrame, body: Any) -> list[JointSlot]:
+        """Add the joints that move a frame."""
+        armature = frame.armature
+        assert armature is not None
+        outer = rigid_frame(armature)
+        scale = sum(float(outer.stretch[i][i]) for i in range(3)) / 3.0
+        bones, frames = armature.bones, start_frames(armature.bones, scale)
+        base, turned = np.array(outer.position), as_array(outer.rotation)
+        origin, rotation = np.array(pose.position), as_array(pose.rotation)
+        found = []
+        controls = controls_of(armature)
+        for index in frame.joints:
+            bone = bones[index]
+            place, axes = frames[index]
+            anchor = base + turned @ np.array(place)
+            axis = turned @ np.reshape(axes, (3, 3))[:, bone.axis]
+            slides = bone.kind is JointKind.PRISMATIC
+            value = start_value(bones, index) * (scale if slides else 1.0)
+            limit = bone.dynamics or _NOTHING
+            name = f"{armature.name}/{bone.name}"
+            joint = body.add_joint(
+                type=_TYPES[bone.kind],
+                name=name,
+                pos=rotation.T @ (anchor - origin),
+                axis=rotation.T @ axis,
+                ref=value,
+                armature=limit.inertia,
+                frictionloss=limit.friction,
+            )
+            joint.damping[0] = limit.damping
+            if limit.stiffness:
+                joint.stiffness[0], joint.springref = limit.stiffness, limit.rest
+            low, high = (bone.low * scale, bone.high * scale) if slides else (bone.low, bone.high)
+            joint.limited = limit.limited and bone.leader < 0 and low <= high
+            joint.range = [low, high] if low < high else [low - 1e-6, low + 1e-6]
+            slot = JointSlot(armature, bone.name)
+            slot.is_servo = controls[bone.name] == "position"
+            slot.start = value if slot.is_servo else 0.0
+            made = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(made)
+            self._groups[frame].joints.append(made)
+            found.append(slot)
+        return found
+
+    # -- after all bodies --------------------------------------------------------------------
+
+    def finish(self, step: float) -> None:
+        """Add motors, joints that follow others, and the pairs of links that do not collide.
+
+        Args:
+            step: of the engine, s.
+        """
+        if not self._made:
+            return
+        by_name = {(made.slot.armature, made.bone.name): made for made in self._made}
+        loads = self._loads()
+        for made in self._made:
+            armature = made.slot.armature
+            bones = armature.bones
+            if made.bone.leader >= 0 and (leader := by_name.get((armature, bones[made.bone.leader].name))):
+                self._follow(made, leader)
+                continue
+            motor = self._spec.add_actuator(
+                name=made.joint.name, target=made.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
+            )
+            drive(motor, made.joint, made.limit, controls_of(armature)[made.bone.name], loads[made.slot], step)
+        for root in {_root(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
+            self._keep_apart(root)
+
+    def _follow(self, made: _Made, leader: _Made) -> None:
+        equality = self._spec.add_equality(
+            name=made.joint.name,
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            name1=made.joint.name,
+            name2=leader.joint.name,
+        )
+        data = np.zeros(equality.data.shape)
+        # both are where they start when the constraint is fulfilled
+        data[1] = made.bone.factor
+        equality.data = data
+        equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
+
+    def _loads(self) -> dict[JointSlot, Load]:
+        """Return what each motor has to move at most, whatever the other joints do."""
+        below: dict[Frame, list[Frame]] = {}
+        for frame in self._groups:
+            if frame.motion is Motion.JOINT and frame.parent is not None:
+                below.setdefault(frame.parent, []).append(frame)
+        found: dict[JointSlot, Load] = {}
+        for frame, group in self._groups.items():
+            for made in group.joints:
+                slides = made.bone.kind is JointKind.PRISMATIC
+                mass, inertia, moment = self._reached(frame, made.anchor, below)
+                root = _root(frame)
+                rest, turned, lever = 0.0, 0.0, 0.0
+                if root.motion is Motion.FREE:
+                    mine = set(self._tree(frame, below))
+                    for other in self._tree(root, below):
+                        if other not in mine:
+                            part = self._groups[other]
+                            reach = float(np.linalg.norm(part.centre - made.anchor))
+                            rest += part.mass
+                            turned += part.mass * reach * reach
+                            lever += weight(part.mass, reach)
+                if slides:
+                    found[made.slot] = Load(mass, weight(mass, 1.0), rest, weight(rest, 1.0), slides)
+                else:
+                    found[made.slot] = Load(inertia, moment, turned, lever, slides)
+        return found
+
+    def _reached(
+        self, frame: Frame, anchor: NDArray[np.float64], below: dict[Frame, list[Frame]]
+    ) -> tuple[float, float, float]:
+        """Return mass, largest moment of inertia and largest moment of weight of what a joint carries.
+
+        They are the largest if all joints that it carries are stretched.
+        """
+        mass = inertia = moment = 0.0
+        waiting = [(frame, anchor, 0.0)]
+        while waiting:
+            one, place, length = waiting.pop()
+            group = self._groups[one]
+            reach = length + float(np.linalg.norm(group.centre - place))
+            mass += group.mass
+            inertia += group.mass * reach * reach + float(np.max(group.body.inertia))
+            moment += weight(group.mass, reach)
+            for other in below.get(one, ()):
+                there = self._groups[other].joints[0].anchor
+                waiting.append((other, there, length + float(np.linalg.norm(there - place))))
+        return mass, inertia, moment
+
+    def _tree(self, frame: Frame, below: dict[Frame, list[Frame]]) -> Iterator[Frame]:
+        waiting = [frame]
+        while waiting:
+            one = waiting.pop()
+            yield one
+            waiting += below.get(one, ())
+
+    def _keep_apart(self, root: Frame) -> None:
+        """Let links of one robot not collide with each other, unless the file wants it."""
+        frames = [frame for frame in self._groups if _root(frame) is root]
+        names = {frame: {node.source_name or node.name for node in frame.members} for frame in frames}
+        for number, one in enumerate(frames):
+            for other in frames[number + 1 :]:
+                if not (one.solid and other.solid):
+                    continue
+                settings = [f.armature.articulation for f in (one, other) if f.armature is not None]
+                collides = all(setting is not None and setting.self_collision for setting in settings)
+                listed = any(
+                    (a in names[one] and b in names[other]) or (b in names[one] and a in names[other])
+                    for setting in settings
+                    if setting is not None
+                    for a, b in setting.apart
+                )
+                if not collides or listed or one.parent is other or other.parent is one:
+                    self._spec.add_exclude(
+                        bodyname1=self._groups[one].body.name, bodyname2=self._groups[other].body.name
+                    )
+
+    def resolve(self, model: mujoco.MjModel) -> None:
+        """Store the ids that the compiler has assigned."""
+        for made in self._made:
+            joint = model.joint(made.joint.name).id
+            made.slot.qpos, made.slot.dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+            made.slot.actuator = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, made.joint.name)
+
+
+def _root(frame: Frame) -> Frame:
+    while frame.motion is Motion.JOINT:
+        assert frame.parent is not None
+        frame = frame.parent
+    return frame
+
+
+def _has_masses(frame: Frame) -> bool:
+    """Whether the file of the armature of a frame has masses."""
+    armature = frame.armature if frame.armature is not None else frame.node
+    return bool((armature.articulation or Articulation()).mass)
+
+
+def _scale(frame: Frame) -> float:
+    """Return the factor between the mass of a robot in the scene and in its file."""
+    root = _root(frame).node
+    in_file = root.articulation.mass if root.articulation is not None else 0.0
+    return root.body.mass / in_file if in_file and abs(root.body.mass - in_file) > 1e-9 * in_file else 1.0
+
+
+def carried(frames: Iterable[Frame]) -> dict[Frame, Frame]:
+    """Return the root of each joint frame."""
+    return {frame: _root(frame) for frame in frames if frame.motion is Motion.JOINT}

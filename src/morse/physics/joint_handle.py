@@ -1,0 +1,79 @@
+"""The handle of components for joints that the physics moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import mujoco
+    from numpy.typing import NDArray
+
+    from morse.physics.articulated import JointSlot
+    from morse.physics.engine_state import EngineState
+    from morse.scene import Node
+
+
+class JointHandle:
+    """Tells the motors of an armature what to do, and measures its joints.
+
+    All values are in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic joints.
+    """
+
+    #: created from the scene, without a state; cached values of the engine are not saved
+    is_apparatus = True
+
+    def __init__(self, state: EngineState, armature: Node) -> None:
+        self._state = state
+        self._name = armature.name
+        self._model: mujoco.MjModel | None = None
+        self._order: tuple[str, ...] = ()
+
+    @property
+    def _slots(self) -> dict[str, JointSlot]:
+        state = self._state
+        return next(slots for node, slots in state.joints.items() if node.name == self._name)
+
+    def _take(self, names: Sequence[str]) -> None:
+        """Look up the addresses of joints, again after objects were added or removed."""
+        state = self._state
+        if self._model is state.model and self._order == names:
+            return
+        self._model, self._order = state.model, tuple(names)
+        slots = [self._slots.get(name) for name in names]
+        self._present = [slot is not None for slot in slots]
+        found = [slot for slot in slots if slot is not None]
+        self._all = all(self._present)
+        self._qpos = np.array([slot.qpos for slot in found], dtype=np.intp)
+        self._dofs = np.array([slot.dof for slot in found], dtype=np.intp)
+        self._motors = np.array([slot.actuator for slot in found], dtype=np.intp)
+
+    def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
+        """Set what motors are told: positions, velocities or efforts, see `morse.scene.Control`."""
+        self._take(names)
+        if not self._all:
+            values = [value for value, there in zip(values, self._present, strict=True) if there]
+        self._state.data.ctrl[self._motors] = values
+
+    def positions(self, names: Sequence[str]) -> list[float]:
+        """Return the measured positions."""
+        return self._read(names, self._state.data.qpos, dofs=False)
+
+    def velocities(self, names: Sequence[str]) -> list[float]:
+        """Return the measured velocities."""
+        return self._read(names, self._state.data.qvel)
+
+    def efforts(self, names: Sequence[str]) -> list[float]:
+        """Return the efforts that the motors exert."""
+        return self._read(names, self._state.data.qfrc_actuator)
+
+    def _read(self, names: Sequence[str], values: NDArray[np.float64], *, dofs: bool = True) -> list[float]:
+        self._take(names)
+        found: list[float] = values[self._dofs if dofs else self._qpos].tolist()
+        if self._all:
+            return found
+        rest = iter(found)
+        return [next(rest) if there else 0.0 for there in self._present]

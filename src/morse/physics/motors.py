@@ -1,0 +1,111 @@
+"""The motors of joints.
+
+A motor that is told a position is a spring and a damper between the joint and its setpoint,
+
+    effort = k (setpoint - q) - d q'
+
+and a motor that is told a velocity is a damper: effort = d (setpoint - q'). If the file does not say k and d, they
+follow
+from the largest load that the motor can meet:
+
+* from the moment of inertia I of what it carries, all other joints stretched: k = I w^2 with w = 50 rad/s;
+* from the moment m g l of the weight of what it carries: k = m g l / 2 mrad, so that joints do not sag;
+* in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
+  topple over its ankle (an inverted pendulum needs m g l);
+* d = 2 sqrt(k I), critically damped.
+
+Such a motor also gets a rotor with the inertia d h / 2, where h is the time step, as the motors and gears of real
+robots have
+one. Without it, a motor at its largest effort could reverse a light link within a step, and would do so for ever. The
+rotor
+does not change static efforts; a motor that is told an effort, or whose gains are in the file, has none but that of
+the file.
+
+The engine treats velocities implicitly, but not positions. A spring that is too stiff for the time step gets the
+damping
+k h / 2 in addition, with which its motion is stable for any k: the step is then that of the trapezoidal rule.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import mujoco
+
+from morse.scene import Control
+
+if TYPE_CHECKING:
+    from morse.scene import JointDynamics
+
+#: natural frequency of a motor that is told a position, rad/s
+_FREQUENCY = 50.0
+#: largest sag, rad or m
+_SAG = {False: 2e-3, True: 2e-4}
+#: stiffness of a leg as a multiple of the least with which a robot stands
+_UPRIGHT = 10.0
+#: k h^2 / I, from which on a spring is too stiff for the time step
+_STIFF = 0.25
+_GRAVITY = 9.81
+
+
+class Load(NamedTuple):
+    """What a motor moves; values in brackets are those of prismatic joints.
+
+    Attributes:
+        inertia: largest moment of inertia of what it carries, kg m^2 (mass, kg).
+        moment: largest moment of the weight of what it carries, N m (weight, N).
+        body: moment of inertia of the rest of a robot that may stand on it, kg m^2 (mass, kg); 0 for a robot that is
+            fixed.
+        tilt: moment of the weight of that rest, N m (weight, N).
+        slides: whether the joint is prismatic.
+    """
+
+    inertia: float
+    moment: float
+    body: float
+    tilt: float
+    slides: bool
+
+
+def drive(motor: Any, joint: Any, dynamics: JointDynamics, control: Control, load: Load, step: float) -> None:
+    """Set up a motor of the engine.
+
+    Args:
+        motor: an actuator of a `mujoco.MjSpec`.
+        joint: its joint.
+        step: of the engine, s.
+    """
+    own = dynamics.control is control or (dynamics.control is None and control is Control.POSITION)
+    gain = dynamics.gain if own else None
+    inertia = max(load.inertia, 1e-6)
+    motor.dyntype, motor.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED
+    motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+    if control is Control.EFFORT:
+        motor.gainprm[0], motor.biastype = 1.0, mujoco.mjtBias.mjBIAS_NONE
+    elif control is Control.VELOCITY:
+        if gain is None:
+            joint.armature = max(dynamics.inertia, inertia)
+            gain = (inertia + joint.armature) / step
+        motor.gainprm[0], motor.biasprm[2] = gain, -gain
+    else:
+        slowing = dynamics.slowing if own else None
+        if gain is None:
+            gain = max(inertia * _FREQUENCY**2, load.moment / _SAG[load.slides])
+            usual = 2.0 * math.sqrt(gain * inertia)
+            leg = _UPRIGHT * load.tilt
+            gain, usual = max(gain, leg), max(usual, 2.0 * math.sqrt(leg * load.body))
+            slowing = usual if slowing is None else slowing
+            joint.armature = max(dynamics.inertia, 0.5 * usual * step)
+        elif slowing is None:
+            slowing = 2.0 * math.sqrt(gain * inertia)
+        if gain * step * step > _STIFF * (joint.armature + inertia):
+            slowing += 0.5 * gain * step
+        motor.gainprm[0], motor.biasprm[1], motor.biasprm[2] = gain, -gain, -slowing
+    if math.isfinite(dynamics.effort):
+        motor.forcelimited, motor.forcerange = True, [-dynamics.effort, dynamics.effort]
+
+
+def weight(mass: float, reach: float) -> float:
+    """Return the moment of the weight of a mass at a distance, N m."""
+    return _GRAVITY * mass * reach

@@ -1,0 +1,111 @@
+"""Joints that the physics moves: the masses of links, and the friction, limits and motors of joints."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from morse.scene.node import Node
+
+#: property of an armature: whether the physics moves its joints
+DYNAMIC = "Dynamic"
+#: property of an armature: what its motors are told
+CONTROL = "Control"
+
+
+class Control(StrEnum):
+    """What the motor of a joint is told.
+
+    A motor that is told a position or a velocity exerts the effort (N m or N) that it takes, up to its limit. A motor
+    that is told an effort exerts this effort; without a command, the joint moves freely.
+    """
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    EFFORT = "effort"
+
+
+@dataclass(frozen=True, slots=True)
+class JointDynamics:
+    """The dynamics of a joint.
+
+    Units are those of revolute joints; read m for rad and N for N m for prismatic joints.
+
+    Attributes:
+        damping: N m s/rad.
+        friction: dry friction, N m.
+        inertia: of the rotor of the motor, as the joint sees it, kg m^2.
+        stiffness: of a spring, N m/rad.
+        rest: rad, the value at which the spring is at rest.
+        effort: largest effort of the motor, N m.
+        speed: largest speed, rad/s.
+        limited: whether the joint stops at the limits of its bone.
+        control: what its motor is told, or None if the file does not say it: a position.
+        gain: of the motor: N m/rad for a position, N m s/rad for a velocity; None for one that suits the masses.
+        slowing: damping of a motor that is told a position, N m s/rad; None for one that suits its gain.
+    """
+
+    damping: float = 0.0
+    friction: float = 0.0
+    inertia: float = 0.0
+    stiffness: float = 0.0
+    rest: float = 0.0
+    effort: float = math.inf
+    speed: float = math.inf
+    limited: bool = True
+    control: Control | None = None
+    gain: float | None = None
+    slowing: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """The mass of a link.
+
+    Attributes:
+        mass: kg.
+        centre: of mass, m, in the frame of the link.
+        inertia: 9 numbers, row by row, about the centre of mass in the axes of the link, kg m^2.
+    """
+
+    mass: float
+    centre: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Articulation:
+    """The joints of an armature, or of the robot that it belongs to, as its file has them.
+
+    Attributes:
+        mass: of all links together, kg; 0 if the file has no masses.
+        self_collision: whether links collide with each other. Links that a joint joins never do.
+        apart: names, in the file, of pairs of links that do not collide.
+        control: joint to what its motor is told, where that is not what the file says.
+    """
+
+    mass: float = 0.0
+    self_collision: bool = False
+    apart: tuple[tuple[str, str], ...] = ()
+    control: tuple[tuple[str, Control], ...] = ()
+
+
+def is_dynamic(armature: Node) -> bool:
+    """Whether the physics moves the joints of a node: those of a file that has masses, or if a script asks for it."""
+    return bool(armature.bones) and bool(armature.properties.get(DYNAMIC, armature.articulation is not None))
+
+
+def controls_of(armature: Node) -> dict[str, Control]:
+    """Return what the motor of each joint of an armature is told."""
+    settings = armature.articulation or Articulation()
+    word = armature.properties.get(CONTROL)
+    common = Control(word) if isinstance(word, str) and word in list(Control) else None
+    chosen = dict(settings.control)
+    found = {}
+    for bone in armature.bones:
+        own = bone.dynamics.control if bone.dynamics is not None else None
+        found[bone.name] = chosen.get(bone.name) or common or own or Control.POSITION
+    return found
