@@ -119,8 +119,9 @@ class Articulated:
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
         body.iquat = quaternion
-        # rounding and careless files: no moment may exceed the sum of the others
-        moments = np.maximum(moments, max(_SMALLEST * min(mass, 1.0), 0.5 * (moments[2] - moments[1])))
+        # careless files, and rounding: no moment may exceed the sum of the others
+        moments = np.maximum(moments, _SMALLEST * min(mass, 1.0))
+        moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
         body.inertia = moments
         place = np.array(pose.position) + as_array(pose.rotation) @ centre
         self._groups[frame] = _Group(frame, body, float(mass), place)
