@@ -348,6 +348,9 @@ def test_what_a_camera_sees(running, open_page) -> None:
     driver, url = running
     page = open_page(url, **WIDE)
     select(page)
+    until(lambda: driver.server.wishes.images == {"robot0.lidar"})
+    page.keyboard.press("v")
+    until(lambda: driver.server.wishes.images == frozenset())
     page.keyboard.press("v")
     until(lambda: driver.server.wishes.images == {"robot0.lidar"})
     pixel = "[...document.querySelector('.image canvas').getContext('2d').getImageData({}, {}, 1, 1).data]".format

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import io
+import zlib
 from typing import Any, cast
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from morse.viewer.feeds.id_colors import draw_boxes
-from morse.viewer.feeds.pictures import PicturesFeed, as_pixels
+from morse.viewer.feeds.pictures import FARTHEST_LEVEL, PicturesFeed, as_pixels, depth_levels, sightings
 from morse.viewer.hub import Wishes
+from morse.viewer.view_messages import Sighting
 
 
 class Camera:
@@ -110,16 +111,54 @@ def test_ids_have_a_colour_each_and_nothing_is_black():
     np.testing.assert_array_equal(as_pixels(ids[:1, :4]), colors[:1, :4])
 
 
-def test_boxes_of_things_are_drawn_where_they_are():
-    plain = np.zeros((40, 60, 3), np.uint8)
-    drawn = draw_boxes(plain, [{"box": [10, 5, 50, 35], "name": "a b\u2603"}, {"box": [1, 2]}, "nothing"])
-    white = (drawn == 255).all(axis=2)
-    assert white[5, 10:50].all()
-    assert white[34, 10:50].all()
-    assert white[5:35, 49].all()
-    assert not drawn[:5].any()
-    assert not drawn[35:].any()
-    assert not plain.any()
+def test_ids_are_sent_as_they_are_with_what_was_recognised() -> None:
+    ids = np.array([[0, 7], [300, 65535]], np.uint16)
+    camera = Camera(ids[::-1])
+    camera.vertical_flip = False
+    camera.local_data["objects"] = [{"id": 300, "name": "crate\u2603", "class": "box", "box": [0, 1, 1, 2]}]
+    pictures, server = feed(camera)
+    server.wishes = Wishes(images=frozenset({"eye"}))
+    pictures.update()
+    (sent,) = server.sent
+    assert (sent.mime, sent.meaning, sent.width, sent.height) == ("image/x-u16", "ids", 2, 2)
+    assert np.frombuffer(zlib.decompress(sent.payload), "<u2").tolist() == [0, 7, 300, 65535]
+    assert sent.sightings == [Sighting(300, "crate\u2603", "box", (0.0, 1.0, 1.0, 2.0))]
+
+
+@pytest.mark.parametrize(
+    "objects",
+    [
+        None,
+        "text",
+        [None, 7, "text"],
+        [{}, {"box": None}, {"box": [1, 2]}, {"box": ["a", 0, 1, 1]}],
+        [{"box": [0, 0, np.inf, 1]}, {"box": [0, 0, np.nan, 1]}, {"id": "x", "box": [0, 0, 1, 1]}],
+    ],
+)
+def test_objects_without_a_box_are_left_out(objects: Any) -> None:
+    assert list(sightings(objects)) == []
+
+
+def test_depths_are_sent_with_their_range() -> None:
+    depth = np.full((16, 32), 2.0, np.float32)
+    depth[:, 8:16], depth[:, 16:24], depth[:, 24:] = 4.0, 6.0, np.inf
+    pictures, server = feed(Camera(depth))
+    server.wishes = Wishes(images=frozenset({"eye"}))
+    pictures.update()
+    (sent,) = server.sent
+    assert (sent.mime, sent.meaning, sent.low, sent.high) == ("image/jpeg", "depth", 2.0, 6.0)
+    grey = np.asarray(Image.open(io.BytesIO(sent.payload)), int)[8, [4, 12, 20, 28]]
+    middle = (255 + FARTHEST_LEVEL) / 2
+    assert grey[:3].tolist() == pytest.approx([255, middle, FARTHEST_LEVEL], abs=4)
+    assert grey[3] < FARTHEST_LEVEL / 2
+
+
+def test_depths_of_any_kind_have_levels() -> None:
+    assert not depth_levels(np.full((2, 2), np.nan)).grey.any()
+    assert depth_levels(np.full((2, 2), 3.0)).grey.tolist() == [[255, 255], [255, 255]]
+    assert depth_levels(np.array([[-5, 5]], np.int16)).grey.tolist() == [[255, FARTHEST_LEVEL]]
+    levels = depth_levels(np.array([[0.0, -np.inf], [1.0, np.inf]], np.float32))
+    assert levels.grey.tolist() == [[255, 0], [FARTHEST_LEVEL, 0]]
 
 
 def test_vectors_have_colours_by_their_directions():

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.debug_properties import ViewDebug
+from morse.viewer.feeds.frustums import ViewFrustums
 from morse.viewer.feeds.log import LogFeed
 from morse.viewer.feeds.overlays import ViewOverlays
 from morse.viewer.feeds.pictures import PicturesFeed
 from morse.viewer.feeds.rays import ViewRays
+from morse.viewer.feeds.recordings import RecordingsFeed
 from morse.viewer.feeds.states import StatesFeed
 from morse.viewer.feeds.tree import component_tree, keyboard_robots
 from morse.viewer.feeds.values import ValuesFeed
@@ -53,7 +55,13 @@ class Feed(Protocol):
 
 
 class View(Observer):
-    """Sends what happens to the pages, and carries out what the driving page asks for."""
+    """Sends what happens to the pages, and carries out what the driving page asks for.
+
+    Attributes:
+        changeable: whether pages may change what happens, and record the run.
+    """
+
+    changeable = True
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -76,13 +84,16 @@ class View(Observer):
         self._history = Rewinder(simulation, lambda: simulation.clock.time, server)
         self._states = StatesFeed(context, server)
         self._rays = ViewRays(context, server)
+        self._frustums = ViewFrustums(context, server)
+        self._pictures = PicturesFeed(context, server)
         self._feeds: list[Feed] = [
             ValuesFeed(context, server),
             self._states,
             self._rays,
             ViewOverlays(context, server),
             ViewDebug(simulation, server),
-            PicturesFeed(context, server),
+            self._frustums,
+            RecordingsFeed(simulation, server, possible=self.changeable),
         ]
         self._log = LogFeed(context, server)
         try:
@@ -186,6 +197,8 @@ class View(Observer):
                 real_time_factor=pacer.real_time_factor if running else 0.0,
             )
         )
+        # every picture is sent: those of a camera come at its own rate
+        self._pictures.update()
         if now - self._told >= _VALUES_INTERVAL:
             self._told = now
             for feed in self._feeds:
@@ -244,6 +257,7 @@ class View(Observer):
         self._services.register_all()
         self._commands.restarted()
         self._rays.restarted()
+        self._frustums.restarted()
 
     def _tell_components(self) -> None:
         self._told_names = self._names()

@@ -21,7 +21,7 @@ from morse.viewer import page_messages, view_messages
 from morse.viewer.page_messages import PageMessage
 from morse.viewer.view_messages import Payload, ServerMessage
 
-VERSION = 2
+VERSION = 3
 """Raised whenever a page and a simulator of different age would misunderstand each other."""
 
 PAYLOAD = 2

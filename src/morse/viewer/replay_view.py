@@ -44,6 +44,8 @@ class ReplayView(View):
         timeline: the recorded run.
     """
 
+    changeable = False
+
     def __init__(self, simulation: Simulation, timeline: Timeline) -> None:
         self._timeline = timeline
         self._start = simulation.clock.time

@@ -91,6 +91,29 @@ class Pace(ServerMessage, frozen=True):
     cause: str = ""
 
 
+class RecordingDescription(Struct, frozen=True):
+    """A recording that is being written.
+
+    Attributes:
+        path: absolute.
+        seconds: simulated seconds in it.
+        bytes: of the file; data that wait to be written are not counted.
+        stoppable: whether the service ``stop_recording`` ends it.
+    """
+
+    path: str
+    seconds: float
+    bytes: int
+    stoppable: bool
+
+
+class Recordings(ServerMessage, frozen=True):
+    """The recordings that are being written now; none for a simulation that cannot be recorded."""
+
+    recordings: list[RecordingDescription]
+    possible: bool = True
+
+
 class History(ServerMessage, frozen=True):
     """The simulated times (s) of the states that can be gone back to, oldest first.
 
@@ -318,6 +341,23 @@ class Cone(ServerMessage, frozen=True):
     _about: ClassVar[tuple[str, ...] | None] = ("component",)
 
 
+class Frustum(ServerMessage, frozen=True):
+    """The field of view of a camera.
+
+    Attributes:
+        rim: directions of the border of the picture as unit vectors in the frame of the camera (X right, Y down,
+            Z forward), clockwise from the upper left corner, the same number for each side.
+        near, far: clipping distances along the axis, metres.
+    """
+
+    component: str
+    rim: list[tuple[float, float, float]]
+    near: float
+    far: float
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+
+
 class MassCentre(ServerMessage, frozen=True):
     """Mass (kg) of a body and its centre in the frame of its node (m)."""
 
@@ -328,11 +368,31 @@ class MassCentre(ServerMessage, frozen=True):
     _about: ClassVar[tuple[str, ...] | None] = ("node",)
 
 
+class Sighting(Struct, frozen=True):
+    """An object that a camera has recognised in its picture.
+
+    Attributes:
+        id: of its pixels.
+        kind: its class; empty if it has none.
+        box: x0, y0, x1, y1, px from the upper left corner; x1 and y1 are the first ones outside.
+    """
+
+    id: int
+    name: str
+    kind: str
+    box: tuple[float, float, float, float]
+
+
 class Picture(Payload, frozen=True):
     """What a camera sees.
 
     Attributes:
-        mime: ``image/jpeg``, ``image/png``, or ``image/x-rgba`` for raw rows of 8-bit RGBA, top first.
+        mime: ``image/jpeg``, ``image/png``, ``image/x-rgba`` for bare rows of 8-bit RGBA, or ``image/x-u16`` for
+            bare rows of little-endian uint16, compressed by zlib; the top row is first.
+        meaning: of the pixels. Depth is 8-bit: 255 stands for ``low``, `FARTHEST_LEVEL` for ``high``, and pixels
+            without depth are black. Ids are 16-bit, 0 for none.
+        low, high: the least and the greatest depth in the picture, in ``unit``.
+        sightings: what the camera has recognised.
     """
 
     camera: str
@@ -340,6 +400,11 @@ class Picture(Payload, frozen=True):
     height: int
     mime: str
     time: float = 0.0
+    meaning: Literal["color", "depth", "ids"] = "color"
+    low: float = 0.0
+    high: float = 0.0
+    unit: str = ""
+    sightings: list[Sighting] = []
 
     _about: ClassVar[tuple[str, ...] | None] = ("camera",)
     _lasting: ClassVar[bool] = False

@@ -8,13 +8,13 @@ const LINES = new LineBasicMaterial({ color: 0x2f7fc2, transparent: true, opacit
 const SEEING = new LineBasicMaterial({ color: 0xd9660c, transparent: true, opacity: 0.9, toneMapped: false });
 const BODY = new MeshBasicMaterial({ color: 0x4f9fe2, transparent: true, opacity: 0.09, depthWrite: false, side: DoubleSide, toneMapped: false });
 
-/** The fields of view of proximity sensors and semantic cameras. */
+/** The fields of view of proximity sensors. */
 export class Cones extends Layer {
   private readonly known = new Map<string, Cone>();
   private around: Surroundings | null = null;
 
   constructor(connection: Connection, changed: () => void) {
-    super("cones", "cones of proximity and semantic cameras");
+    super("cones", "cones of proximity sensors");
     connection.on("cone", (cone) => {
       this.known.set(cone.component, cone);
       if (!this.on || !this.around) return;

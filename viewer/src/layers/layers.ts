@@ -9,6 +9,7 @@ import type { World } from "../world/world";
 import { Cones } from "./cones";
 import { Contacts } from "./contacts";
 import { Frames } from "./frames";
+import { Frustums } from "./frustums";
 import type { Layer, Surroundings } from "./layer";
 import { Masses } from "./masses";
 import { Names } from "./names";
@@ -29,6 +30,7 @@ export class Layers {
   readonly names: Names;
   readonly list: Layer[];
   private readonly rays: Rays;
+  private readonly frustums: Frustums;
   private readonly boxes = new Map<string, HTMLInputElement>();
   private readonly note = h("p", { class: "quiet", hidden: true });
 
@@ -41,8 +43,10 @@ export class Layers {
   ) {
     this.names = new Names(stage);
     this.rays = new Rays(connection, stage.invalidate);
+    this.frustums = new Frustums(connection, stage.invalidate);
     this.list = [
       this.rays,
+      this.frustums,
       new Cones(connection, stage.invalidate),
       new Trails(),
       this.names,
@@ -114,11 +118,13 @@ export class Layers {
     const all = this.components.all.value;
     const robots = all.filter(({ kind }) => kind.includes("robot")).map(({ name }) => name);
     const near = this.nearest(robots);
-    this.note.hidden = near.size === robots.length || !(on("rays") || on("cones"));
-    this.note.textContent = `Rays and cones of ${near.size} of ${robots.length} robots: the selected one, and those nearest to the camera.`;
+    const any = on("rays") || on("cones") || on("frustums");
+    this.note.hidden = near.size === robots.length || !any;
+    this.note.textContent = `Rays, cones and fields of view of ${near.size} of ${robots.length} robots: the selected one, and those nearest to the camera.`;
     const shown = all.filter(({ kind, robot }) => kind === "sensor" && near.has(robot)).map(({ name }) => name);
-    const sensors = on("rays") || on("cones") ? shown : [];
+    const sensors = any ? shown : [];
     this.rays.keep(on("rays") ? shown : []);
+    this.frustums.keep(on("frustums") ? shown : []);
     this.watching.set("overlays", "layers", on(CONTACTS) ? [...sensors, CONTACTS] : sensors);
   }
 

@@ -1,6 +1,7 @@
 import type { Connection } from "../connection/connection";
 import type { ComponentDescription } from "../generated/protocol";
 import { Signal } from "../ui/signal";
+import { colorOf } from "../ui/colors";
 
 export interface Live {
   time: number;
@@ -53,6 +54,18 @@ export class Components {
   robotOf(name: string | null): string | null {
     const component = this.find(name);
     return component ? component.robot || null : null;
+  }
+
+  /** The sensors that take pictures. */
+  get cameras(): ComponentDescription[] {
+    return this.all.value.filter(({ kind, data }) => kind === "sensor" && data.some(({ name }) => name === "image"));
+  }
+
+  /** The colour that stands for a camera on the whole page. */
+  colorOf(camera: string): string {
+    const sensors = this.all.value.filter(({ kind, properties }) => kind === "sensor" && properties.some(({ name }) => name === "cam_width"));
+    const known = sensors.length > 0 ? sensors : this.cameras;
+    return colorOf(Math.max(known.findIndex(({ name }) => name === camera), 0));
   }
 
   valuesOf(name: string): Live | null {

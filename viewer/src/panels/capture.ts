@@ -7,7 +7,7 @@ import type { Toasts } from "./toasts";
 /** Saves the view as a picture or a film. */
 export class Capture {
   readonly element: HTMLElement;
-  private readonly film = iconButton(icons.record, "Film the view", () => this.toggleFilm());
+  private readonly film = iconButton(icons.film, "Film the view", () => this.toggleFilm());
   private recorder: MediaRecorder | null = null;
 
   constructor(

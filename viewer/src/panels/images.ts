@@ -1,118 +1,128 @@
 import type { Connection } from "../connection/connection";
-import type { Picture } from "../generated/protocol";
 import type { Components } from "../model/components";
+import type { Session } from "../model/session";
 import type { Watching } from "../model/watching";
-import { h, iconButton } from "../ui/dom";
-import { fileName, save } from "../ui/files";
-import { icons } from "../ui/icons";
+import { h } from "../ui/dom";
+import { Signal } from "../ui/signal";
+import { PicturePanel } from "./picture";
 
-interface Panel {
-  element: HTMLElement;
-  canvas: HTMLCanvasElement;
-}
+const KEY = "morse.pictures";
+/** Panels that a selection opens at most; fewer where there is little room. */
+const MOST = 4;
+const NARROW = 900; // pixels
 
-/** Camera images, one small panel each. */
+/** What cameras see: a panel each, opened by the user, or by selecting their robot. */
 export class Images {
-  readonly element = h("div", { class: "images" });
-  private readonly panels = new Map<string, Panel>();
-  /** shown by the shortcut */
+  readonly element = h("div", { class: "images", role: "group", "aria-label": "pictures of cameras" });
+  /** names of the cameras whose panels are open */
+  readonly open = new Signal<string[]>([]);
+  /** whether selecting a robot shows what its cameras see */
+  readonly follows = new Signal(localStorage.getItem(KEY) !== "off");
+  private readonly panels = new Map<string, PicturePanel>();
+  /** opened by the user, or by the script */
+  private readonly chosen = new Set<string>();
+  /** closed by the user since the robot was selected */
+  private readonly closed = new Set<string>();
   private preferred: string | null = null;
+  private robot: string | null = null;
   private capturing = true;
 
   constructor(
     private readonly connection: Connection,
     private readonly components: Components,
     private readonly watching: Watching,
+    private readonly session: Session,
   ) {
-    connection.on("picture", (picture) => void this.show(picture));
+    connection.on("picture", (picture) => void this.panels.get(picture.camera)?.show(picture));
     connection.on("capturing", ({ active }) => this.showCapturing(active));
+    components.selected.watch(() => this.arrange());
+    components.all.watch(() => this.arrange());
+    this.follows.watch((follows) => {
+      localStorage.setItem(KEY, follows ? "on" : "off");
+      this.arrange();
+    });
+    session.world.watch(() => {
+      for (const camera of session.recall<string[]>("cameras") ?? []) this.chosen.add(camera);
+      this.arrange();
+    });
   }
 
   /** The camera that the script selected for display: shown until it is closed. */
   prefer(camera: string | null): void {
-    if (camera !== null && camera !== this.preferred && !this.panels.has(camera)) this.open(camera);
+    if (camera !== null && camera !== this.preferred) this.show(camera);
     this.preferred = camera;
   }
 
   /** Show or hide the image of a camera; without a name, of the selected camera or the first one. */
   toggle(camera: string | null = null): string | null {
-    const name = camera ?? this.preferred ?? this.components.all.value.find(isCamera)?.name ?? null;
+    const name = camera ?? this.preferred ?? this.components.cameras[0]?.name ?? null;
     if (name === null) return null;
-    if (this.panels.has(name)) this.close(name);
-    else this.open(name);
+    if (this.panels.has(name)) this.hide(name);
+    else this.show(name);
     return name;
   }
 
-  private open(camera: string): void {
-    const canvas = h("canvas", { width: 160, height: 120, role: "img", "aria-label": `what ${camera} sees` });
-    const element = h(
-      "figure",
-      { class: "image" },
-      canvas,
-      h(
-        "figcaption",
-        {},
-        h("span", {}, camera),
-        this.hold(),
-        iconButton(icons.shot, "Save the picture", () => canvas.toBlob((blob) => blob && save(blob, fileName(camera, "png")))),
-        iconButton(icons.close, "Close", () => this.close(camera)),
-      ),
-    );
-    this.panels.set(camera, { element, canvas });
-    this.element.append(element);
-    this.tell();
-  }
-
-  /** Start or stop capturing of all cameras. */
+  /** Let all cameras take pictures, or stop them. */
   capture(): void {
     this.connection.send({ type: "toggle_capturing" });
   }
 
-  private hold(): HTMLButtonElement {
-    const button = iconButton(icons.pause, "Stop the cameras", () => this.capture(), "Space");
-    button.classList.add("hold");
-    dress(button, this.capturing);
-    return button;
+  private show(camera: string): void {
+    this.chosen.add(camera);
+    this.keep();
+    this.arrange();
+  }
+
+  private hide(camera: string): void {
+    this.chosen.delete(camera);
+    this.closed.add(camera);
+    this.keep();
+    this.arrange();
+  }
+
+  private keep(): void {
+    this.session.keep("cameras", [...this.chosen]);
+  }
+
+  /** Open and close panels, so that those are shown that were chosen, and those of the selected robot. */
+  private arrange(): void {
+    const robot = this.components.robotOf(this.components.selected.value);
+    if (robot !== this.robot) this.closed.clear();
+    this.robot = robot;
+    const names = new Set([...this.chosen, ...this.ofSelection().filter((name) => !this.closed.has(name))]);
+    for (const [name, { element }] of this.panels) {
+      if (names.has(name)) continue;
+      element.remove();
+      this.panels.delete(name);
+    }
+    for (const name of names) if (!this.panels.has(name)) this.add(name);
+    this.open.set([...names]);
+    this.watching.set("images", "images", [...names]);
+  }
+
+  /** The cameras of what is selected: a camera itself, or those of the robot. */
+  private ofSelection(): string[] {
+    const selected = this.components.selected.value;
+    if (!this.follows.value || selected === null) return [];
+    const { cameras } = this.components;
+    if (cameras.some(({ name }) => name === selected)) return [selected];
+    const carried = cameras.filter(({ robot }) => robot === this.robot && robot !== "").map(({ name }) => name);
+    return carried.slice(0, innerWidth < NARROW ? 1 : MOST);
+  }
+
+  private add(camera: string): void {
+    const panel = new PicturePanel(camera, this.components.colorOf(camera), {
+      hold: () => this.capture(),
+      close: () => this.hide(camera),
+    });
+    panel.showCapturing(this.capturing);
+    this.panels.set(camera, panel);
+    this.element.append(panel.element);
   }
 
   private showCapturing(active: boolean): void {
     this.capturing = active;
     this.element.classList.toggle("stopped", !active);
-    for (const button of this.element.querySelectorAll<HTMLButtonElement>(".hold")) dress(button, active);
+    for (const panel of this.panels.values()) panel.showCapturing(active);
   }
-
-  private close(camera: string): void {
-    this.panels.get(camera)?.element.remove();
-    this.panels.delete(camera);
-    this.tell();
-  }
-
-  private tell(): void {
-    this.watching.set("images", "images", [...this.panels.keys()]);
-  }
-
-  private async show({ camera, width, height, mime, payload }: Picture): Promise<void> {
-    const panel = this.panels.get(camera);
-    if (!panel) return;
-    const { canvas } = panel;
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    const context = canvas.getContext("2d");
-    if (mime === "image/x-rgba") context?.putImageData(new ImageData(new Uint8ClampedArray(payload), width, height), 0, 0);
-    else {
-      const bitmap = await createImageBitmap(new Blob([payload], { type: mime }));
-      context?.drawImage(bitmap, 0, 0, width, height);
-      bitmap.close();
-    }
-  }
-}
-
-/** The label of the button is its next action. */
-function dress(button: HTMLButtonElement, capturing: boolean): void {
-  button.innerHTML = capturing ? icons.pause : icons.play;
-  button.ariaLabel = capturing ? "Stop the cameras" : "Let the cameras take pictures";
-  button.title = `${button.ariaLabel} (Space)`;
-}
-
-function isCamera({ kind, data }: { kind: string; data: { name: string }[] }): boolean {
-  return kind === "sensor" && data.some(({ name }) => name === "image");
 }

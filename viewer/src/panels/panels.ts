@@ -10,6 +10,7 @@ import { Capture } from "./capture";
 import { DebugList } from "./debug";
 import { Help } from "./help";
 import { HistoryPanel } from "./history";
+import { camerasMenu } from "./camerasmenu";
 import { Images } from "./images";
 import { Inspector } from "./inspector";
 import { LinkBanner } from "./link";
@@ -18,6 +19,7 @@ import { MoreButton } from "./more";
 import { ObjectPanel } from "./object";
 import { PlotsPanel } from "./plots";
 import { Rate } from "./rate";
+import { RecordingPanel } from "./recording";
 import { TouchPad } from "./touchpad";
 import { TreePanel } from "./tree";
 import { ViewMenu } from "./viewmenu";
@@ -33,6 +35,7 @@ export class Panels {
   readonly mover: Mover;
   readonly viewMenu: ViewMenu;
   readonly history: HistoryPanel;
+  readonly recording: RecordingPanel;
   private readonly highlight: Highlight;
 
   constructor(private readonly app: App) {
@@ -40,13 +43,13 @@ export class Panels {
     this.help = new Help(app.shortcuts);
     this.capture = new Capture(stage, toasts);
     this.layers = new Layers(connection, stage, components, watching, app.world);
-    this.images = new Images(connection, components, watching);
+    this.images = new Images(connection, components, watching, app.session);
     this.plots = new PlotsPanel(components, watching, app.session, () => shell.open("bottom"), (text) => toasts.show(text));
     this.object = new ObjectPanel(stage, follow, this.images, toasts, connection, (node) => this.move(node));
     this.mover = new Mover(stage, connection, (node, { position, quaternion }) => void this.object.teleport(node, position, quaternion));
     this.mover.running = () => app.poses.value?.running ?? false;
     app.navigation.claims = (event) => this.mover.claims(event);
-    this.viewMenu = new ViewMenu(stage, follow, components, this.layers);
+    this.viewMenu = new ViewMenu(stage, follow, components, this.layers, camerasMenu(this.images, components));
     this.highlight = new Highlight(stage);
     const tree = new TreePanel(components, app.world, (name) => this.focus(name));
     const inspector = new Inspector(
@@ -61,12 +64,12 @@ export class Panels {
     shell.right.append(inspector.element);
     const log = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level));
     shell.bottom.append(this.plots.element, log.element);
-    shell.corner.append(this.images.element);
+    this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
     this.fillHeader();
-    const said = h("div", { class: "said" }, app.clock.warning, new DebugList(connection).element);
+    shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
     const pad = new TouchPad(app.keyboard, app.seat.drives, app.listener.robots);
-    shell.view.append(this.layers.names.element, said, this.history.element, pad.element, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
+    shell.view.append(this.layers.names.element, this.history.element, pad.element, new Rate(stage).element, new LinkBanner(connection).element, toasts.element);
     document.body.append(this.help.element);
     components.selected.watch((name) => shell.fill(name !== null));
     components.selected.watch((name) => this.highlight.show(name === null ? null : (stage.world?.find(name) ?? null)));
@@ -91,6 +94,7 @@ export class Panels {
     const more = h(
       "div",
       { class: "extra", id: "extra" },
+      this.recording.button,
       ...this.capture.element.children,
       themeButton,
       iconButton(icons.power, "End the simulation", () => this.app.clock.quit()),

@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
-import { colorOf } from "./colors";
+import { colorOf } from "../ui/colors";
 import { savePicture, saveTable } from "./plotfiles";
 import { format, numberAt } from "./values";
 

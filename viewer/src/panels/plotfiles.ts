@@ -1,6 +1,6 @@
 import { h } from "../ui/dom";
 import { fileName, save } from "../ui/files";
-import { colorOf } from "./colors";
+import { colorOf } from "../ui/colors";
 import type { Curve } from "./plot";
 
 /** Save a plot with the names of its curves as a picture. */

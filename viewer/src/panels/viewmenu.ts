@@ -30,6 +30,7 @@ export class ViewMenu {
     private readonly follow: Follow,
     private readonly components: Components,
     layers: Layers,
+    pictures: HTMLElement,
   ) {
     const summary = h("summary", { title: "view", "aria-label": "view" });
     summary.innerHTML = icons.eye;
@@ -45,6 +46,7 @@ export class ViewMenu {
       h("fieldset", {}, h("legend", {}, "follow"), h("div", { class: "choice" }, ...modes)),
       h("fieldset", {}, h("legend", {}, "look from"), h("div", { class: "choice" }, ...sides)),
       layers.element,
+      pictures,
     );
     this.element = h("details", { class: "menu" }, summary, popup);
     follow.mode.watch((now) => this.modes.forEach((button, mode) => button.setAttribute("aria-pressed", String(mode === now))));

@@ -14,6 +14,8 @@ export const icons = {
   moon: draw('<path d="M16.5 12A7 7 0 0 1 8 3.5 7 7 0 1 0 16.5 12z"/>'),
   shot: draw('<rect x="2.5" y="5.5" width="15" height="11" rx="2"/><path d="M7 5.5l1.2-2h3.6l1.2 2"/><circle cx="10" cy="11" r="2.8"/>'),
   record: draw('<circle cx="10" cy="10" r="7"/><circle cx="10" cy="10" r="3" fill="currentColor"/>'),
+  film: draw('<rect x="2.5" y="4" width="15" height="12" rx="2"/><path d="M6 4v12M14 4v12M2.5 8H6M2.5 12H6M14 8h3.5M14 12h3.5"/>'),
+  stop: draw('<rect x="5.5" y="5.5" width="9" height="9" rx="1.2" fill="currentColor"/>'),
   tree: draw('<path d="M3 4h6M6 9h8M6 14h8M3.5 4v10M6 9H3.5M6 14H3.5"/>'),
   panel: draw('<rect x="2.5" y="3.5" width="15" height="13" rx="2"/><path d="M12.5 3.5v13"/>'),
   plot: draw('<path d="M3 3v14h14"/><path d="M5.5 12.5l3-4 3 2.5 4.5-6"/>'),
@@ -31,5 +33,8 @@ export const icons = {
   robot: draw('<rect x="3.5" y="7" width="13" height="9" rx="2.5"/><path d="M10 7V4M10 3.5v.1M7.5 11v1M12.5 11v1M1.5 10.5v2.5M18.5 10.5v2.5"/>'),
   sensor: draw('<path d="M10 16a6 6 0 0 0-6-6M10 16a6 6 0 0 1 6-6M10 16V9" opacity=".001"/><circle cx="10" cy="14.5" r="1.6"/><path d="M6.5 11a5 5 0 0 1 7 0M3.8 8a9 9 0 0 1 12.4 0"/>'),
   actuator: draw('<circle cx="10" cy="10" r="2.6"/><path d="M10 2.5v2.4M10 15.1v2.4M2.5 10h2.4M15.1 10h2.4M4.7 4.7l1.7 1.7M13.6 13.6l1.7 1.7M15.3 4.7l-1.7 1.7M6.4 13.6l-1.7 1.7"/>'),
+  boxes: draw('<path d="M3 6.5V3h3.5M13.5 3H17v3.5M17 13.5V17h-3.5M6.5 17H3v-3.5"/><rect x="6.2" y="7" width="7.6" height="6" rx="1"/>'),
+  enlarge: draw('<path d="M12 3h5v5M17 3l-6 6M8 17H3v-5M3 17l6-6"/>'),
+  reduce: draw('<path d="M16.5 8.5h-5v-5M11.5 8.5l5.5-5.5M3.5 11.5h5v5M8.5 11.5L3 17"/>'),
   chevron: draw('<path d="M7.5 5l5 5-5 5"/>'),
 } as const;

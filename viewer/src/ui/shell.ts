@@ -13,8 +13,9 @@ export class Shell {
   readonly right = h("aside", { class: "right", "aria-label": "details" });
   readonly bottom = h("section", { class: "bottom", "aria-label": "plots and messages" });
   readonly view = h("main", { class: "view", "aria-label": "the simulated world" });
-  readonly corner = h("div", { class: "corner" });
-  /** whether the user wants the details of the selection */
+  /** what lies over the view from its upper edge downward */
+  readonly over = h("div", { class: "over" });
+  /** the user wants details of what is selected */
   private wanted: boolean;
   readonly toggles: Record<Place, HTMLButtonElement>;
 
@@ -24,7 +25,7 @@ export class Shell {
       right: iconButton(icons.panel, "Details", () => this.toggle("right")),
       bottom: iconButton(icons.plot, "Plots and messages", () => this.toggle("bottom")),
     };
-    this.view.append(this.corner);
+    this.view.append(this.over);
     document.body.append(h("div", { class: "shell" }, this.header, this.left, this.view, this.right, this.bottom));
     const kept = JSON.parse(localStorage.getItem(KEY) ?? "null") as Place[] | null;
     const open = innerWidth < NARROW ? [] : (kept ?? ["left", "right"]);

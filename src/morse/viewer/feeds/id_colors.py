@@ -1,21 +1,18 @@
-"""Ids and directions as colours, and boxes around things."""
+"""Ids and directions as colours."""
 
 from __future__ import annotations
 
 import colorsys
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import NDArray
 
 #: hues that follow each other are far apart: the golden ratio
 _STEP = 0.6180339887
-_FRAME, _INK = (255, 255, 255), (20, 20, 20)
 
 
 @cache
@@ -49,22 +46,3 @@ def as_directions(flow: NDArray[np.floating]) -> NDArray[np.uint8]:
     pixels = np.round(np.stack(colors, axis=-1) * 255).astype(np.uint8)
     pixels[~known] = 0
     return pixels
-
-
-def draw_boxes(pixels: NDArray[np.uint8], objects: Iterable[Any]) -> NDArray[np.uint8]:
-    """A copy of pixels (H, W, 3), with the ``box`` of each object and its name."""
-    from PIL import Image, ImageDraw
-
-    picture = Image.fromarray(pixels)
-    draw = ImageDraw.Draw(picture)
-    for thing in objects:
-        if not isinstance(thing, dict) or len(box := thing.get("box", ())) != 4:
-            continue
-        x0, y0, x1, y1 = (int(edge) for edge in box)
-        draw.rectangle((x0, y0, max(x1 - 1, x0), max(y1 - 1, y0)), outline=_FRAME)
-        name = str(thing.get("name", ""))[:40].encode("latin-1", "replace").decode("latin-1")
-        place = draw.textbbox((x0 + 1, y0 + 1), name)
-        if place[2] - x0 <= x1 - x0 and place[3] - y0 <= y1 - y0:
-            draw.rectangle(place, fill=_FRAME)
-            draw.text((x0 + 1, y0 + 1), name, fill=_INK)
-    return np.asarray(picture)

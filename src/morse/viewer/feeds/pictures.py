@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING, Any, TypeGuard
+import math
+import zlib
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
 
 import numpy as np
 
-from morse.viewer.feeds.id_colors import as_colors, as_directions, draw_boxes
-from morse.viewer.view_messages import Picture
+from morse.core.declarations import fields_of_component
+from morse.viewer.feeds.id_colors import as_colors, as_directions
+from morse.viewer.view_messages import Picture, Sighting
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from morse.core.context import Context
     from morse.viewer.server import ViewServer
 
+FARTHEST_LEVEL = 32
+"""The grey of the greatest depth in a picture: JPEG does not blur it into the black of no depth."""
+
 _QUALITY = 85
+#: objects whose boxes are sent with a picture
+_MOST_SIGHTINGS = 200
+_LONGEST_NAME = 80
 
 
 class PicturesFeed:
@@ -38,12 +49,62 @@ class PicturesFeed:
             if component is None or image is self._sent.get(name) or not _is_picture(image):
                 continue
             self._sent[name] = image
-            pixels = as_pixels(image if getattr(component, "vertical_flip", True) else image[::-1])
-            if image.dtype == np.uint16 and pixels.ndim == 3:
-                pixels = draw_boxes(pixels, component.local_data.get("objects", ()))
-            height, width = pixels.shape[:2]
-            time = float(component.local_data.get("timestamp", 0.0))
-            self._server.send(Picture(as_jpeg(pixels), name, width, height, "image/jpeg", time))
+            self._server.send(picture_of(name, component, image))
+
+
+def picture_of(name: str, component: Any, image: NDArray[Any]) -> Picture:
+    """The message for a new image of a camera."""
+    top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
+    height, width = image.shape[:2]
+    time = float(component.local_data.get("timestamp", 0.0))
+    if image.dtype == np.uint16 and image.ndim == 2:
+        rows = zlib.compress(np.ascontiguousarray(top_first, "<u2").data, 1)
+        found = list(sightings(component.local_data.get("objects", ())))
+        return Picture(rows, name, width, height, "image/x-u16", time, "ids", sightings=found)
+    if image.ndim == 2 and image.dtype != np.uint8:
+        levels = depth_levels(top_first)
+        unit = getattr(fields_of_component(component).get("image"), "unit", "")
+        jpeg = as_jpeg(levels.grey)
+        return Picture(jpeg, name, width, height, "image/jpeg", time, "depth", levels.low, levels.high, unit)
+    return Picture(as_jpeg(as_pixels(top_first)), name, width, height, "image/jpeg", time)
+
+
+class Levels(NamedTuple):
+    """Depths as greys, and the depths of the brightest and the darkest one."""
+
+    grey: NDArray[np.uint8]
+    low: float
+    high: float
+
+
+def depth_levels(image: NDArray[Any]) -> Levels:
+    """Depths (H, W) as greys from 255, the least, to `FARTHEST_LEVEL`; 0 for those that are not finite."""
+    known = np.isfinite(image)
+    if not known.any():
+        return Levels(np.zeros(image.shape, np.uint8), 0.0, 0.0)
+    values = np.where(known, image, 0).astype(np.float32)
+    low = float(values.min(initial=math.inf, where=known))
+    high = float(values.max(initial=-math.inf, where=known))
+    steps = 255 - FARTHEST_LEVEL
+    share = (values - np.float32(low)) * np.float32(steps / (high - low) if high > low else 0.0)
+    grey = 255 - np.clip(share + np.float32(0.5), 0, steps).astype(np.uint8)
+    grey[~known] = 0
+    return Levels(grey, low, high)
+
+
+def sightings(objects: Any) -> Iterator[Sighting]:
+    """The objects of a camera that have a box; entries of another form are left out."""
+    for thing in list(objects)[:_MOST_SIGHTINGS] if isinstance(objects, (list, tuple)) else ():
+        if not isinstance(thing, dict):
+            continue
+        try:
+            x0, y0, x1, y1 = (float(edge) for edge in thing["box"])
+            number = int(thing.get("id", 0))
+        except (TypeError, ValueError, KeyError, OverflowError):
+            continue
+        if all(map(math.isfinite, (x0, y0, x1, y1))):
+            label, kind = (str(thing.get(key, ""))[:_LONGEST_NAME] for key in ("name", "class"))
+            yield Sighting(number, label, kind, (x0, y0, x1, y1))
 
 
 def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:

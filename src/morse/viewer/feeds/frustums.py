@@ -1,0 +1,67 @@
+"""Sends the fields of view of cameras to pages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.viewer.view_messages import Frustum
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.core.context import Context
+    from morse.rendering.lens import Lens
+    from morse.viewer.server import ViewServer
+
+#: directions for each side of a picture: a fisheye lens bends the sides
+SIDE = 8
+#: steps from the border of a picture to its centre, to find the first pixel that shows something
+_STEPS = 64
+
+
+class ViewFrustums:
+    """Sends the fields of view of the cameras whose overlays are shown, after every change of a lens."""
+
+    def __init__(self, context: Context, server: ViewServer) -> None:
+        self._context = context
+        self._server = server
+        self._sent: dict[str, Any] = {}
+
+    def restarted(self) -> None:
+        """Forget what was sent, because the components are described again."""
+        self._sent.clear()
+
+    def update(self) -> None:
+        """Send what has changed since the last call."""
+        for name in sorted(self._server.wishes.overlays):
+            component = self._context.components.get(name)
+            lens = getattr(component, "lens", None)
+            if lens is not None and self._sent.get(name) is not lens:
+                self._sent[name] = lens
+                self._server.send(Frustum(name, [(x, y, z) for x, y, z in rim(lens).tolist()], lens.near, lens.far))
+
+
+def rim(lens: Lens) -> NDArray[np.float64]:
+    """The directions of the border of a picture, (4 * SIDE, 3), clockwise from the upper left corner.
+
+    Where the border shows nothing, as in the corners of some fisheye pictures, the pixel next to the border that shows
+    something is taken.
+    """
+    share = np.arange(SIDE) / SIDE
+    one, none = np.ones(SIDE), np.zeros(SIDE)
+    across = np.concatenate([share, one, 1.0 - share, none])
+    down = np.concatenate([none, share, one, 1.0 - share])
+    known = getattr(lens, "directions", None)
+    if known is None:
+        found = np.stack([(across * lens.width - lens.cx) / lens.fx, (down * lens.height - lens.cy) / lens.fy], axis=1)
+        found = np.column_stack([found, np.ones(len(found))])
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True), float)
+    directions, shows = known
+    inward = np.linspace(0.0, 1.0, _STEPS)[:, None]
+    columns = np.clip((across + (0.5 - across) * inward) * lens.width, 0, lens.width - 1).astype(int)
+    rows = np.clip((down + (0.5 - down) * inward) * lens.height, 0, lens.height - 1).astype(int)
+    first = shows[rows, columns].argmax(axis=0)
+    every = np.arange(len(across))
+    return np.asarray(directions[rows[first, every], columns[first, every]], float)
