@@ -102,6 +102,11 @@ class Recorder(Observer):
         """Whether it still records."""
         return self._open
 
+    @property
+    def ticks(self) -> int:
+        """Recorded ticks."""
+        return self._ticks
+
     def after_tick(self) -> None:
         """Write what belongs to the tick as a whole."""
         if not self._open:

@@ -33,6 +33,11 @@ class RecordingServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
+    @property
+    def path(self) -> str | None:
+        """Of the recording that `stop_recording` stops; None if there is none."""
+        return self._recorder.path if self._recorder is not None and self._recorder.running else None
+
     @service(changes=False)
     def start_recording(self, name: str = "recording") -> str:
         """Record sensors, frames, log and inputs from now on.

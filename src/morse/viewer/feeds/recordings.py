@@ -1,0 +1,57 @@
+"""Sends pages which recordings are being written."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import TYPE_CHECKING
+
+from morse.services.recording_services import RecordingServices
+from morse.viewer.view_messages import RecordingDescription, Recordings
+
+if TYPE_CHECKING:
+    from morse.recording.recorder import Recorder
+    from morse.simulation.simulation import Simulation
+    from morse.viewer.server import ViewServer
+
+#: wall-clock seconds between two looks at the sizes of files
+_INTERVAL = 0.5
+
+
+class RecordingsFeed:
+    """Sends path, length and size of the recordings.
+
+    Args:
+        simulation: whose recordings are described.
+        possible: whether the page may start a recording.
+    """
+
+    def __init__(self, simulation: Simulation, server: ViewServer, *, possible: bool = True) -> None:
+        self._simulation = simulation
+        self._server = server
+        self._possible = possible
+        self._looked = 0.0
+        self._sent: Recordings | None = None
+
+    def update(self) -> None:
+        """Send what has changed since the last call."""
+        recorders = self._simulation.recorders
+        now = time.monotonic()
+        known = [] if self._sent is None else [one.path for one in self._sent.recordings]
+        if now - self._looked < _INTERVAL and known == [recorder.path for recorder in recorders]:
+            return
+        self._looked = now
+        services = self._simulation.context.service_objects
+        stoppable = {one.path for one in services if isinstance(one, RecordingServices)}
+        described = [self._describe(recorder, recorder.path in stoppable) for recorder in recorders]
+        message = Recordings(described, self._possible)
+        if message != self._sent:
+            self._sent = message
+            self._server.send(message)
+
+    def _describe(self, recorder: Recorder, stoppable: bool) -> RecordingDescription:
+        try:
+            size = os.stat(recorder.path).st_size
+        except OSError:  # it was removed
+            size = 0
+        return RecordingDescription(recorder.path, recorder.ticks / self._simulation.clock.frequency, size, stoppable)

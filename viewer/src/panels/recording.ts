@@ -1,0 +1,121 @@
+import type { Connection } from "../connection/connection";
+import type { RecordingDescription } from "../generated/protocol";
+import { h, iconButton } from "../ui/dom";
+import { icons } from "../ui/icons";
+import type { Signal } from "../ui/signal";
+import { formatTime } from "./clock";
+import type { Toasts } from "./toasts";
+
+interface Line {
+  element: HTMLElement;
+  text: HTMLElement;
+  stop: HTMLElement;
+}
+
+/** Records the run into a file, and says how long it is and where. */
+export class RecordingPanel {
+  readonly button = iconButton(icons.record, "Record the run", () => void this.toggle());
+  /** over the view: what is being recorded, and where the last recording is */
+  readonly element = h("div", { class: "recordings" });
+  private running: RecordingDescription[] = [];
+  private saved: string | null = null;
+  private possible = true;
+  private readonly lines = new Map<string, Line>();
+  private savedElement: HTMLElement | null = null;
+
+  constructor(
+    private readonly connection: Connection,
+    private readonly drives: Signal<boolean>,
+    private readonly toasts: Toasts,
+  ) {
+    this.button.classList.add("record");
+    connection.on("recordings", ({ recordings, possible }) => {
+      // what is no longer written is complete, whoever stopped it
+      const ended = this.running.find((old) => !recordings.some(({ path }) => path === old.path));
+      if (ended) this.saved = ended.path;
+      this.running = recordings;
+      this.possible = possible;
+      this.show();
+    });
+    drives.watch(() => this.show());
+  }
+
+  private get own(): RecordingDescription | null {
+    return this.running.find(({ stoppable }) => stoppable) ?? null;
+  }
+
+  /** Start a recording, or stop the one that can be stopped. */
+  async toggle(): Promise<void> {
+    const service = this.own ? "stop_recording" : "start_recording";
+    const { ok, value, error } = await this.connection.request({ type: "call_service", component: "simulation", service, arguments: [] });
+    if (!ok) this.toasts.show(`The run is not recorded: ${error}`, "error");
+    else if (service === "stop_recording") {
+      this.saved = String(value);
+      this.show();
+    } else this.saved = null;
+  }
+
+  private show(): void {
+    const { own, button } = this;
+    button.hidden = !this.possible;
+    button.disabled = !this.drives.value;
+    button.innerHTML = own ? icons.stop : icons.record;
+    button.ariaLabel = button.title = own ? "Stop recording" : "Record the run";
+    button.setAttribute("aria-pressed", String(own !== null));
+    const lines = this.running.map((one) => this.line(one));
+    if (this.saved !== null && !this.running.some(({ path }) => path === this.saved)) lines.push(this.savedLine(this.saved));
+    // what stays is left where it is: it may have the focus
+    for (const old of [...this.element.children]) if (!lines.includes(old as HTMLElement)) old.remove();
+    for (const line of lines) if (!line.isConnected) this.element.append(line);
+  }
+
+  private line({ path, seconds, bytes, stoppable }: RecordingDescription): HTMLElement {
+    const known = this.lines.get(path) ?? this.makeLine(path);
+    known.text.textContent = `${formatTime(seconds)} · ${formatSize(bytes)}`;
+    known.stop.hidden = !(stoppable && this.drives.value);
+    return known.element;
+  }
+
+  private makeLine(path: string): Line {
+    const text = h("span", {});
+    const stop = iconButton(icons.stop, "Stop recording", () => void this.toggle());
+    const element = h("p", { class: "recording on", title: path }, h("b", {}, fileOf(path)), text, stop);
+    const line = { element, text, stop };
+    this.lines.set(path, line);
+    return line;
+  }
+
+  private savedLine(path: string): HTMLElement {
+    if (this.savedElement?.title === path) return this.savedElement;
+    const close = iconButton(icons.close, "Close", () => {
+      this.saved = null;
+      this.show();
+    });
+    const text = h("span", {}, "recorded: ", h("code", {}, path));
+    this.savedElement = h("p", { class: "recording", title: path, role: "status" }, text, iconButton(icons.copy, "Copy the path", () => void this.copy(path)), close);
+    return this.savedElement;
+  }
+
+  private async copy(path: string): Promise<void> {
+    try {
+      await navigator.clipboard.writeText(path);
+      this.toasts.show("The path is on the clipboard.");
+    } catch {
+      // without a secure connection browsers keep the clipboard to themselves
+      this.toasts.show(path);
+    }
+  }
+}
+
+function fileOf(path: string): string {
+  return path.split(/[\\/]/).at(-1) ?? path;
+}
+
+/** Bytes as people read them. */
+export function formatSize(bytes: number): string {
+  if (bytes < 1000) return `${bytes} B`;
+  const units = ["kB", "MB", "GB", "TB"];
+  const power = Math.min(Math.floor(Math.log10(bytes) / 3), units.length);
+  const size = bytes / 1000 ** power;
+  return `${size < 10 ? size.toFixed(1) : size.toFixed(0)} ${units[power - 1]}`;
+}
