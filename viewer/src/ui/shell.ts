@@ -15,7 +15,7 @@ export class Shell {
   readonly view = h("main", { class: "view", "aria-label": "the simulated world" });
   /** what lies over the view from its upper edge downward */
   readonly over = h("div", { class: "over" });
-  /** the user wants details of what is selected */
+  /** whether the user wants the details of the selection */
   private wanted: boolean;
   readonly toggles: Record<Place, HTMLButtonElement>;
 
