@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import HealthCheck, find, settings
+from hypothesis import HealthCheck, Phase, find, settings
 from hypothesis import strategies as st
 
 if TYPE_CHECKING:
@@ -37,9 +37,11 @@ _NOT_QUICK = ("slow", "soak", "browser", "blender")
 #: the first port of the services of a worker's simulations, and the distance to those of the next worker
 _FIRST_PORT, _PORTS = 20_000, 200
 
-# other programs that take the processor are not a reason to fail
-settings.register_profile("unhurried", deadline=None)
-settings.load_profile("unhurried")
+# other programs that take the processor are not a reason to fail; `pytest --hypothesis-profile nightly` tries all
+settings.register_profile("everyday", deadline=None, max_examples=25)
+settings.register_profile("nightly", deadline=None, max_examples=100)
+if settings.get_current_profile_name() != "nightly":
+    settings.load_profile("everyday")
 
 # A shell starts its background jobs (`pytest &`) with SIGINT ignored, and so would they start theirs: tests that press
 # Ctrl+C in a child would wait for ever
@@ -53,18 +55,25 @@ if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark quick tests by their folders."""
+    folders: dict[Path, str] = {}
     for item in items:
-        folder = (
-            item.path.relative_to(Path(__file__).parent).parts[0] if Path(__file__).parent in item.path.parents else ""
-        )
-        if folder in QUICK and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
+        if item.path not in folders:
+            folders[item.path] = _folder(item.path)
+        if folders[item.path] in QUICK and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
             item.add_marker("quick")
+
+
+def _folder(path: Path) -> str:
+    here = Path(__file__).parent
+    return path.relative_to(here).parts[0] if here in path.parents else ""
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Let hypothesis make its table of characters before the first test, whose input would take too long with it."""
     if any(getattr(getattr(item, "function", None), "is_hypothesis_test", False) for item in session.items):
-        unchecked = settings(database=None, suppress_health_check=list(HealthCheck), deadline=None)
+        unchecked = settings(
+            database=None, suppress_health_check=list(HealthCheck), deadline=None, phases=[Phase.generate]
+        )
         find(st.text(min_size=1), lambda _: True, settings=unchecked)
 
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import morse
+from effort import examples
 from morse.assets import load
 from morse.assets.errors import AssetError
 from morse.builder import Environment, FakeRobot, PassiveObject
@@ -172,7 +173,7 @@ def test_coordinates_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
         load(path)
 
 
-@settings(max_examples=60, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck), deadline=None)
 @given(data=st.data())
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_damaged_files_are_refused_or_read(tmp_path: Path, suffix: str, data: st.DataObject) -> None:

@@ -22,6 +22,8 @@ from benchmarks.trial import Program, TrialFailed, interleave  # noqa: E402
 from benchmarks import report, work  # noqa: E402 (the benchmarks are not an installed package)
 
 QUICK = Plan(quick=True, repeats=1)
+#: one that compares programs, and one of MORSE alone
+EVERYDAY = ("lockstep", "crowd")
 
 
 # the work -----------------------------------------------------------------------------------
@@ -77,10 +79,12 @@ def test_a_turned_robot_scans_the_same_turned() -> None:
 def test_a_panorama_sees_the_floor_where_it_looks_down() -> None:
     down = work.PANORAMA_VIEW / 2
     to_floor = work.PANORAMA_HEIGHT / math.sin(down)
-    ranges = work.panorama((0.0, 0.0, 0.0))
-    assert len(ranges) == work.PANORAMA_ROWS * work.PANORAMA_COLUMNS
+    rays = work.panorama_rays()
+    assert len(rays) == work.PANORAMA_ROWS * work.PANORAMA_COLUMNS
+    ranges = work.panorama((0.0, 0.0, 0.0), every=work.PANORAMA_COLUMNS)
+    assert len(ranges) == work.PANORAMA_ROWS
     assert ranges[0] == pytest.approx(to_floor)
-    upward = [work.panorama_rays()[-1][2], math.sin(down)]
+    upward = [rays[-1][2], math.sin(down)]
     assert upward[0] == pytest.approx(upward[1])
 
 
@@ -182,9 +186,10 @@ def test_nothing_to_draw_is_told() -> None:
 # everything, shortly ------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("name", SUITES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in EVERYDAY else pytest.mark.slow) for name in SUITES]
+)
 def test_every_benchmark_runs_and_does_its_work(name: str) -> None:
     results = list(SUITES[name](QUICK))
     assert results

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.assets import AssetNotFoundError
 from morse.builder import (
     Environment,
@@ -238,7 +239,7 @@ anything = st.one_of(
 METHODS = sorted(name for name in dir(Environment) if not name.startswith("_"))
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=400, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(400), deadline=None)
 @given(method=st.sampled_from(METHODS), arguments=st.lists(anything, max_size=2))
 def test_arbitrary_arguments_never_break_the_environment(method: str, arguments: list[Any]) -> None:
     workspace.reset()

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import morse
+from effort import examples
 from morse.builder import workspace
 from morse.builder.script import ScriptError, is_loading, load_scene
 from morse.scene import Scene
@@ -315,7 +316,7 @@ SCRIPT = (
 )
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150, deadline=None)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(150), deadline=None)
 @given(start=st.integers(0, len(SCRIPT)), length=st.integers(0, 12), put=st.text("abcPM()[]'=.,:0 \n#", max_size=4))
 def test_damaged_scripts_give_a_scene_or_a_report(tmp_path: Path, start: int, length: int, put: str) -> None:
     script = tmp_path / "scene.py"

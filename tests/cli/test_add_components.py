@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.cli.messages import CommandError
 from morse.cli.names import class_name, component_name
 from morse.cli.templates import Values, templates_directory, write_component
@@ -270,7 +271,7 @@ def test_letters_and_digits_stay_as_they_are(text):
     assert name == text or (name == "_" + text and class_name(text) in (*keyword.kwlist, class_name(text)))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(names | reserved, st.text(max_size=40), st.sampled_from(["sensor", "actuator"]))
 def test_generated_files_are_valid_python(text, description, kind):
     try:

@@ -11,7 +11,7 @@ import os
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -27,11 +27,35 @@ if TYPE_CHECKING:
 
 DATA = Path(os.environ.get("MORSE_ORIGINAL_DATA", ""))
 FILES = sorted(path.relative_to(DATA).with_suffix("").as_posix() for path in DATA.rglob("*.blend")) if DATA.name else []
+#: files that take a second or more; others like them are tried each time
+LONG = {
+    "actuators/pa_10",
+    "environments/apartment",
+    "environments/human_tut/tutorial_scene",
+    "environments/land-1/buildings_2",
+    "environments/land-1/rosace_1",
+    "environments/land-1/trees",
+    "environments/outdoors",
+    "environments/tum_kitchen/tum_kitchen",
+    "environments/water-1/water_scene",
+    "props/furnitures",
+    "robots/patrolbot",
+    "robots/sa_hand-8-semi_ok",
+}
 GRAVITY = 9.81
 
 pytestmark = pytest.mark.skipif(
     not FILES, reason="needs the files of Debian's morse-simulator-data; MORSE_ORIGINAL_DATA says where they are"
 )
+
+
+def chosen(*prefixes: str) -> list[Any]:
+    """The files with those prefixes, as parameters of a test."""
+    return [
+        pytest.param(name, marks=pytest.mark.slow if name in LONG else ())
+        for name in FILES
+        if name.startswith(prefixes or "")
+    ]
 
 
 @dataclass(frozen=True)
@@ -57,7 +81,7 @@ def test_all_files_are_there() -> None:
     assert {fact.file for fact in facts()} <= set(FILES)
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", chosen())
 def test_objects_have_the_bodies_masses_and_properties_of_the_files(name: str) -> None:
     nodes: dict[str, Node] = {node.name: node for node in read_blend(DATA / f"{name}.blend").nodes()}
     for fact in facts():
@@ -94,7 +118,7 @@ def settle(world: World) -> None:
         assert energy < 1.0 * GRAVITY, f"{obj.name} flies: as if it had been lifted by {energy / GRAVITY:.1f} m"
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", chosen())
 def test_a_file_is_a_world(tmp_path: Path, name: str) -> None:
     world = world_of(
         tmp_path, "robot = FakeRobot()", "robot.translate(z=100)", f"env = Environment({str(DATA / name)!r})"
@@ -102,9 +126,7 @@ def test_a_file_is_a_world(tmp_path: Path, name: str) -> None:
     settle(world)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in FILES if name.startswith(("actuators", "props", "robots", "sensors"))]
-)
+@pytest.mark.parametrize("name", chosen("actuators", "props", "robots", "sensors"))
 def test_a_file_is_a_passive_object(tmp_path: Path, name: str) -> None:
     world = world_of(
         tmp_path,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,7 +41,10 @@ CORRIDOR, WALL, DOOR, NO_DOOR = -3.2, -4.2, 12.5, 9.0
 OFFICE = (10.5, 12.925, 8.925)
 
 
+@cache
 def scene_of(world: str, *, robot: Callable[[], object] = FakeRobot) -> Scene:
+    """The scene of a world, for tests that only look at it."""
+
     def scene() -> None:
         robot()
         Environment(world)

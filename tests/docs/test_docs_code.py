@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 import os
 import subprocess
 import sys
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from doc_pages import DOCS, Block, blocks, named
 
+import morse
 from morse.cli.app import execute
 from pymorse import MorseServiceFailed, MorseServicePreempted
 
@@ -57,14 +60,16 @@ def block_with(page: str, text: str) -> str:
 
 
 @pytest.mark.parametrize("block", named(SCENES))
-def test_scenes_run(block: Block, simulate, tmp_path: Path):
+def test_scenes_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
+    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     script = tmp_path / "example.py"
     # two examples may ask for the same fixed port at once
     script.write_text(block.text.replace("sync_port=6000", "sync_port=0"), encoding="utf-8")
-    simu = simulate(script)
-    assert simu.robots
-    log = (tmp_path / "scene0.log").read_text(encoding="utf-8")
-    assert "warning" not in log.lower()
+    with morse.load(script, sockets=True, strict=True, speed=math.inf) as simulation:
+        simulation.step(30)
+        assert simulation.robots
+        assert simulation.context.failed == set()
+    assert [record.getMessage() for record in caplog.records if record.levelno >= logging.WARNING] == []
 
 
 @pytest.mark.parametrize("block", named(CLIENTS))
@@ -196,8 +201,6 @@ def test_the_unittest_example(tmp_path: Path):
 
 def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     """Run a program in a folder."""
-    import morse
-
     source = os.path.dirname(os.path.dirname(morse.__file__))
     path = os.pathsep.join(filter(None, [source, os.environ.get("PYTHONPATH")]))
     return subprocess.run(

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.helpers.geodesy import LocalPlane
 from morse.helpers.magnetism import MagneticField, model_of
 
@@ -38,7 +39,7 @@ def test_published_values(year, height, latitude, longitude, north, east, down):
     assert turned.at((0.0, 0.0, 0.0)) == pytest.approx((north, -east, -down), abs=0.06)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.floats(-3e3, 3e3), st.floats(-3e3, 3e3), st.floats(-100.0, 3e3))
 def test_anywhere_in_the_world_as_at_that_place(x, y, z):
     plane = LocalPlane(1.4, 43.6, 135.0)

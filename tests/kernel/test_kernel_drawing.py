@@ -8,12 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from kernel_drawings import RandomDrawing
 
+from effort import examples
 from morse.kernel import threads
 from morse.kernel.drawing.arrays import NO_SURFACE
 from morse.kernel.drawing.native import NativeDrawer
 from morse.kernel.drawing.reference import ReferenceDrawer
 
-some = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+some = settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def drawn(drawer, made, cameras, light, samples):

@@ -9,12 +9,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from effort import examples
 from morse.kernel.rays import primitives
 
 PRIMITIVES = (primitives.BOX, primitives.SPHERE, primitives.CYLINDER, primitives.CAPSULE, primitives.ELLIPSOID)
 anything = st.floats(allow_nan=True, allow_infinity=True)
 sane = st.floats(-1e3, 1e3)
-either = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+either = settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 
 def by_kernel(build, kinds, origins, directions, sizes):

@@ -91,8 +91,8 @@ def test_closed_simulations_are_freed(project: Path) -> None:
         assert [reference() for reference in references] == [None] * len(references)
 
 
-@pytest.mark.slow
-def test_memory_stays_where_it_was_after_many_simulations(project: Path) -> None:
+@pytest.mark.parametrize("cycles", [8, pytest.param(30, marks=pytest.mark.slow)])
+def test_memory_stays_where_it_was_after_many_simulations(project: Path, cycles: int) -> None:
     def cycle() -> None:
         with morse.load(project) as simulation:
             simulation.step()
@@ -104,7 +104,7 @@ def test_memory_stays_where_it_was_after_many_simulations(project: Path) -> None
         cycle()  # what each cycle makes anew, such as modules, is traced before, too
         gc.collect()
         before, _ = tracemalloc.get_traced_memory()
-        for _ in range(30):
+        for _ in range(cycles):
             cycle()
         gc.collect()
         after, _ = tracemalloc.get_traced_memory()

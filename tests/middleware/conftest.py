@@ -3,15 +3,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import settings
 from socket_bench import Bench, Peer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-# how long an example takes depends on what else the machine does
-settings.register_profile("unhurried", deadline=None)
-settings.load_profile("unhurried")
 
 
 @pytest.fixture(autouse=True)

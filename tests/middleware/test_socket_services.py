@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from socket_bench import Bench, Peer, wait_until
 
+from effort import examples
 from morse.core import status
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.socket import service_client
@@ -193,7 +194,7 @@ def test_blank_lines_are_skipped(bench: Bench, client: Peer) -> None:
     assert bench.call(client, b"\n \r\n\t\n1 robot1.motion nothing\r\n") == b"1 SUCCESS\n"
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(data=st.data())
 def test_requests_may_arrive_in_any_pieces(data: st.DataObject) -> None:
     bench = Bench()

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from socket_bench import Bench, Body, Motion, Peer, Thermometer, wait_until
 
+from effort import examples
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.sensor import Sensor
@@ -171,7 +172,7 @@ def test_an_actuator_takes_the_latest_and_keeps_the_rest(bench: Bench) -> None:
     client.close()
 
 
-@settings(max_examples=25)
+@settings(max_examples=examples(25))
 @given(data=st.data())
 def test_messages_may_arrive_in_any_pieces(data: st.DataObject) -> None:
     bench = Bench()

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
+from effort import examples
 from morse.builder import Environment, FakeRobot, Pose, Teleport
 from morse.core.exceptions import MorseError
 
@@ -78,7 +79,7 @@ def test_the_geocentric_latitude_is_nearer_to_the_equator() -> None:
     assert distance == pytest.approx(6367489.5, abs=0.1)
 
 
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(st.sampled_from(NAMES), st.tuples(*[st.floats(-1e5, 1e5)] * 3), st.floats(-3.0, 3.0))
 def test_a_command_of_what_was_measured_changes_nothing(name: str, place: Any, angle: float) -> None:
     where = {"longitude": -67.29, "latitude": -55.98, "altitude": 425.0, "angle_against_north": angle}

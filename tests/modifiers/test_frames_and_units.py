@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
+from effort import examples
 from morse.builder import Environment, FakeRobot, Pose, Teleport
 from morse.core.exceptions import MorseError
 
@@ -51,7 +52,7 @@ def test_north_east_down_of_a_body_that_looks_north_and_up_and_leans_right() -> 
     assert data["roll"] == pytest.approx(0.2)
 
 
-@settings(max_examples=10)
+@settings(max_examples=examples(10))
 @given(_angles, st.floats(-1.4, 1.4), _angles)
 def test_north_east_down_turns_vectors_as_the_exchange_of_axes_does(roll: float, pitch: float, yaw: float) -> None:
     from morse.core.mathutils import Euler, Matrix

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from test_rays import directions, engine, eye, look, names
 from worlds import box, node, robot, scene
 
+from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
@@ -84,7 +85,7 @@ def test_bounds_that_a_model_names_are_what_rays_hit():
     assert seen.distances[0] == pytest.approx(5 - 0.8, abs=1e-5)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 10_000),
     moves=st.booleans(),

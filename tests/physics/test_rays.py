@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from ray_formulas import first_hit, grazes
 from worlds import box, node, rigid, robot, run, sphere, world
 
+from effort import examples
 from morse.kernel import loading
 from morse.mathutils import Euler
 from morse.scene import CollisionShape, Node, PhysicsType, ShapeKind
@@ -72,7 +73,7 @@ def names(bundle):
 # -- formulas ------------------------------------------------------------------------------
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(50), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(solids=solids, at=places, count=st.sampled_from([20, 200]), seed=st.integers(0, 1000))
 def test_rays_at_primitives_match_closed_formulas(engine, solids, at, count, seed):
     """Few rays or many, at bodies that move or stand still, from outside or inside of them."""
@@ -90,7 +91,7 @@ def test_rays_at_primitives_match_closed_formulas(engine, solids, at, count, see
             assert distance == pytest.approx(first_hit(known, np.array(at), way), abs=1e-5)
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(25), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(solids=solids, ats=st.lists(places, min_size=2, max_size=4), seed=st.integers(0, 1000))
 def test_casting_together_changes_nothing(engine, solids, ats, seed):
     nodes = [

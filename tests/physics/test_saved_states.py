@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from worlds import bits, box, ground, node, rigid, robot, scene, sphere, world
 
+from effort import examples
 from morse.physics import World
 from morse.physics.saved import SavedAttachments, SavedGrip
 from morse.scene import Node
@@ -131,7 +132,7 @@ places = st.lists(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(places, st.integers(0, 10_000), st.integers(1, 150), st.booleans())
 def test_a_saved_state_goes_on_as_without_a_break(blocks, seed, at, act_before_saving):
     w, hands = make(blocks), Hands(seed, len(blocks))

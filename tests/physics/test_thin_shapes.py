@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from worlds import box, ground, node, rigid, run, sphere, world
 
+from effort import examples
 from morse.assets.collision import resolve_shapes
 from morse.physics import World
 from morse.scene import Bounds, CollisionShape, Mesh, PhysicsType, Scene, ShapeKind
@@ -55,7 +56,7 @@ coordinates = st.one_of(
 meshes = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=3, max_size=9)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(meshes, st.sampled_from([None, *Bounds]), st.sampled_from(["STATIC", "RIGID_BODY"]), st.data())
 def test_every_mesh_becomes_a_world(points, bounds, kind, data):
     corner = st.integers(0, len(points) - 1)

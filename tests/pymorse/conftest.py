@@ -4,15 +4,10 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import settings
 from scripted_simulation import ScriptedSimulation, wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-# how long an example takes depends on what else the machine does
-settings.register_profile("unhurried", deadline=None)
-settings.load_profile("unhurried")
 
 
 def client_threads() -> list[str]:

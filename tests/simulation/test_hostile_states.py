@@ -13,6 +13,7 @@ import state_scenes as scenes
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.core.state import StateError
 from morse.simulation.state import State
 
@@ -210,7 +211,7 @@ def test_a_state_that_lacks_parts_or_has_others_is_refused(simulation: Any) -> N
 
 
 @given(data=st.data())
-@settings(max_examples=150, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 def test_damaged_files_are_refused_or_harmless(simulation: Any, data: st.DataObject) -> None:
     """Bytes that are lost or changed: the state is refused, or it is another valid one; nothing else is raised."""
     content = bytearray(simulation.save().to_bytes())

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import morse
+from effort import examples
 from morse.builder import ATRV, Environment, Keyboard, Morsy, MotionVW, PassiveObject, Pose, Teleport
 from morse.core.state import StateError
 from morse.simulation.input_recording import InputRecording
@@ -89,7 +90,7 @@ def give(sim: Simulation, what: tuple[Any, ...]) -> None:
             sim.restart(seed)
 
 
-@settings(max_examples=15)
+@settings(max_examples=examples(15))
 @given(
     st.lists(st.tuples(st.integers(0, 15), _inputs), min_size=1, max_size=12), st.integers(0, 20), st.integers(0, 2**31)
 )

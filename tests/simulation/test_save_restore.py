@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import morse
+from effort import examples
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def elsewhere() -> Iterator[Any]:
 
 
 @given(plan=PLANS, before=st.integers(0, 40), after=st.integers(1, 40))
-@settings(max_examples=12, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
 def test_another_process_goes_on_to_the_bit(
     elsewhere: Any, tmp_path_factory: pytest.TempPathFactory, plan: dict[str, Any], before: int, after: int
 ) -> None:
@@ -52,7 +53,7 @@ def test_another_process_goes_on_to_the_bit(
 
 
 @given(plan=PLANS, before=st.integers(0, 40), after=st.integers(1, 40))
-@settings(max_examples=12, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(12), suppress_health_check=list(HealthCheck))
 def test_the_same_simulation_goes_back_to_the_bit(plan: dict[str, Any], before: int, after: int) -> None:
     with scenes.load(plan) as simulation:
         scenes.go(simulation, plan, before)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from view_pages import Client, fetch
 from view_worlds import box, chequers, mesh_node, playground
 
+from effort import examples
 from morse.scene import Material, Mesh, Node, Scene
 from morse.scene.frames import rigid_frame
 from morse.viewer.depot import Depot
@@ -54,7 +55,7 @@ def test_triangles_are_grouped_by_material() -> None:
     assert packed.groups == ((0, 12, 0), (12, 12, 1), (24, 12, 2))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(st.integers(1, 40), st.integers(0, 3), st.booleans(), st.randoms(use_true_random=False))
 def test_packing_keeps_every_corner(count, materials, textured, random) -> None:
     rng = np.random.default_rng(random.randrange(2**32))
@@ -160,7 +161,7 @@ numbers = st.floats(-3.0, 3.0).map(lambda x: round(x, 3))
 vectors = st.lists(numbers, min_size=3, max_size=3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.lists(st.tuples(vectors, vectors, vectors, st.integers(-1, 7), st.booleans()), min_size=1, max_size=8))
 def test_frames_of_many_nodes_are_those_of_each(parts) -> None:
     nodes: list[Node] = []

@@ -148,7 +148,6 @@ def test_no_socket_of_the_scene_is_opened(view: ReplayView) -> None:
 
 
 @pytest.mark.browser
-@pytest.mark.slow
 def test_the_time_line_of_a_real_page(view: ReplayView, open_page: Callable[..., Any], truth: list[float]) -> None:
     playing_ = threading.Thread(target=view.run)
     playing_.start()

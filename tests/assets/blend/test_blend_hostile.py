@@ -19,6 +19,7 @@ from blend_writer import IDENTITY, BlendWriter
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.assets.blend import BlendError, read_blend
 from morse.assets.blend.container import load
 from morse.assets.blend.file import BlendFile
@@ -106,7 +107,9 @@ def test_the_samples_are_whole(tmp_path: Path) -> None:
 
 
 _anything = settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=examples(60),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 
 
@@ -124,7 +127,7 @@ def test_cut_off(tmp_path: Path, sample: int, share: float) -> None:
     assert read(tmp_path, data[: int(share * (len(data) - 40))]) is None
 
 
-@settings(_anything, max_examples=150)
+@settings(_anything, max_examples=examples(150))
 @given(sample=st.integers(0, 3), chance=st.randoms(use_true_random=False), count=st.sampled_from([1, 3, 30, 300]))
 def test_changed_bytes(tmp_path: Path, sample: int, chance: random.Random, count: int) -> None:
     data = bytearray(samples()[sample])
@@ -136,7 +139,7 @@ def test_changed_bytes(tmp_path: Path, sample: int, chance: random.Random, count
 NUMBERS = [0, 1, -1, 255, 0x7FFF, 0xFFFF, 2**31 - 1, -(2**31), 2**16, 0x7F800000, 0x7FC00000, 0x501502F9]
 
 
-@settings(_anything, max_examples=150)
+@settings(_anything, max_examples=examples(150))
 @given(sample=st.integers(0, 3), chance=st.randoms(use_true_random=False), count=st.sampled_from([1, 3, 30, 300]))
 def test_changed_numbers(tmp_path: Path, sample: int, chance: random.Random, count: int) -> None:
     data = bytearray(samples()[sample])
@@ -145,7 +148,7 @@ def test_changed_numbers(tmp_path: Path, sample: int, chance: random.Random, cou
     read(tmp_path, bytes(data))
 
 
-@settings(_anything, max_examples=80)
+@settings(_anything, max_examples=examples(80))
 @given(sample=st.integers(0, 3), chance=st.randoms(use_true_random=False), size=st.sampled_from([4, 8, 64, 512]))
 def test_moved_pieces(tmp_path: Path, sample: int, chance: random.Random, size: int) -> None:
     data = bytearray(samples()[sample])
@@ -165,7 +168,7 @@ def pointers(sample: int) -> tuple[list[int], str]:
     return [at for at in range(20, len(data) - 8, 4) if struct.unpack_from(word, data, at)[0] in known], word
 
 
-@settings(_anything, max_examples=150)
+@settings(_anything, max_examples=examples(150))
 @given(sample=st.integers(0, 3), chance=st.randoms(use_true_random=False), count=st.sampled_from([1, 5, 50]))
 def test_pointers_to_something_else(tmp_path: Path, sample: int, chance: random.Random, count: int) -> None:
     data = bytearray(samples()[sample])
@@ -177,7 +180,7 @@ def test_pointers_to_something_else(tmp_path: Path, sample: int, chance: random.
     read(tmp_path, bytes(data))
 
 
-@settings(_anything, max_examples=100)
+@settings(_anything, max_examples=examples(100))
 @given(
     values=st.dictionaries(
         st.sampled_from(

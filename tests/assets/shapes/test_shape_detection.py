@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shape_meshes import box, cells, cylinder, icosphere, joined, loose, rotation, seen_from_inside
 
+from effort import examples
 from morse.assets.shapes import detect_primitive, fit_bounds
 from morse.scene.body import Bounds
 
@@ -36,7 +37,7 @@ def test_box(cuts, shape):
     assert np.allclose(found.rotation, np.eye(3))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(st.tuples(sizes, sizes, sizes), places, angles, angles, angles)
 def test_a_box_turned_any_way(half, centre, roll, pitch, yaw):
     turn = rotation(roll, pitch, yaw)
@@ -65,7 +66,7 @@ def test_an_icosahedron_is_no_sphere():
     assert detect_primitive(*icosphere(1.0, 0)) is None
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(sizes, sizes, st.integers(8, 64), places, angles, angles)
 def test_a_cylinder_turned_any_way(radius, half, sides, centre, roll, pitch):
     turn = rotation(roll, pitch, 0.0)

@@ -56,7 +56,6 @@ def said(uri: str, tmp_path_factory: pytest.TempPathFactory) -> Any:
         return json.loads(run(HERE / "ros1_peer.py", uri))
 
 
-@pytest.mark.slow
 def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert said["missing"] == []
     assert said["x"] > 0.3
@@ -68,7 +67,6 @@ def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert "other" in said["near"], "the other robot has jumped there"
 
 
-@pytest.mark.slow
 def test_stamps_are_simulated_time(said: Any) -> None:
     ticks = [stamp * 1e-9 * RATE for stamp in said["stamps"]]
     assert ticks == sorted(ticks)
@@ -76,7 +74,6 @@ def test_stamps_are_simulated_time(said: Any) -> None:
     assert ticks[-1] < 60.0 * RATE * 60.0
 
 
-@pytest.mark.slow
 def test_names_of_frames_are_those_of_1_4(said: Any) -> None:
     frames = said["frames"]
     assert frames["/robot/pose"] == "/map"
@@ -88,7 +85,6 @@ def test_names_of_frames_are_those_of_1_4(said: Any) -> None:
     assert ["/base_link", "/robot/eye"] in said["tf"]
 
 
-@pytest.mark.slow
 def test_messages_keep_their_definitions(said: Any) -> None:
     count, first, last, step, nearest = said["scan"]
     assert last == pytest.approx(first + (count - 1) * step, abs=1e-4)
@@ -101,7 +97,6 @@ def test_messages_keep_their_definitions(said: Any) -> None:
     assert said["robots"] == [True, '["robot","other"]']
 
 
-@pytest.mark.slow
 def test_without_a_master_the_error_says_what_to_start(tmp_path: Path) -> None:
     need_ros()
     scene = tmp_path / "scene.py"
@@ -116,7 +111,6 @@ def test_without_a_master_the_error_says_what_to_start(tmp_path: Path) -> None:
     assert "Traceback" not in done.stdout + done.stderr
 
 
-@pytest.mark.slow
 def test_where_rospy_is_missing_the_error_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rospy", None)  # as if it could not be imported
     scene = tmp_path / "scene.py"

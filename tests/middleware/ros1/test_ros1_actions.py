@@ -67,32 +67,27 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
         yield {**answers, "log": log.read_text()}
 
 
-@pytest.mark.slow
 def test_a_goal_is_reached_and_has_a_result(said: Any) -> None:
     succeeded = 3
     assert said["reached"] == [succeeded, 42]
 
 
-@pytest.mark.slow
 def test_a_goal_that_is_cancelled_ends_as_preempted(said: Any) -> None:
     preempted = 2
     assert said["cancelled"] == preempted
 
 
-@pytest.mark.slow
 def test_a_goal_that_fails_ends_as_aborted_with_the_reason(said: Any) -> None:
     aborted = 4
     assert said["refused"][0] == aborted
     assert "not that way" in said["refused"][1]
 
 
-@pytest.mark.slow
 def test_services_with_types_of_their_own(said: Any) -> None:
     assert said["halt"] == [True, "halted"]
     assert "a mistake of the user" in said["failure"]
     assert "the service fail of driver failed: ValueError" in said["log"]
 
 
-@pytest.mark.slow
 def test_status_is_told_again_and_again(said: Any) -> None:
     assert said["statuses"] > 3

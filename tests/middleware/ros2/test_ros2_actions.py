@@ -69,7 +69,6 @@ if has(sys.executable, "rclpy"):
 
 else:
 
-    @pytest.mark.slow
     @pytest.mark.timeout(200)
     def test_by_the_python_that_has_rclpy() -> None:
         need("rclpy", PYTHON)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from effort import examples
 from morse.middleware.ros2.cdr import CdrError, decode, encode
 from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
 
@@ -84,14 +85,14 @@ def test_fields_are_those_of_the_definition(name: str) -> None:
 
 
 @given(st.data())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_others_read_what_we_write(data: st.DataObject) -> None:
     name, message = message_of(data)
     assert_same(as_plain(STORE.deserialize_cdr(encode(name, message), name)), message)
 
 
 @given(st.data(), st.booleans())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_we_read_what_others_write(data: st.DataObject, little: bool) -> None:
     name, message = message_of(data)
     theirs = STORE.deserialize_cdr(encode(name, message), name)
@@ -99,7 +100,7 @@ def test_we_read_what_others_write(data: st.DataObject, little: bool) -> None:
 
 
 @given(st.sampled_from(NAMES), st.binary(max_size=200), st.booleans())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 def test_garbage_is_refused_or_read_but_nothing_else(name: str, garbage: bytes, header: bool) -> None:
     with contextlib.suppress(CdrError):
         decode(name, b"\x00\x01\x00\x00" + garbage if header else garbage)

@@ -58,7 +58,6 @@ def seconds(stamp: dict[str, int]) -> float:
     return stamp["sec"] + stamp["nanosec"] * 1e-9
 
 
-@pytest.mark.slow
 def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any) -> None:
     need("rclpy", PYTHON)
     said = talk("rclpy_peer.py", simulation.step, PYTHON)
@@ -93,7 +92,6 @@ def test_a_node_of_rclpy_drives_the_robot_and_sees_what_it_does(simulation: Any)
     assert set(scan["ranges"]) == {math.inf}, "there is nothing in this world"
 
 
-@pytest.mark.slow
 def test_the_tree_of_frames(simulation: Any) -> None:
     need("cyclonedds")
     if simulation.context.stream_managers[MANAGER].backend.name == "rclpy" and not has(sys.executable, "tf2_msgs"):
@@ -138,7 +136,6 @@ def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
 
 if "rclpy" not in BACKENDS:
 
-    @pytest.mark.slow
     @pytest.mark.timeout(300)
     def test_the_same_by_the_python_that_has_rclpy() -> None:
         """The simulation itself over rclpy; wheels of ROS 2 have a Python of their own."""

@@ -108,7 +108,6 @@ if HERE:  # otherwise the Python that has rclpy runs it, see below
 
 else:
 
-    @pytest.mark.slow
     @pytest.mark.timeout(200)
     def test_by_the_python_that_has_rclpy() -> None:
         need("rclpy", PYTHON)

@@ -1,0 +1,14 @@
+"""How many examples a test of properties tries: a few each time, all of them at night."""
+
+from __future__ import annotations
+
+from hypothesis import settings
+
+#: examples of a test that says nothing, in the profile `nightly` of conftest.py
+_ALL = 100
+_FEWEST = 5
+
+
+def examples(most: int) -> int:
+    """The number of examples for a test that tries ``most`` of them at night."""
+    return max(min(_FEWEST, most), most * settings.default.max_examples // _ALL)
