@@ -35,26 +35,34 @@ typedef struct {
     int32_t width, height;
 } ShadowMap;
 
-// Share of the sun's light that reaches a point in a shadow map: 4 x 4 texels, weighted by a tent; -1 outside the map.
-static inline float sunlit(const ShadowMap *m, float u, float v, float d) {
-    const float fu = floorf(u), fv = floorf(v), au = u - fu, av = v - fv;
-    if (!(fu >= 1 && fv >= 1 && fu < (float)(m->width - 2) && fv < (float)(m->height - 2))) return -1;
-    const float *row = m->texels + ((int64_t)fv - 1) * m->width + (int64_t)fu - 1;
+// Share of the sun's light that reaches a point in a shadow map: 4 x 4 texels, weighted by a tent; `row` is the first
+// one.
+static inline float sunlit(const float *row, int64_t width, float au, float av, float d) {
     const float across[4] = {1 - au, 1, 1, au}, down[4] = {1 - av, 1, 1, av};
     float lit[4] = {0, 0, 0, 0};
-    EACH(j, 4) EACH(i, 4) lit[i] += (row[(int64_t)j * m->width + i] <= d ? across[i] : 0.0f) * down[j];
+    EACH(j, 4) EACH(i, 4) lit[i] += (row[j * width + i] <= d ? across[i] : 0.0f) * down[j];
     return (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
 }
 
-// Looks up the shares of eight points that have no share yet.
+// Looks up the shares of eight points that have no share yet; points outside the map get none.
 static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
-    const float *s = m->sun;
+    const float *s = m->sun, *rows[LANES];
     // an offset along the normal and towards the sun, so that no surface shadows itself
     const V3 p = sum(place, scaled(n, splat(s[12] * 1.3f)));
     const F8 u = s[0] * p.x + s[1] * p.y + s[2] * p.z + (s[3] - 0.5f);
     const F8 v = s[4] * p.x + s[5] * p.y + s[6] * p.z + (s[7] - 0.5f);
     const F8 d = s[8] * p.x + s[9] * p.y + s[10] * p.z + (s[11] + s[12] * 1.5f);
-    EACH_LANE(j) if ((*share)[j] < 0)(*share)[j] = sunlit(m, u[j], v[j], d[j]);
+    const F8 fu = whole(u), fv = whole(v), au = u - fu, av = v - fv;
+    const I8 on = (*share < splat(0)) & (fu >= splat(1)) & (fv >= splat(1)) & (fu < splat((float)(m->width - 2))) &
+                  (fv < splat((float)(m->height - 2)));
+    if (!any(on)) return;
+    const I8 iu = to_int(pick(on, fu, splat(1))) - 1, iv = to_int(pick(on, fv, splat(1))) - 1;
+    // the texels are far apart in memory: all are prefetched before the first is read
+    EACH_LANE(j) {
+        rows[j] = m->texels + (int64_t)iv[j] * m->width + iu[j];
+        if (on[j]) EACH(i, 4) __builtin_prefetch(rows[j] + (int64_t)i * m->width);
+    }
+    EACH_LANE(j) if (on[j])(*share)[j] = sunlit(rows[j], m->width, au[j], av[j], d[j]);
 }
 
 // The share of the sun's light that reaches eight points: from the finer map if it covers them, else from the other.

@@ -7,7 +7,17 @@
 // eight samples of `l`, starting at number `i`
 #define AT(name) (*(const F8 *)(l->name + i))
 
+// Attributes of a triangle as planes: normals, texture coordinates and the sum of its edges.
 typedef struct {
+    float normal[3][3], uv[2][3], whole[3];
+    int32_t who;
+} Planes;
+
+// Size of the cache: most triangles are visible again in the next row.
+#define MOST_PLANES 64
+
+typedef struct {
+    Planes planes[MOST_PLANES];
     float x[MOST_LOOKS], y[MOST_LOOKS], share[MOST_LOOKS], inverse[MOST_LOOKS];
     float nx[MOST_LOOKS], ny[MOST_LOOKS], nz[MOST_LOOKS];
     float r[MOST_LOOKS], g[MOST_LOOKS], b[MOST_LOOKS], er[MOST_LOOKS], eg[MOST_LOOKS], eb[MOST_LOOKS];

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "draw_cover.h"
 #include "draw_light.h"
 #include "draw_looks.h"
 #include "draw_surface.h"
@@ -10,66 +11,10 @@
 #include "export.h"
 #include "simd.h"
 
+// Number of triangles between a prefetch and its use.
+#define AHEAD 6
+
 MORSE_EXPORT void morse_draw_pixels(Frame *f);
-
-typedef struct {
-    float inverse[MOST_SAMPLES][TILE * TILE];  // 1 / depth
-    int32_t shown[MOST_SAMPLES][TILE * TILE];  // index of the triangle, -1 for none
-} __attribute__((aligned(32))) Tile;
-
-static const F8 STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
-static const uint8_t BAYER[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
-
-static int texel_of(float coordinate, int32_t size) {
-    const float at = floorf(coordinate * (float)size);
-    // false for NaN
-    return at > -FARTHEST_TEXEL && at < FARTHEST_TEXEL ? (int)at & (size - 1) : 0;
-}
-
-// Whether a pixel shows a surface with holes or a translucent surface.
-static int opaque(const Frame *f, const Seen *s, float x, float y, int px, int py) {
-    const Surface *m = f->materials + s->material;
-    if (m->texture >= 0) {
-        const Texture *t = f->textures + m->texture;
-        const int32_t *c = f->triangles[s->triangle];
-        const Vertex *v = f->vertices + f->clusters[f->parts[s->part].cluster].vertex;
-        float e[3], uv[2];
-        EACH(i, 3) e[i] = s->e[i][0] * x + s->e[i][1] * y + s->e[i][2];
-        const float all = e[0] + e[1] + e[2];
-        EACH(i, 2) uv[i] = (e[0] * v[c[0]].uv[i] + e[1] * v[c[1]].uv[i] + e[2] * v[c[2]].uv[i]) / all;
-        const int32_t at = texel_of(uv[1], t->height) * t->width + texel_of(uv[0], t->width);
-        if ((uint32_t)f->texels[t->first[0] + at] >> 30 < 2) return 0;
-    }
-    return m->color[3] > ((float)BAYER[py & 3][px & 3] + 0.5f) / 16;
-}
-
-// Writes a triangle into the samples of a tile where it is the nearest.
-static void cover(const Frame *f, int32_t number, int left, int top, int sample, float nearest, Tile *tile) {
-    const Seen *s = f->seen + number;
-    const float *shift = f->samples + 2 * sample;
-    const int x0 = (s->x0 > left ? s->x0 : left) - left;
-    const int x1 = (s->x1 < left + TILE - 1 ? s->x1 : left + TILE - 1) - left;
-    const int y0 = s->y0 > top ? s->y0 : top, y1 = s->y1 < top + TILE - 1 ? s->y1 : top + TILE - 1;
-    const int holes = f->materials[s->material].flags & (MASKED | DITHERED);
-    const F8 a0 = splat(s->e[0][0]), a1 = splat(s->e[1][0]), a2 = splat(s->e[2][0]), aw = splat(s->w[0]),
-             zero = splat(0);
-    for (int y = y0; y <= y1; y++) {
-        const float fy = (float)y + 0.5f + shift[1];
-        const F8 r0 = splat(s->e[0][1] * fy + s->e[0][2]), r1 = splat(s->e[1][1] * fy + s->e[1][2]);
-        const F8 r2 = splat(s->e[2][1] * fy + s->e[2][2]), rw = splat(s->w[1] * fy + s->w[2]);
-        for (int x = x0 & ~(LANES - 1); x <= x1; x += LANES) {
-            F8 *at = (F8 *)(tile->inverse[sample] + (y - top) * TILE + x);
-            I8 *who = (I8 *)(tile->shown[sample] + (y - top) * TILE + x);
-            const F8 fx = STEPS + ((float)(left + x) + 0.5f + shift[0]), w = aw * fx + rw;
-            I8 in = (a0 * fx + r0 >= zero) & (a1 * fx + r1 >= zero) & (a2 * fx + r2 >= zero);
-            in &= (w > *at) & (w < splat(nearest));
-            if (!any(in)) continue;
-            if (holes) EACH_LANE(j)
-            if (in[j] && !opaque(f, s, fx[j], fy, left + x + j + sample, y + 2 * sample)) in[j] = 0;
-            *at = pick(in, w, *at), *who = pick_int(in, splat_int(number), *who);
-        }
-    }
-}
 
 // Shades some samples, and adds the colours to the pixels of a row by their shares.
 static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, float row[3][TILE]) {
@@ -106,8 +51,22 @@ static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, fl
 static int gather(const Frame *f, const Tile *tile, int left, int y, int top, int width, Looks *l) {
     const int samples = f->sample_count;
     int count = 0;
-    EACH(s, samples) EACH(x, width) {
+    int32_t mixed_up[TILE];
+    int any_mixed_up = 0;
+    EACH(x, TILE) {
+        int32_t other = 0;
+        for (int o = 1; o < samples; o++) other |= tile->shown[0][y * TILE + x] ^ tile->shown[o][y * TILE + x];
+        mixed_up[x] = other, any_mixed_up |= other;
+    }
+    EACH(s, any_mixed_up ? samples : 1) EACH(x, width) {
         const int32_t at = y * TILE + x, who = tile->shown[s][at];
+        if (!mixed_up[x]) {
+            if (s) continue;
+            l->x[count] = (float)(left + x) + 0.5f + f->samples[0],
+            l->y[count] = (float)(top + y) + 0.5f + f->samples[1];
+            l->share[count] = 1, l->who[count] = who, l->column[count++] = x;
+            continue;
+        }
         int same = 1, known = 0;
         EACH(o, s) known |= tile->shown[o][at] == who;
         if (known) continue;
@@ -124,16 +83,21 @@ static int gather(const Frame *f, const Tile *tile, int left, int y, int top, in
 
 static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Looks *l) {
     const int left = f->tiles[t][1], top = f->tiles[t][2], samples = k->color ? f->sample_count : 1;
-    EACH(s, samples) EACH(i, TILE * TILE) tile->inverse[s][i] = 1 / k->far, tile->shown[s][i] = -1;
-    for (int64_t m = f->firsts[t]; m < f->firsts[t + 1]; m++)
-        EACH(s, samples) cover(f, f->members[m], left, top, s, 1 / k->near, tile);
+    clear(f, tile, left, top, samples, k->near, k->far);
+    for (int64_t m = f->firsts[t], end = f->firsts[t + 1]; m < end; m++) {
+        const char *ahead = (const char *)(f->seen + f->members[m + AHEAD < end ? m + AHEAD : m]);
+        __builtin_prefetch(ahead), __builtin_prefetch(ahead + 64);
+        cover(f, f->members[m], tile);
+    }
     const int width = k->width - left < TILE ? k->width - left : TILE;
     const int height = k->height - top < TILE ? k->height - top : TILE;
     EACH(y, height) {
         const int64_t pixel = k->pixel + (int64_t)(top + y) * k->width + left;
+        int32_t last = -1, instance = -1;
         EACH(x, width) {
             const int32_t who = tile->shown[0][y * TILE + x];
-            f->ids[pixel + x] = who < 0 ? -1 : f->parts[f->seen[who].part].instance;
+            if (who != last) last = who, instance = who < 0 ? -1 : f->parts[f->seen[who].part].instance;
+            f->ids[pixel + x] = instance;
             f->depth[pixel + x] = who < 0 ? 0 : 1 / tile->inverse[0][y * TILE + x];
         }
         if (!k->color) continue;
@@ -149,5 +113,6 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Lo
 void morse_draw_pixels(Frame *f) {
     Tile tile;
     Looks l;
+    EACH(i, MOST_PLANES) l.planes[i].who = -1;
     for (int64_t t; (t = take(f)) < f->tile_count;) draw_tile(f, f->cameras + f->tiles[t][0], t, &tile, &l);
 }

@@ -65,5 +65,5 @@ static inline void add_texture(const Frame *f, Looks *l, int i) {
         if (any(blend < one)) bilinear(f, first, wide, high, u, v, share * (1 - blend), total);
         if (any(blend > zero)) bilinear(f, next, less_wide, less_high, u, v, share * blend, total);
     }
-    EACH(n, 3) * c[n] = pick(who >= 0, *c[n] * total[n], *c[n]);
+    EACH(n, 3) * c[n] *= pick(who >= 0, total[n], one);
 }

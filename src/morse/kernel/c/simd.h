@@ -7,6 +7,8 @@ typedef float F8 __attribute__((vector_size(32)));
 typedef int32_t I8 __attribute__((vector_size(32)));
 
 #define LANES 8
+// Prevents masked stores, which are many times slower than a load, a selection and a store.
+#define NO_MASKED_STORE __asm__ volatile("" ::: "memory")
 #define EACH_LANE(j) for (int j = 0; j < LANES; j++)
 
 static inline F8 splat(float a) { return (F8){a, a, a, a, a, a, a, a}; }

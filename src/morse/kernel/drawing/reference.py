@@ -71,8 +71,6 @@ class ReferenceDrawer:
     ) -> None:
         """Write a triangle into the samples where it is the nearest."""
         x0, y0, x1, y1 = seen.box[number].tolist()
-        # the kernel tests eight pixels at once
-        x0, x1 = x0 & ~(_LANES - 1), min(x1 | (_LANES - 1), inverse.shape[2] - 1)
         columns, rows = np.arange(x0, x1 + 1), np.arange(y0, y1 + 1)
         e, w = seen.e[number], seen.w[number]
         allowed = _tiles(seen.box[number], e, columns, rows)
