@@ -49,6 +49,8 @@ if NAME in HOLDERS:
 if CARRIES:
     component = made(NAME)
     component.frequency(60)
+    if NAME in ("Armature", "KukaLWR", "PA10"):
+        component.translate(z=1.7)
     holder.append(component)
 
 env = Environment("indoors-1/boxes", fastmode=True)

@@ -141,8 +141,12 @@ class DynamicJoints(JointServices):
             return math.inf
         return dynamics.speed if control is Control.VELOCITY else dynamics.effort
 
-    def _stepped(self, number: int, wanted: float) -> float:
-        return wanted if self.joints[number] in self._controls else super()._stepped(number, wanted)
+    def _steps(self) -> list[float]:
+        steps = super()._steps()
+        if not self._controls:
+            return steps
+        # velocities and efforts are set immediately
+        return [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
 
     def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
         if self._motors is None:

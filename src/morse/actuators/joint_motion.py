@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from morse.core.actuator import Actuator
 from morse.core.declarations import DataField
 from morse.helpers.chain import Chain
-from morse.mathutils.rotations import product, turn, turn_back
+from morse.mathutils.rotations import product, turn_back
 from morse.scene import JointKind
 from morse.scene.frames import rigid_frame
 
@@ -21,7 +21,7 @@ class JointMotion(Actuator):
     ``local_data`` contains the setpoint of each joint. Joints stay within their limits.
     """
 
-    not_state: ClassVar[tuple[str, ...]] = ("chain", "_parts")
+    not_state: ClassVar[tuple[str, ...]] = ("chain", "_linkage", "_usual")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -35,7 +35,7 @@ class JointMotion(Actuator):
         self.chain = Chain(node.bones, sum(float(stretch[i][i]) for i in range(3)) / 3.0)
         self._values = list(self.chain.start)
         self.local_data.update(zip(self.chain.names, self._values, strict=True))
-        self._parts = list(self._hanging(obj))
+        self._linkage = self.context.world.linkage(obj, self.chain.linked, list(self._hanging(obj)))
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
@@ -78,16 +78,12 @@ class JointMotion(Actuator):
 
     def _wanted(self) -> list[float]:
         """Return the setpoints, clamped to the limits."""
-        chain, data = self.chain, self.local_data
-        return [chain.clamped(number, float(data[name])) for number, name in enumerate(chain.names)]
+        data = self.local_data
+        return [min(max(float(data[name]), low), high) for name, low, high in self.chain.limits]
 
     def _move_to(self, values: Sequence[float]) -> None:
         """Set the joint values immediately, and move the attached objects."""
         if list(values) == self._values:
             return
         self._values = list(values)
-        frames = self.chain.frames(self._values)
-        for child, index, offset, turned in self._parts:
-            p, r = frames[index]
-            x, y, z = turn(r, offset)
-            child.set_local_pose((p[0] + x, p[1] + y, p[2] + z), product(r, turned))
+        self._linkage.move(self.chain.bone_values(self._values))

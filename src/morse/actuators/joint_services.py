@@ -58,6 +58,8 @@ class JointServices(JointMotion):
         super().__init__(obj, parent)
         #: speeds from the arguments of services
         self._speeds: dict[str, float] = {}
+        #: speeds and frequency, and the steps that follow from them
+        self._usual: tuple[tuple[float, ...], list[float]] = (), []
         #: the joints that a service waits for; None while none does
         self._awaited: list[str] | None = None
 
@@ -65,17 +67,27 @@ class JointServices(JointMotion):
         """Move towards the setpoints."""
         wanted = self._wanted()
         if wanted != self._values:
-            self._move_to([self._stepped(number, value) for number, value in enumerate(wanted)])
+            self._move_to(
+                [
+                    value if -step <= value - here <= step else here + (step if value > here else -step)
+                    for value, here, step in zip(wanted, self._values, self._steps(), strict=True)
+                ]
+            )
         if self._awaited is not None:
             self._end_if_there(self._awaited, wanted)
 
-    def _stepped(self, number: int, wanted: float) -> float:
-        """Return the value of a joint after this tick."""
-        here = self._values[number]
-        joint = self.chain.joint(number)
-        usual = self._rotation_speed if joint.kind is _REVOLUTE else self._linear_speed
-        step = self._speeds.get(joint.name, usual) / self.frequency
-        return wanted if abs(wanted - here) <= step else here + (step if wanted > here else -step)
+    def _steps(self) -> list[float]:
+        """Return how far each joint moves in this tick at most."""
+        given = (self._rotation_speed, self._linear_speed, self.frequency)
+        if self._speeds or given != self._usual[0]:
+            turn, slide, rate = given
+            speeds = {_REVOLUTE: turn, _PRISMATIC: slide}
+            joints = map(self.chain.joint, range(len(self.joints)))
+            steps = [self._speeds.get(joint.name, speeds[joint.kind]) / rate for joint in joints]
+            if self._speeds:
+                return steps
+            self._usual = given, steps
+        return self._usual[1]
 
     def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
         for number, value in enumerate(wanted):

@@ -10,11 +10,12 @@ from morse.core.builder_defaults import BuilderDefaults
 from morse.core.limits import ANGLE, Angle
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
-from morse.mathutils.rotations import product
+from morse.scene import Bone, JointKind
 
 _SEGMENTS = ("seg0", "seg1", "seg2", "seg3", "seg4", "seg5")
 #: rotation axis of each segment
 _AXES = "zyyzyz"
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class PA10(Actuator):
@@ -46,15 +47,17 @@ class PA10(Actuator):
         low=0.0,
     )
 
-    not_state = ("_parts", "_rest")
+    not_state = ("_linkage",)
 
     _speed: float
     _tolerance: float
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        self._parts = [_part(obj, f"PA10-{i + 1}") for i in range(6)]
-        self._rest = [part.local_pose() for part in self._parts]
+        parts = [_part(obj, f"PA10-{i + 1}") for i in range(6)]
+        bones = [_joint(part, axis) for part, axis in zip(parts, _AXES, strict=True)]
+        hanging = [(part, i, (0.0, 0.0, 0.0), _IDENTITY) for i, part in enumerate(parts)]
+        self._linkage = self.context.world.linkage(obj, bones, hanging)
         self._angles = [0.0] * 6
         #: the moving segments
         self._turning = [False] * 6
@@ -67,6 +70,7 @@ class PA10(Actuator):
     def default_action(self) -> None:
         """Rotate the segments by one tick."""
         step = self._speed / self.frequency
+        moves = False
         for number, segment in enumerate(_SEGMENTS):
             angle = self._angles[number]
             off = float(self.local_data[segment]) - angle
@@ -80,16 +84,9 @@ class PA10(Actuator):
             else:
                 angle += math.copysign(step, off)
             self._angles[number] = angle
-            self._show(number)
-
-    def _show(self, number: int) -> None:
-        angle = self._angles[number]
-        c, s = math.cos(angle), math.sin(angle)
-        turned = (
-            (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0) if _AXES[number] == "z" else (c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
-        )
-        position, rest = self._rest[number]
-        self._parts[number].set_local_pose(position, product(tuple(rest), turned))
+            moves = True
+        if moves:
+            self._linkage.move(self._angles)
 
     @service
     def set_rotation_array(
@@ -119,3 +116,9 @@ def _part(obj: Any, name: str) -> Any:
         if part.node.plain_name == name:
             return part
     raise ValueError(f"its model has no part '{name}': a PA-10 arm needs six, PA10-1 to PA10-6")
+
+
+def _joint(part: Any, axis: str) -> Bone:
+    """The joint between a segment and what carries it."""
+    position, rotation = part.local_pose()
+    return Bone(part.name, -1, tuple(position), tuple(rotation), 0.0, JointKind.REVOLUTE, "xyz".index(axis))

@@ -35,6 +35,7 @@ class Chain:
         bones: scaled.
         joints: the indices of the bones that move, those nearer to the root first.
         names: of the joints.
+        limits: name, lowest and highest value of each joint.
         start: the values of the joints that the model file holds.
     """
 
@@ -45,10 +46,21 @@ class Chain:
         moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED]
         self.joints = tuple(i for i, bone in moving if bone.leader < 0)
         self.names = tuple(self.bones[i].name for i in self.joints)
+        self.limits = [(self.bones[i].name, self.bones[i].low, self.bones[i].high) for i in self.joints]
         self.start = [self.bones[i].value for i in self.joints]
         self._number = {bone: number for number, bone in enumerate(self.joints)}
         #: of the joints that follow others: the number of the leader
         self._led = {i: self._number[bone.leader] for i, bone in moving if bone.leader in self._number}
+        #: the bones for a linkage, with the bones that follow nothing as fixed ones
+        self.linked = tuple(
+            bone
+            if bone.kind is JointKind.FIXED or i in self._number or i in self._led
+            else replace(bone, kind=JointKind.FIXED)
+            for i, bone in enumerate(self.bones)
+        )
+        self._moving = [
+            (self._number.get(i), i) for i, bone in enumerate(self.linked) if bone.kind is not JointKind.FIXED
+        ]
         self._index = {bone.name: i for i, bone in enumerate(self.bones)}
 
     def index(self, bone: str) -> int | None:
@@ -63,6 +75,15 @@ class Chain:
         """A value of a joint, within its limits."""
         bone = self.bones[self.joints[number]]
         return min(max(value, bone.low), bone.high)
+
+    def bone_values(self, values: Sequence[float]) -> Sequence[float]:
+        """The values of all bones that move, given those of the joints."""
+        if not self._led:
+            return values
+        return [
+            values[number] if number is not None else self.bones[i].factor * values[self._led[i]] + self.bones[i].offset
+            for number, i in self._moving
+        ]
 
     def frames(self, values: Sequence[float]) -> list[Pose]:
         """The frame of every bone: its origin at the joint, its Y axis along the bone."""

@@ -86,19 +86,40 @@ class Bodies:
         state.is_stirred = True
         self._gliding.leave(index)
         for geom, shape in zip(slot.geoms[node], node.shapes or (), strict=True):
-            position, rotation = rigid.compose(*offset, *self._shape_pose(geom, shape))
+            position, rotation = rigid.compose(*offset, *self.shape_pose(geom, shape))
             state.model.geom_pos[geom] = position
             state.model.geom_quat[geom] = rigid.quaternion(rotation)
         if slot.body >= 0:
             self.moved_shapes.note(slot.body)
             wake(state, slot.body)
-        self._gliding.note_moved_shapes(index)
+        self._gliding.note_moved_shapes(index, slot.geoms[node])
         if slot.frame.motion is Motion.FIXED:
             self._settle_fixed(index)
         state.rearranged.add(node)
         state.stamp += 1
 
-    def _shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
+    def shapes_have_moved(
+        self, index: int, geoms: Sequence[int], nodes: Sequence[Node], reach: float, lowest: float
+    ) -> None:
+        """Note that shapes of a slot were moved within it, see `morse.physics.linkage`.
+
+        Args:
+            reach: distance from the origin of the slot to the outermost point of its shapes, m.
+            lowest: height of the lowest point of the moved shapes above the origin of the slot, m.
+        """
+        state = self._state
+        slot = state.slots[index]
+        if not self._gliding.goes_on(index, geoms, reach, lowest):
+            state.is_stirred = True
+        if slot.body >= 0:
+            self.moved_shapes.note(slot.body)
+            wake(state, slot.body)
+        if slot.frame.motion is Motion.FIXED:
+            self._settle_fixed(index)
+        state.rearranged.update(nodes)
+
+    def shape_pose(self, geom: int, shape: CollisionShape) -> tuple[Sequence[float], Sequence[float]]:
+        """Return position and rotation of a shape in the frame of its node."""
         if shape.kind is not ShapeKind.CONVEX:
             return shape.position, shape.rotation
         # the compiler moves hulls to their centre of mass and principal axes

@@ -150,6 +150,9 @@ class GlideSteps:
         """Look for what the robots could meet, far ahead if there is room, else within this tick."""
         gliding, data = self._gliding, self._state.data
         tick, far = gliding.tick, gliding.tick >= self._far_at
+        if gliding.is_rearranged:
+            mujoco.mj_kinematics(self._state.model, data)
+            gliding.is_rearranged = False
         gliding.look_ahead(FORESIGHT if far else 1)
         mujoco.mj_collision(self._state.model, data)
         if far and data.ncon:

@@ -58,6 +58,7 @@ class Gliding:
         extents: (K,) distance from the origin of a robot to its outermost point, by slot, m.
         foresight: ticks within which the engine notices what the robots could meet; 0: only what they meet.
         clear_until: before that tick no robot can meet anything.
+        is_rearranged: whether shapes of gliding robots have moved since the last forward kinematics of the engine.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -75,6 +76,9 @@ class Gliding:
             self.owner[self._geoms(state.slots[index])] = index
         self._extent = {index: self._outline(state.slots[index]) for index in self._able}
         self._unmeasured: set[int] = set()
+        #: shapes that have moved within robots, and the height of the lowest one above the origin of its robot, m
+        self._moved: dict[int, set[int]] = {}
+        self._lowest: dict[int, float] = {}
         count = len(state.slots)
         self.extents = np.array([self._extent.get(index, 0.0) for index in range(count)])
         self.speeds, self.margins = np.zeros(count), np.zeros(count)
@@ -89,9 +93,49 @@ class Gliding:
         places = self._state.model.geom_pos[slot.feet]
         return float(np.hypot(places[:, 0], places[:, 1]).max())
 
-    def note_moved_shapes(self, index: int) -> None:
+    def note_moved_shapes(self, index: int, geoms: Iterable[int]) -> None:
         """Shapes have moved within a body: its outline is another one."""
         self._unmeasured.add(index)
+        self._moved.setdefault(index, set()).update(geoms)
+        self._lowest.pop(index, None)
+
+    def forget_moved_shapes(self) -> None:
+        """All shapes are where they were compiled."""
+        self._moved.clear()
+        self._lowest.clear()
+
+    def goes_on(self, index: int, geoms: Iterable[int], reach: float, lowest: float) -> bool:
+        """Shapes have moved within a body: return whether it goes on gliding, as none of them is near the floor.
+
+        See `morse.physics.bodies.Bodies.shapes_have_moved`.
+        """
+        self.note_moved_shapes(index, geoms)
+        self._lowest[index] = lowest
+        glide = self.glides.get(index)
+        if glide is None:
+            return False
+        if self._state.positions[index][2] + lowest < glide.floor.height + _NEAR:
+            self.leave(index)
+            return False
+        self._unmeasured.discard(index)
+        if self._extent[index]:
+            self._extent[index] = self.extents[index] = reach
+        self.clear_until = 0
+        self.is_rearranged = True
+        return True
+
+    def _hangs_low(self, index: int, floor: Floor) -> bool:
+        """Whether a shape that has moved within a robot is near the floor, where gliding robots do not collide."""
+        if index not in self._moved:
+            return False
+        if index not in self._lowest:
+            model, data = self._state.model, self._state.data
+            heights = []
+            for geom in self._moved[index]:
+                up, box = data.geom_xmat[geom, 6:9], model.geom_aabb[geom]
+                heights.append(float(data.geom_xpos[geom, 2] + up @ box[:3] - np.abs(up) @ box[3:]))
+            self._lowest[index] = min(heights) - self._state.positions[index][2]
+        return self._state.positions[index][2] + self._lowest[index] < floor.height + _NEAR
 
     def _measure(self, index: int) -> None:
         self._extent[index] = self.extents[index] = self._outline(self._state.slots[index])
@@ -118,6 +162,8 @@ class Gliding:
         self.newest = 0
         self.lopsided: set[int] = set()
         self.foresight = self.clear_until = 0
+        self.is_rearranged = False
+        self.forget_moved_shapes()
         self.speeds[:] = -1.0
         self.margins[:] = 0.0
         for index in self._able:
@@ -161,7 +207,7 @@ class Gliding:
         if state.data.xfrc_applied[slot.body].any() or state.model.body_gravcomp[slot.body]:
             return
         floor = self._floor_under(index, slot)
-        if floor is not None and not self._touches_else(index, floor):
+        if floor is not None and not self._hangs_low(index, floor) and not self._touches_else(index, floor):
             self._begin(index, slot, floor, command)
 
     def _floor_under(self, index: int, slot: Slot) -> Floor | None:
@@ -384,8 +430,10 @@ class Gliding:
                 raise ValueError(f"there is no floor number {glide.floor} that '{glide.slot}' stands on")
 
     def set_state(self, state: SavedGliding) -> None:
-        """Take over a state that was checked; the arrays of the model are set elsewhere."""
+        """Take over a state that was checked; the arrays of the model and the poses of parts are set before."""
+        moved = dict(self._moved)
         self.reset()
+        self._moved.update(moved)
         named, slots = self._state.named, self._state.slots
         floors = {floor.bit: floor for floor in self._floors}
         for entry in state.glides:

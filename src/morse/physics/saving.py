@@ -91,6 +91,7 @@ class Saving:
         """Restore a validated state."""
         world, named = self._world, self._world.named
         world.bodies.moved_shapes.reset()
+        self._gliding.forget_moved_shapes()
         for name, obj in self._objects.items():
             shown, present = obj.visible, obj.properties
             obj.restore()

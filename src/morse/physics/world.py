@@ -20,6 +20,7 @@ from morse.physics.gameobject import GameObject
 from morse.physics.glide_steps import GlideSteps
 from morse.physics.gliding import Gliding
 from morse.physics.layout import Motion
+from morse.physics.linkage import Linkage
 from morse.physics.locks import Locks
 from morse.physics.moving_poses import MovingPoses
 from morse.physics.object_list import ObjectList
@@ -41,7 +42,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.mathutils import Vector
-    from morse.scene import ComponentDeclaration, Node, Scene, Zone
+    from morse.physics.linkage import Hanging
+    from morse.scene import Bone, ComponentDeclaration, Node, Scene, Zone
 
 
 class World(ObjectWorld):
@@ -287,6 +289,10 @@ class World(ObjectWorld):
     def recovered(self) -> int:
         """Number of resets of bodies since the world was created."""
         return self._rescue.count
+
+    def linkage(self, armature: GameObject, bones: Sequence[Bone], hanging: Sequence[Hanging]) -> Linkage:
+        """Create a linkage: objects on bones that joints move."""
+        return Linkage(self, armature, bones, hanging)
 
     def fleet(self, objects: Sequence[GameObject]) -> Fleet:
         """Create a fleet of objects that are driven together with `drive_fleet`."""

@@ -1,0 +1,20 @@
+"""Linkages: bones that joints move, and the objects and collision shapes that hang on them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.kernel.linkage import reference
+from morse.kernel.linkage.native import NativeLinkage
+from morse.kernel.loading import library
+
+if TYPE_CHECKING:
+    from morse.kernel.linkage.arrays import LinkageArrays, LinkageWork
+
+__all__ = ["linkage"]
+
+
+def linkage(arrays: LinkageArrays) -> LinkageWork:
+    """What moves a linkage: C, or Python without a kernel."""
+    loaded = library()
+    return reference.Linkage(arrays) if loaded is None else NativeLinkage(loaded, arrays)

@@ -1,0 +1,80 @@
+"""The arrays of a linkage, as C and Python see them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
+
+FIXED, REVOLUTE, PRISMATIC = range(3)
+
+
+@dataclass(eq=False)
+class LinkageArrays:
+    """B bones, N objects that hang on them, S collision shapes; all arrays are in one piece, and stay where they are.
+
+    Poses are 12 numbers: position and rotation, row by row.
+
+    Attributes:
+        parents: (B,) index of the parent of each bone, or -1; parents come first.
+        kinds: (B,) `FIXED`, `REVOLUTE` or `PRISMATIC`.
+        axes: (B,) the axis of the joint in the frame of the bone, 0 to 2.
+        places, turns: (B, 3) and (B, 9) pose in the frame of the parent at joint value 0.
+        moves: (B, 2) cosine and sine of the value of a revolute joint; value of a prismatic joint, and 0.
+        outers: (N,) index of the outer object, or -1 for the armature itself; outer objects come first.
+        hooks: (N,) the bone on which an object hangs; -1 for an object that is fixed to its outer object.
+        held: (N, 12) pose in the frame of the bone, or of the outer object.
+        geoms: (S,) indices of the shapes in the arrays of the engine.
+        owners: (S,) the object of each shape.
+        mounts: (S, 12) pose of each shape in the frame of its object.
+        geom_positions, geom_quaternions, geom_radii, geom_boxes: of the engine; the first two are written.
+        all_geoms: the indices of all shapes of the body.
+        base: (12,) pose of the armature in its body.
+        up: (3,) the upward direction in the frame of the body.
+        frames: (B, 12) result: poses of the bones in the frame of the armature.
+        locals, poses: (N, 12) result: poses of the objects in the frame of the outer object, and in that of the body.
+    """
+
+    parents: Integers
+    kinds: Integers
+    axes: Integers
+    places: Floats
+    turns: Floats
+    outers: Integers
+    hooks: Integers
+    held: Floats
+    geoms: Integers
+    owners: Integers
+    mounts: Floats
+    geom_positions: Floats
+    geom_quaternions: Floats
+    geom_radii: Floats
+    geom_boxes: Floats
+    all_geoms: Integers
+    base: Floats = field(default_factory=lambda: np.zeros(12))
+    up: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+
+    def __post_init__(self) -> None:
+        self.moves = np.zeros((len(self.parents), 2))
+        self.moves[self.kinds == REVOLUTE, 0] = 1.0
+        self.frames = np.zeros((len(self.parents), 12))
+        self.locals, self.poses = np.zeros((len(self.outers), 12)), np.zeros((len(self.outers), 12))
+
+
+class LinkageWork(Protocol):
+    """Moves the objects and shapes of a `LinkageArrays`."""
+
+    def move(self) -> tuple[float, float]:
+        """Fill the results, and place the shapes.
+
+        Returns:
+            Distance from the origin of the body to the outermost point of the bounding spheres of its shapes, m; height
+            of the lowest point of the bounding boxes of the moved shapes above the origin, m.
+        """

@@ -1,0 +1,120 @@
+"""Arms that move on robots that drive: they hinder nothing, they push, and they are saved."""
+
+import math
+
+import pytest
+
+SCENE = """
+robot = ATRV()
+motion = MotionVW()
+robot.append(motion)
+arm = KukaLWR()
+arm.translate(z={height})
+robot.append(arm)
+pose = Pose()
+robot.append(pose)
+tip = Pose()
+arm.append(tip)
+{more}
+"""
+BOX = """
+box = Cube('box')
+box.scale = (0.2, 0.2, 0.2)
+box.location = (0.95, 0.65, 0.2)
+box._bpy_object.game.physics_type = 'RIGID_BODY'
+box._bpy_object.game.use_collision_bounds = True
+box._bpy_object.game.collision_bounds_type = 'BOX'
+"""
+
+
+def measured(sim, name="robot.pose"):
+    return dict(sim.context.component(name).local_data)
+
+
+def glides(sim):
+    return len(sim.context.world.gliding.glides)
+
+
+def swing(sim, ticks, speed=0.5, rate=0.2):
+    """Drive, and swing all joints; return how many ticks the robot glided."""
+    sim.context.component("robot.motion").local_data.update(v=speed, w=rate)
+    arm, glided = sim.context.component("robot.arm"), 0
+    for _ in range(ticks):
+        angle = 0.4 * math.sin(2.0 * sim.context.clock.time)
+        arm.local_data.update(dict.fromkeys(arm.joints, angle))
+        sim.step()
+        glided += glides(sim)
+    return glided
+
+
+def test_a_moving_arm_does_not_keep_its_robot_from_gliding_along_its_arc(run):
+    sim = run(SCENE.format(height=0.7, more=""))
+    sim.step(60)
+    x, y, yaw = (measured(sim)[field] for field in ("x", "y", "yaw"))
+    assert swing(sim, 120) > 100
+    there, radius, turned = measured(sim), 0.5 / 0.2, 0.2 * 2.0
+    assert there["yaw"] - yaw == pytest.approx(turned, abs=1e-3)
+    assert there["x"] - x == pytest.approx(radius * math.sin(turned), abs=5e-3)
+    assert there["y"] - y == pytest.approx(radius * (1.0 - math.cos(turned)), abs=5e-3)
+    # the tip is where the joints put it
+    tip, values = measured(sim, "robot.arm.tip"), sim.context.component("robot.arm").joint_values
+    assert tip["z"] > there["z"] + 0.7
+    assert max(map(abs, values)) > 0.1
+
+
+def test_an_arm_on_a_gliding_robot_pushes_what_it_meets(run):
+    sim = run(SCENE.format(height=-0.1, more=BOX))
+    sim.robot.arm.set_rotation("kuka_2", -math.pi / 2 - 0.02).result()
+    sim.step(120)
+    box = sim.context.world.objects_by_name["box"]
+    before = list(box.worldPosition)
+    sim.robot.motion.set_speed(0.2, 0.0).result()
+    sim.robot.arm.rotate("kuka_1", 1.2, 0.6)
+    sim.step(150)
+    after = list(box.worldPosition)
+    assert math.dist(before[:2], after[:2]) > 0.05
+    assert after[2] == pytest.approx(0.2, abs=0.05)
+
+
+def test_an_arm_that_reaches_for_the_floor_is_carried_by_it(run):
+    """A gliding robot collides with no floor: with an arm that presses on the floor it has to stand."""
+    sim = run(SCENE.format(height=-0.1, more=""))
+    sim.step(60)
+    sim.robot.motion.set_speed(0.3, 0.0).result()
+    sim.step(60)
+    assert glides(sim)
+    # its tip would be half a metre below the floor
+    sim.robot.arm.rotate("kuka_2", -2.0, 0.8)
+    sim.step(180)
+    assert not glides(sim)
+    leaning = measured(sim)
+    assert abs(leaning["pitch"]) > 0.02 or leaning["z"] > 0.15
+
+
+def test_a_saved_state_goes_on_with_the_same_bits(run, tmp_path):
+    script = SCENE.format(height=0.7, more=BOX)
+    sim = run(script)
+    sim.step(30)
+    swing(sim, 40)
+    state = sim.save()
+    swing(sim, 40)
+    ahead = sim.state_hash()
+    sim.restore(state)
+    swing(sim, 40)
+    assert sim.state_hash() == ahead
+    other = run(script)
+    other.restore(state)
+    swing(other, 40)
+    assert other.state_hash() == ahead
+
+
+def test_after_a_restart_everything_is_as_at_the_start(run):
+    sim = run(SCENE.format(height=0.7, more=""))
+    sim.step(30)
+    swing(sim, 40)
+    first, tip = sim.state_hash(), measured(sim, "robot.arm.tip")
+    sim.restart()
+    sim.step(30)
+    swing(sim, 40)
+    assert measured(sim, "robot.arm.tip") == tip
+    assert sim.state_hash() == first
