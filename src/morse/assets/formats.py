@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 #: suffix to the function that reads such files; it is imported when the first one is read
 _READERS = {
     ".blend": "morse.assets.blend:read_blend",
+    ".dae": "morse.assets.meshfiles:read_meshes",
     ".glb": "morse.assets.meshfiles:read_meshes",
     ".gltf": "morse.assets.meshfiles:read_meshes",
     ".obj": "morse.assets.meshfiles:read_meshes",
@@ -24,6 +25,8 @@ _READERS = {
 
 #: the suffixes, the preferred one first
 SUFFIXES = tuple(_READERS)
+#: those of files that hold nothing but meshes
+MESH_SUFFIXES = tuple(suffix for suffix, reader in _READERS.items() if reader.startswith("morse.assets.meshfiles"))
 
 
 class UnsupportedFormatError(ValueError):

@@ -1,4 +1,4 @@
-"""Reads glTF, OBJ, STL and PLY files as libraries of nodes."""
+"""Reads glTF, COLLADA, OBJ, STL and PLY files as libraries of nodes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.meshfiles.collada import collada_unit
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below
 from morse.assets.meshfiles.surfaces import Surfaces
 from morse.mathutils import Matrix
@@ -26,7 +27,9 @@ def read_meshes(path: str | Path) -> Library:
     """Read a file.
 
     glTF is turned so that its front becomes +X and its top +Z. The axes of OBJ, STL and PLY, which say nothing of
-    front and top, are taken as they are; one unit is a metre. Files that a model names are read only from its folder
+    front and top, are taken as they are; one unit is a metre. COLLADA files say what their unit is; their axes are
+    taken
+    as they are, too, as the viewers of ROS do. Files that a model names are read only from its folder
     and below.
 
     Raises:
@@ -38,8 +41,12 @@ def read_meshes(path: str | Path) -> Library:
         raise AssetError(path, f"it is larger than {SIZE_LIMIT >> 20} MiB")
     below = Below(path.parent)
     try:
+        unit = collada_unit(path) if path.suffix.lower() == ".dae" else 1.0
         scene = _loaded(path, below)
         library = _Reading(path, scene).library()
+        for root in library.roots:
+            root.location = [unit * value for value in root.location]
+            root.scale = [unit * value for value in root.scale]
     except AssetError:
         raise
     except RecursionError:

@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
+from morse.assets.xml_files import read_xml
 from morse.mathutils import Euler, Matrix
 from morse.scene import JointDynamics
 
 if TYPE_CHECKING:
     from pathlib import Path
+    from xml.etree import ElementTree
 
     from morse.scene import Inertial
 
-_MOST_BYTES = 64 << 20
 _FARTHEST = 1e6
 #: links, and joints in a row
 _MOST_LINKS, _DEEPEST = 2000, 200
@@ -168,6 +168,10 @@ class _Parser:
         material = element.find("material")
         if material is None:
             return None
+        return self.define(material)
+
+    def define(self, material: ElementTree.Element) -> tuple[float, float, float, float] | None:
+        """Return the colour of a material, which is also known by its name from then on."""
         color = material.find("color")
         if color is None:
             return self.colors.get(material.get("name") or "")
@@ -249,20 +253,13 @@ def parse(path: Path) -> Document:
         AssetError: it is not XML, not URDF, or contradicts itself.
         OSError: it cannot be opened.
     """
-    if path.stat().st_size > _MOST_BYTES:
-        raise AssetError(path, f"it is larger than {_MOST_BYTES >> 20} MB")
     parser = _Parser(path)
-    try:
-        robot = ElementTree.fromstring(path.read_bytes().strip())
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise parser.fail(f"it is not XML: {error}") from None
+    robot = read_xml(path)
     if robot.tag != "robot":
         hint = "; run it through xacro first" if path.suffix == ".xacro" else ""
         raise parser.fail(f"it is not URDF: it begins with <{str(robot.tag)[:60]}>, expected <robot>{hint}")
     for material in robot.findall("material"):
-        holder = ElementTree.Element("visual")
-        holder.append(material)
-        parser.color(holder)
+        parser.define(material)
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
     joints = [parser.joint(element) for element in robot.findall("joint")]
     root, ordered = _tree(parser, links, joints)

@@ -1,17 +1,16 @@
-"""Meshes that a URDF file names."""
+"""Meshes that model files of robots name."""
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morse.assets.formats import SUFFIXES, reader_of
+from morse.assets.formats import MESH_SUFFIXES, reader_of
 from morse.assets.loader import instantiate
 
 if TYPE_CHECKING:
-    from morse.scene import Library, Node
+    from pathlib import Path
 
+    from morse.scene import Library, Node
 
 #: metres
 _FARTHEST = 1e6
@@ -19,39 +18,6 @@ _FARTHEST = 1e6
 
 class MeshError(ValueError):
     """A mesh cannot be used; the message says why."""
-
-
-def find_mesh(name: str, urdf: Path) -> Path:
-    """The file of a mesh: ``package://robot/meshes/arm.stl``, ``file:///...``, or a path beside the URDF file.
-
-    A package is a folder above the file, or one that ROS_PACKAGE_PATH lists or holds.
-
-    Raises:
-        MeshError: there is no such file.
-    """
-    for candidate in _candidates(name, urdf):
-        if os.path.isfile(candidate):
-            return candidate
-    hint = "; ROS_PACKAGE_PATH may list more folders" if name.startswith(("package://", "model://")) else ""
-    raise MeshError(f"there is no file{hint}")
-
-
-def _candidates(name: str, urdf: Path) -> list[Path]:
-    if "\0" in name:
-        return []
-    scheme, separator, rest = name.partition("://")
-    if not separator:
-        return [urdf.parent / name]
-    if scheme == "file":
-        return [Path(rest), urdf.parent / rest]
-    package, _, inside = rest.partition("/")
-    found = []
-    for folder in urdf.absolute().parents:
-        found += [folder / package / inside] + ([folder / inside] if folder.name == package else [])
-    for entry in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)):
-        folder = Path(entry)
-        found += [folder / package / inside] + ([folder / inside] if folder.name == package else [])
-    return found
 
 
 def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
@@ -64,9 +30,8 @@ def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
         AssetError: the file is damaged.
         MeshError: files of that type cannot be read, or it is too large.
     """
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES or suffix in (".blend", ".urdf"):
-        kinds = ", ".join(sorted(set(SUFFIXES) - {".blend", ".urdf"}))
+    if path.suffix.lower() not in MESH_SUFFIXES:
+        kinds = ", ".join(MESH_SUFFIXES)
         raise MeshError(f"files of type '{path.suffix}' cannot be read; supported: {kinds}")
     if path not in known:
         library = reader_of(path)(path)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from morse.assets import solids
 from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.urdf.document import Joint, Link, Shape, parse
-from morse.assets.urdf.meshes import MeshError, find_mesh, mesh_nodes
+from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
 from morse.scene import (
@@ -186,8 +187,8 @@ class _Reader:
     def _mesh(self, shape: Shape) -> list[Node]:
         """The nodes of a mesh file; none, and a warning, if it cannot be read."""
         try:
-            return mesh_nodes(find_mesh(shape.file, self.path), known=self._libraries)
-        except (AssetError, MeshError, OSError) as error:
+            return mesh_nodes(find_near(shape.file, self.path), known=self._libraries)
+        except (AssetError, FileRefusedError, MeshError, OSError) as error:
             if shape.file not in self._told:
                 self._told.add(shape.file)
                 reason = error.message if isinstance(error, AssetError) else str(error)

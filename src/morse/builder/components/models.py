@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from morse.assets import find, load
-from morse.assets.formats import UnsupportedFormatError
 from morse.builder import workspace
 from morse.builder.assembly.selection import take
 from morse.builder.blender.objects import SceneObject
@@ -84,13 +83,17 @@ class Models:
         return SceneObject(root)
 
     def append_collada(self, component: str | None = None) -> list[SceneObject]:
-        """Raise an error, because COLLADA files are not supported.
+        """Add all objects of a COLLADA file to the scene, and return those without a parent.
+
+        Args:
+            component: name of the file; ``.dae`` may be left out.
 
         Raises:
-            UnsupportedFormatError: always; with the alternative.
+            FileNotFoundError: there is no such file.
+            AssetError: it is damaged, or the package that reads COLLADA files is not installed.
         """
         name = component or self._blendname
-        raise UnsupportedFormatError(f"'{name}': COLLADA files are not read; open it in Blender and save it as .blend")
+        return self.append_scenes(name if name.lower().endswith(".dae") else f"{name}.dae")
 
 
 def _into_scene(library: Library, choice: Choice) -> list[Node]:

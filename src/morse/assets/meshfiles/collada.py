@@ -1,0 +1,35 @@
+"""COLLADA files: what has to be known of them before they are read."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+from typing import TYPE_CHECKING
+
+from morse.assets.errors import AssetError
+from morse.assets.xml_files import read_xml
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def collada_unit(path: Path) -> float:
+    """Return the unit of a COLLADA file, m.
+
+    Raises:
+        AssetError: it is not COLLADA, or the package that reads such files is not installed.
+    """
+    root = read_xml(path)
+    if root.tag.rpartition("}")[2] != "COLLADA":
+        raise AssetError(path, f"it is not COLLADA: it begins with <{root.tag:.60}>")
+    if importlib.util.find_spec("collada") is None:
+        raise AssetError(path, "COLLADA files are read by a package of its own: pip install 'morse-simulator[collada]'")
+    given = root.find("./{*}asset/{*}unit")
+    text = "1" if given is None else given.get("meter", "1")
+    try:
+        unit = float(text)
+    except ValueError:
+        unit = math.nan
+    if not 1e-9 < unit < 1e9:
+        raise AssetError(path, f"its unit is {text[:60]!r} m, expected a positive number")
+    return unit

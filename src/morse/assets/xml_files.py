@@ -1,0 +1,62 @@
+"""XML files of strangers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+from morse.assets.errors import AssetError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: bytes, and elements inside each other
+MOST_BYTES, _DEEPEST = 64 << 20, 200
+
+
+def read_xml(path: Path) -> ElementTree.Element:
+    """Return the root element of a file.
+
+    Raises:
+        AssetError: it is not XML, too large, nested too deeply, or defines entities, which can grow without end.
+        OSError: it cannot be opened.
+    """
+    if path.stat().st_size > MOST_BYTES:
+        raise AssetError(path, f"it is larger than {MOST_BYTES >> 20} MB")
+    return parse_xml(path.read_bytes(), path)
+
+
+def parse_xml(data: bytes, path: Path) -> ElementTree.Element:
+    """Return the root element of the content of a file; see `read_xml`."""
+    data = data.strip()
+    _check(data, path)
+    try:
+        return ElementTree.fromstring(data)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise AssetError(path, f"it is not XML: {error}") from None
+
+
+def _check(data: bytes, path: Path) -> None:
+    parser = expat.ParserCreate()
+    depth = 0
+
+    def entity(name: str, *_: object) -> None:
+        raise AssetError(path, f"it defines the entity '{name:.60}'; files with entities are not read")
+
+    def begin(*_: object) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > _DEEPEST:
+            raise AssetError(path, f"more than {_DEEPEST} elements are inside each other")
+
+    def end(_: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    parser.EntityDeclHandler = entity
+    parser.StartElementHandler, parser.EndElementHandler = begin, end
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        raise AssetError(path, f"it is not XML: {error}") from None
