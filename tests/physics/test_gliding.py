@@ -321,9 +321,9 @@ def test_a_robot_without_weight_is_left_alone():
 def long_steps(w, monkeypatch):
     """Counts the ticks that are done in one step."""
     done = []
-    for name in ("_drift", "_stride"):
-        original = getattr(w._steps, name)
-        monkeypatch.setattr(w._steps, name, lambda original=original: original() and not done.append(1))
+    for part, name in ((w._lone_glider, "step"), (w._steps, "_drift"), (w._steps, "_stride")):
+        original = getattr(part, name)
+        monkeypatch.setattr(part, name, lambda original=original: original() and not done.append(1))
     return done
 
 

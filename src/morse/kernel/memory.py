@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import ctypes
+from ctypes import addressof, c_char
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import DTypeLike, NDArray
 
 #: bytes: alignment of vectors of eight numbers, and of cache lines
 _ALIGNMENT = 64
+_first_byte: Callable[[Any], c_char] = c_char.from_buffer
 
 
 def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
@@ -23,19 +27,24 @@ def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
 
 
 def address(array: NDArray[Any] | None) -> int | None:
-    """The address of an array; None for None.
+    """The address of the first number of an array; None for None.
 
-    The caller has to keep a reference to the array.
+    The caller has to keep the array.
 
     Raises:
         ValueError: the array is not contiguous.
     """
     if array is None:
         return None
-    if not array.flags.c_contiguous:
-        raise ValueError(f"an array of the shape {array.shape} is not contiguous")
-    place: int = array.__array_interface__["data"][0]  # takes a third of the time of ``ctypes.data``
-    return place
+    try:
+        # a fifth of the time of ``__array_interface__``
+        return addressof(_first_byte(array))
+    except (TypeError, ValueError):
+        # read-only, without numbers, or not contiguous
+        if not array.flags.c_contiguous:
+            raise ValueError(f"an array of the shape {array.shape} is not contiguous") from None
+        place: int = array.__array_interface__["data"][0]
+        return place
 
 
 def addresses(*arrays: NDArray[Any] | None) -> list[int | None]:

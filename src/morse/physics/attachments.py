@@ -100,6 +100,11 @@ class Attachments:
         """Whether the dynamics of a slot are suspended."""
         return index in self._suspended
 
+    @property
+    def are_busy(self) -> bool:
+        """Whether a slot is attached or suspended."""
+        return bool(self._held or self._suspended)
+
     def moved(self, index: int) -> None:
         """Update the pose of a suspended slot that was moved."""
         if index in self._suspended:

@@ -119,6 +119,18 @@ class Drives:
         """Whether any slot has a command for the next tick."""
         return bool(self._commands or self._fleets)
 
+    def lone_command(self) -> tuple[int, Command] | None:
+        """Return the command if there is exactly one, of the only slot that slides and one without friction."""
+        commands, sliding = self._commands, self._sliding
+        if len(commands) != 1 or len(sliding) != 1 or self._fleets:
+            return None
+        (index,) = commands
+        return (index, commands[index]) if index in sliding and index not in self._drag.slots else None
+
+    def end_lone(self) -> None:
+        """Called at the end of a tick that had `lone_command` alone."""
+        self._commands.clear()
+
     def is_commanded(self, index: int) -> bool:
         """Whether a slot has a command for the next tick."""
         return index in self._commands or any(index in fleet.rows for fleet in self._fleets)

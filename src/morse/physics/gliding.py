@@ -59,6 +59,7 @@ class Gliding:
         foresight: ticks within which the engine notices what the robots could meet; 0: only what they meet.
         clear_until: before that tick no robot can meet anything.
         is_rearranged: whether shapes of gliding robots have moved since the last forward kinematics of the engine.
+        next_look: first tick in which one of the robots could be near an edge.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -158,7 +159,7 @@ class Gliding:
         self.glides: dict[int, Glide] = {}
         self.stands: dict[int, Stand] = {}
         self.tick = 0
-        self._look = 0
+        self.next_look = 0
         self.newest = 0
         self.lopsided: set[int] = set()
         self.foresight = self.clear_until = 0
@@ -268,7 +269,7 @@ class Gliding:
         glide.speed = self.speeds[index] = max(2.0 * speed, 0.1)
         ticks = math.floor(room / (glide.speed * self._state.period)) if room > 0.0 else 0
         glide.look = self.tick + min(ticks, _LOOK)
-        self._look = min(self._look, glide.look) if len(self.glides) > 1 else glide.look
+        self.next_look = min(self.next_look, glide.look) if len(self.glides) > 1 else glide.look
 
     def unsettle(self, index: int) -> None:
         """End the gliding of a robot that was moved by an explicit call; it has to settle before it glides again."""
@@ -343,11 +344,11 @@ class Gliding:
     def look(self) -> None:
         """Check the robots that could be near an edge, at the start of a tick."""
         self.tick += 1
-        if self.glides and self.tick >= self._look:
+        if self.glides and self.tick >= self.next_look:
             for index, glide in list(self.glides.items()):
                 if glide.look <= self.tick:
                     self._look_at(index, glide)
-            self._look = min((glide.look for glide in self.glides.values()), default=0)
+            self.next_look = min((glide.look for glide in self.glides.values()), default=0)
 
     def _look_at(self, index: int, glide: Glide) -> None:
         up = self._state.rotations[index][6:9]
@@ -413,7 +414,7 @@ class Gliding:
                 for index, stand in self.stands.items()
             ],
             "tick": self.tick,
-            "look": self._look,
+            "look": self.next_look,
             "newest": self.newest,
             "foresight": self.foresight,
             "clear_until": self.clear_until,
@@ -447,7 +448,7 @@ class Gliding:
                 self.lopsided.add(index)
         for stand in state.stands:
             self.stands[named[stand.slot]] = Stand(stand.tick, stand.height, stand.up, stand.wait, stand.until)
-        self.tick, self._look, self.newest = state.tick, state.look, state.newest
+        self.tick, self.next_look, self.newest = state.tick, state.look, state.newest
         self.foresight, self.clear_until = state.foresight, state.clear_until
 
 

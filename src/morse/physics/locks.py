@@ -39,6 +39,11 @@ class Locks:
         self._velocities = np.array(velocities, dtype=np.intp)
         self._held = np.zeros(len(positions))
 
+    @property
+    def are_needed(self) -> bool:
+        """Whether a coordinate is locked."""
+        return bool(len(self._positions))
+
     def before_step(self) -> None:
         """Called at the beginning of a tick, after the commanded velocities are set."""
         if len(self._positions):

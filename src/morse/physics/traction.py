@@ -98,6 +98,11 @@ class Traction:
             mass * math.sqrt(squares / len(wheels)) / inertia,
         )
 
+    @property
+    def is_needed(self) -> bool:
+        """Whether a robot has driven wheels."""
+        return bool(self._slots)
+
     def apply(self, drives: Drives) -> None:
         """Change the velocities of the robots at the beginning of a tick.
 

@@ -22,6 +22,7 @@ from morse.physics.gliding import Gliding
 from morse.physics.layout import Motion
 from morse.physics.linkage import Linkage
 from morse.physics.locks import Locks
+from morse.physics.lone_glider import LoneGlider
 from morse.physics.moving_poses import MovingPoses
 from morse.physics.object_list import ObjectList
 from morse.physics.object_world import ObjectWorld
@@ -77,6 +78,8 @@ class World(ObjectWorld):
         self.traction = Traction(self)
         self.attachments = Attachments(self, self.bodies)
         self.locks = Locks(self)
+        is_plain = not (self.traction.is_needed or self.locks.are_needed)
+        self._lone_glider = LoneGlider(self, self.gliding, self.drives, self.attachments, is_plain)
         self._moving_poses = MovingPoses(self)
         self._contact_points = ContactPoints(self, self.gliding)
         self._touching: Touching | None = None
@@ -265,6 +268,8 @@ class World(ObjectWorld):
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
+        if self._lone_glider.step():
+            return
         self.attachments.before_step()
         self.traction.apply(self.drives)
         self.drives.apply()

@@ -145,7 +145,8 @@ class Ticker:
     def _actuate(self) -> None:
         self._due = self._clock.tick
         self._act(self._busy_robots())
-        serve(self._asking_actuators.due(self._due))
+        if asking := self._asking_actuators.due(self._due):
+            serve(asking)
         self._act(self._actuators.due(self._due))
 
     def _move(self) -> None:
@@ -158,7 +159,8 @@ class Ticker:
 
     def _answer_sensors(self) -> None:
         """Answer the requests of all due sensors in one call, which costs little more than those of one sensor."""
-        serve(self._asking_sensors.due(self._due))
+        if asking := self._asking_sensors.due(self._due):
+            serve(asking)
 
     def _sense(self) -> None:
         self._act(self._sensors.due(self._due))

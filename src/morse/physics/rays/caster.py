@@ -44,7 +44,7 @@ class Caster:
         if len(places):
             # rounded to whole metres, so that the anchor does not depend on rounding errors
             self.anchor = np.round((places.min(axis=0) + places.max(axis=0)) / 2.0)
-        self._poses = self._poses_now()
+        self._poses: Poses | None = None
         self._loose: set[int] | None = None
         self._stamp = -1
         self._none = np.zeros(0, dtype=np.int64)
@@ -55,8 +55,7 @@ class Caster:
         Args:
             groups: (S,) the group of each solid; None for the groups of the owners.
         """
-        self._update()
-        return self._rays.cast(fan, self._poses, self._solids.owners if groups is None else groups)
+        return self._rays.cast(fan, self._update(), self._solids.owners if groups is None else groups)
 
     def cast_one(
         self,
@@ -73,7 +72,8 @@ class Caster:
 
     # -- present poses ---------------------------------------------------------------------
 
-    def _update(self) -> None:
+    def _update(self) -> Poses:
+        """Place what has moved since the last cast, and return the present poses."""
         world, solids = self._world, self._solids
         if world.rearranged:
             solids.settle([index for index, node in enumerate(solids.nodes) if node in world.rearranged])
@@ -83,16 +83,20 @@ class Caster:
             still = solids.fixed & ~np.isin(solids.slots, sorted(world.loose))
             self._rays.gather(np.flatnonzero(still), moving=False)
             self._rays.gather(np.flatnonzero(~still), moving=True)
-            self._poses = self._poses_now()
-            self._rays.place(self._poses, moving=False)
+            self._rays.place(self._poses_now(), moving=False)
             self._stamp = -1
         if self._stamp != world.stamp:
             self._stamp = world.stamp
-            self._poses = self._poses_now()
-            self._rays.place(self._poses, moving=True)
+            self._rays.place(self._poses_now(), moving=True)
+        return self._poses_now()
 
     def _poses_now(self) -> Poses:
-        return Poses(*self._world.slot_poses(), self.anchor)
+        """Return the present poses; the same object as long as the world writes them into the same arrays."""
+        positions, rotations = self._world.slot_poses()
+        known = self._poses
+        if known is None or positions is not known.positions or rotations.base is not known.rotations.base:
+            self._poses = known = Poses(positions, rotations, self.anchor)
+        return known
 
     # -- hits ------------------------------------------------------------------------------
 
