@@ -144,7 +144,7 @@ def test_lines_that_never_end_have_a_limit_together(
     for peer in greedy:
         peer.send(b"1 robot1.motion echo [" + b"1," * 120_000)
     wait_until(lambda: any(peer.has_ended() for peer in greedy))
-    assert "bytes that wait to be used" in caplog.text
+    assert "are not yet processed" in caplog.text
     modest.send(b"nothing\n")
     bench.tick_until(lambda: modest.lines() == [b"1 SUCCESS"])
     for peer in (*greedy, modest):
@@ -256,7 +256,7 @@ def test_the_calls_of_one_client_have_a_limit(bench: Bench, client: Peer) -> Non
     bench.requests.register_async_service("robot1.motion", concurrent_service(lambda ended: None), "wait")
     client.send(b"1 robot1.motion wait\n" * 1030)
     bench.tick_until(lambda: len(client.lines()) == 6)
-    assert b"calls of this client go on" in client.lines()[0]
+    assert b"calls of this client are active" in client.lines()[0]
     other = bench.connect()
     bench.call(other, b"2 robot1.motion wait\n3 robot1.motion nothing\n")
     other.close()

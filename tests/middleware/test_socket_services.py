@@ -278,7 +278,7 @@ def test_the_client_that_has_been_silent_for_longest_makes_room(bench: Bench, ca
         idle.append(newcomer)
     assert server.connected == MAX_CLIENTS
     wait_until(idle[0].has_ended)
-    assert caplog.text.count("turned away") == 1
+    assert caplog.text.count("to make room") == 1
     assert bench.call(speaking, b"4 robot1.motion nothing\n") == b"4 SUCCESS\n"
     bench.arm.completed(status.SUCCESS, True)
     bench.tick_until(lambda: waiting.lines() == [b"2 SUCCESS true"])

@@ -1,4 +1,4 @@
-"""The ways in which robot controllers reach the simulation."""
+"""The middlewares by which robot controllers connect to the simulation."""
 
 from morse.core.datastream import AbstractDatastream
 

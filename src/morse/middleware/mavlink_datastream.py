@@ -1,4 +1,4 @@
-"""The class path under which scene scripts know the streams of MAVLink."""
+"""The class path of the MAVLink streams in scene scripts."""
 
 from morse.middleware.mavlink.datastream import MavlinkDatastreamManager
 

@@ -1,4 +1,4 @@
-"""Which middlewares are installed, and which classes carry components over them.
+"""The installed middlewares, and the classes that connect components to them.
 
 Each middleware describes itself by a `Middleware`: those of MORSE in ``morse/middleware/<name>/mapping.py`` as
 ``MIDDLEWARE``, those of other packages by an entry point::
@@ -6,7 +6,7 @@ Each middleware describes itself by a `Middleware`: those of MORSE in ``morse/mi
     [project.entry-points."morse.middlewares"]
     zenoh = "my_lab.zenoh.mapping:MIDDLEWARE"
 
-Descriptions import nothing of the middleware itself, so that a scene pays for what it uses only.
+Descriptions do not import the middleware itself, so that a scene only loads what it uses.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option
 
-#: middlewares that scripts may name although this installation does not have them, and what to take instead
+#: middlewares that scripts may name although this installation does not have them, and their alternatives
 _OTHER_NAMES = {
     "yarp": "rosbridge or mqtt",
     "yarp_json": "rosbridge or mqtt",
@@ -52,19 +52,19 @@ _KIND_STREAM = "morse.core.kind_stream.KindStream"
 
 @dataclass(frozen=True, slots=True)
 class Middleware:
-    """What a middleware is; classes are given by class path.
+    """The description of a middleware; classes are given by class path.
 
     Attributes:
-        name: as scene scripts write it.
-        stream_manager: carries data streams (`morse.core.datastream.DatastreamManager`), or None.
+        name: its name in scene scripts.
+        stream_manager: manages data streams (`morse.core.datastream.DatastreamManager`), or None.
         request_manager: offers services, or None.
-        manager_options: of ``env.configure_stream_manager``; None if the manager checks them itself.
-        stream_options: of ``add_stream``; None if the streams check them themselves.
-        default_publisher: the class of the streams of sensors. The usual one carries message kinds by the methods
+        manager_options: options of ``env.configure_stream_manager``; None if the manager validates them itself.
+        stream_options: options of ``add_stream``; None if the streams validate them themselves.
+        default_publisher: the class of the streams of sensors. The usual class sends message kinds by the methods
             that the stream manager marks with `morse.core.mapping.maps`.
-        default_reader: the same for actuators; None if nothing can be commanded.
-        needs_network: it opens connections; one that does not carries data in every simulation.
-        not_carried: names of component classes that have no stream.
+        default_reader: the same for actuators; None if actuators cannot be commanded.
+        needs_network: whether it opens connections; if not, it is used in every simulation.
+        not_carried: names of component classes without streams.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Middleware:
     not_carried: tuple[str, ...] = ()
 
     def stream_of(self, component: type, direction: str) -> str | None:
-        """The class that carries the data of a component by default; None if the middleware cannot.
+        """The default stream class of a component; None if the middleware does not support the component.
 
         Args:
             component: its class.
@@ -145,7 +145,7 @@ def middleware(name: str) -> Middleware:
     names = ", ".join(sorted(found)) or "none"
     if name in _OTHER_NAMES:
         raise MorseMiddlewareError(
-            f"the middleware '{name}' is not part of this installation; {_OTHER_NAMES[name]} may do instead "
+            f"the middleware '{name}' is not part of this installation; {_OTHER_NAMES[name]} can be used instead "
             f"(installed: {names})"
         )
     near = closest(name, [*found, *_OTHER_NAMES])
@@ -157,13 +157,13 @@ def stream_manager(name: str) -> str:
     """The class path of a stream manager, from the name of its middleware or from a class path.
 
     Raises:
-        MorseMiddlewareError: unknown, or it has no data streams.
+        MorseMiddlewareError: it is unknown, or has no data streams.
     """
     if "." in name:
         return name
     found = middleware(name).stream_manager
     if found is None:
-        raise MorseMiddlewareError(f"the middleware '{name}' carries no data streams")
+        raise MorseMiddlewareError(f"the middleware '{name}' has no data streams")
     return found
 
 
@@ -171,7 +171,7 @@ def request_manager(name: str) -> str:
     """The class path of a request manager, from the name of its middleware or from a class path.
 
     Raises:
-        MorseMiddlewareError: unknown, or it has no services.
+        MorseMiddlewareError: it is unknown, or has no services.
     """
     if "." in name:
         return name
@@ -182,7 +182,7 @@ def request_manager(name: str) -> str:
 
 
 def middleware_of_stream_manager(classpath: str) -> Middleware | None:
-    """The middleware whose stream manager that is, or None."""
+    """The middleware with that stream manager, or None."""
     return next((m for m in installed().values() if m.stream_manager == classpath), None)
 
 

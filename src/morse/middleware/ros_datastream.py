@@ -1,4 +1,4 @@
-"""The class path under which clients and scene scripts know the streams of ROS 1."""
+"""The class path of the ROS 1 streams for clients and scene scripts."""
 
 from morse.middleware.ros.datastream import ROSDatastreamManager
 

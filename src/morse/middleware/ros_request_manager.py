@@ -1,4 +1,4 @@
-"""The class path under which clients and scene scripts know the services of ROS 1, and their decorators."""
+"""The class path of the ROS 1 services and their decorators, for clients and scene scripts."""
 
 from morse.middleware.ros.decorators import ros_action, ros_service
 from morse.middleware.ros.request_manager import RosRequestManager

@@ -1,4 +1,4 @@
-"""The class paths under which clients and scene scripts know the streams of the socket."""
+"""The class paths of the socket streams for clients and scene scripts."""
 
 from morse.middleware.socket.datastream import SocketDatastreamManager
 from morse.middleware.socket.streams import SocketPublisher, SocketReader

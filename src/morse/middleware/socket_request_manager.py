@@ -1,4 +1,4 @@
-"""The class path under which clients and scene scripts know the request manager of the socket."""
+"""The class path of the socket request manager for clients and scene scripts."""
 
 from morse.middleware.socket.request_manager import SocketRequestManager
 

@@ -1,4 +1,4 @@
-"""The class paths under which scene scripts know the text files."""
+"""The class paths of the text files in scene scripts."""
 
 from morse.middleware.text.datastream import TextDatastreamManager
 from morse.middleware.text.streams import CSVPublisher, Publisher

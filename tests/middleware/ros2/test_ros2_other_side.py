@@ -128,7 +128,7 @@ def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
         except OSError:
             continue  # it is not a socket
     assert set(devices) == {b"lo\0"}
-    assert "this machine alone" in simulation.context.stream_managers[MANAGER].backend.opens
+    assert "this machine only" in simulation.context.stream_managers[MANAGER].backend.opens
     assert not {"ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"} & os.environ.keys(), (
         "other programs are not meant"
     )

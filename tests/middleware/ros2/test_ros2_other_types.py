@@ -44,4 +44,4 @@ def test_a_stamped_velocity_for_a_topic_that_takes_none(
         publisher.close()
         other.close()
     assert "robot.motion: somebody sends geometry_msgs/msg/TwistStamped on /robot/cmd_vel" in caplog.text
-    assert "say stamped=True" in caplog.text
+    assert "set stamped=True" in caplog.text

@@ -204,7 +204,7 @@ def test_names_and_options(start: Callable[..., tuple[Any, Desk]]) -> None:
     [
         ("a = Pose(); robot.append(a); a.add_stream('ros2', topic='/x')\n"
          "b = Pose(); robot.append(b); b.add_stream('ros2', topic='/x')", "", "the topic /x is that of robot.a"),
-        ("a = Odometry(); robot.append(a)\nb = Odometry(); robot.append(b)", "", "say tf=False"),
+        ("a = Odometry(); robot.append(a)\nb = Odometry(); robot.append(b)", "", "set tf=False"),
         ("a = Pose(); robot.append(a); a.add_stream('ros2', topic='a b')", "", "expected words of letters"),
         ("a = Pose(); robot.append(a); a.add_stream('ros2', topik='/a')", "", "did you mean 'topic'"),
         ("a = Pose(); robot.append(a); other = ATRV(); b = Pose(); other.append(b); b.add_stream('ros2')",

@@ -118,8 +118,8 @@ def test_only_pages_that_the_script_names(start: Callable[..., tuple[Any, int]])
 
 
 BAD: list[tuple[str | bytes, str]] = [
-    ("[" * 100_000, "no JSON"),
-    ("[1, 2]", "is not offered"),
+    ("[" * 100_000, "not JSON"),
+    ("[1, 2]", "is not supported"),
     ('{"op":"subscrib"}', "did you mean 'subscribe'"),
     ('{"op":"subscribe"}', "expected a list"),
     ('{"op":"subscribe","subscriptions":[{"id":1,"channelId":999}]}', "no channel 999"),
@@ -129,10 +129,10 @@ BAD: list[tuple[str | bytes, str]] = [
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_val"}]}', "did you mean '/robot/cmd_vel'"),
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_vel","encoding":"protobuf"}]}', "none of cdr, json"),
     ('{"op":"advertise","channels":[{"id":1,"topic":"/robot/cmd_vel","encoding":"cdr","schemaName":"a/B"}]}', "type"),
-    (b"", "no message of a client"),
-    (b"\1\0", "no message of a client"),
+    (b"", "not a message of a client"),
+    (b"\1\0", "not a message of a client"),
     (struct.pack("<BI", 1, 77), "was not advertised"),
-    (struct.pack("<BIII", 2, 1, 1, 2**31), "no message of a client"),
+    (struct.pack("<BIII", 2, 1, 1, 2**31), "not a message of a client"),
     (b"\x09abc", "opcode 9"),
 ]
 

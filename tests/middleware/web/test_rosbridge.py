@@ -196,8 +196,8 @@ def test_services_of_all_kinds(start: Callable[..., tuple[Any, int]]) -> None:
 
 
 BAD = [
-    ("[" * 100_000, "no operation"),
-    ("{}", "no operation"),
+    ("[" * 100_000, "not an operation"),
+    ("{}", "not an operation"),
     ('{"op":"subscribe"}', "needs 'topic'"),
     ('{"op":"subscribe","topic":' + json.dumps("x" * 300) + "}", "needs 'topic'"),
     ('{"op":"subscribe","topic":"/clock","type":"std_msgs/String"}', "has the type rosgraph_msgs/msg/Clock"),
@@ -206,7 +206,7 @@ BAD = [
     ('{"op":"subscibe","topic":"/clock"}', "did you mean 'subscribe'"),
     ('{"op":"call_service","id":4}', "needs 'service'"),
     ('{"op":"set_level","level":"loud"}', "one of none, error"),
-    ("\x00\x01\x02", "no operation"),
+    ("\x00\x01\x02", "not an operation"),
 ]
 
 

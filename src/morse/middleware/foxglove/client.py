@@ -28,13 +28,13 @@ _LARGEST = 2**32 - 1
 
 
 class FoxgloveClient(HubClient):
-    """Speaks ``foxglove.websocket.v1`` and ``foxglove.sdk.v1``, which differ in nothing that is used here."""
+    """Implements ``foxglove.websocket.v1`` and ``foxglove.sdk.v1``, which are identical in the parts used here."""
 
     def __init__(self, hub: Any, connection: ServerConnection) -> None:
         super().__init__(hub, connection)
-        #: number of a subscription to its topic
+        #: id of a subscription to its topic
         self._subscriptions: dict[int, WebTopic] = {}
-        #: number of a channel of the client to its topic
+        #: id of a channel of the client to its topic
         self._channels: dict[int, str] = {}
         self._services: frozenset[int] = frozenset()
 
@@ -117,14 +117,14 @@ class FoxgloveClient(HubClient):
                 raise ValueError(f"there is no subscription {number}")
             topic.readers.pop(self, None)
 
-    # -- what the client publishes -----------------------------------------------------------
+    # -- messages of the client --------------------------------------------------------------
 
     def _advertise(self, message: dict[str, Any]) -> None:
         heard = self.hub.topics.heard if self.hub.topics is not None else {}
         for one in _records(message, "channels"):
             number, topic, kind = _number(one, "id"), one.get("topic"), one.get("schemaName")
             if not isinstance(topic, str) or topic not in heard:
-                raise ValueError(f"nobody hears {short(topic)}{nearest(str(topic)[:256], heard)}")
+                raise ValueError(f"no component subscribes to {short(topic)}{nearest(str(topic)[:256], heard)}")
             if one.get("encoding") not in _ENCODINGS:
                 raise ValueError(f"the encoding {shown(one.get('encoding'))} is none of {', '.join(_ENCODINGS)}")
             if isinstance(kind, str) and kind and _of_ros_2(kind) != heard[topic].type:
@@ -174,12 +174,12 @@ class FoxgloveClient(HubClient):
         if path is None or self.hub.requests is None:
             self.answer(number, f"there is no service {call.service}", b"")
         elif call.encoding != "json":
-            self.answer(number, f"arguments are JSON, not {short(call.encoding)}", b"")
+            self.answer(number, f"arguments have to be JSON, not {short(call.encoding)}", b"")
         else:
             try:
                 arguments = msgspec.json.decode(call.data) if call.data.strip() else None
             except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
-                self.answer(number, f"the arguments are no JSON: {error}", b"")
+                self.answer(number, f"the arguments are not JSON: {error}", b"")
             else:
                 self.hub.requests.call(self, number, path, arguments)
 
@@ -192,7 +192,7 @@ class FoxgloveClient(HubClient):
             data = value if value.startswith(b"{") else b'{"result":' + value + b"}"
             self.tell(frames.answer(service, number, "json", data))
 
-    # -- what arrives ------------------------------------------------------------------------
+    # -- received messages -------------------------------------------------------------------
 
     def received(self, frame: str | bytes) -> None:
         """See `WebClient.received`."""
@@ -213,7 +213,7 @@ class FoxgloveClient(HubClient):
         try:
             message = msgspec.json.decode(frame)
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError, UnicodeEncodeError) as error:
-            raise ValueError(f"no JSON: {error}") from None
+            raise ValueError(f"not JSON: {error}") from None
         operations: dict[str, Callable[[dict[str, Any]], None]] = {
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
@@ -222,7 +222,7 @@ class FoxgloveClient(HubClient):
         }
         name = message.get("op") if isinstance(message, dict) else None
         if not isinstance(name, str) or name not in operations:
-            raise ValueError(f"the operation {shown(name)} is not offered{nearest(str(name)[:64], operations)}")
+            raise ValueError(f"the operation {shown(name)} is not supported{nearest(str(name)[:64], operations)}")
         operations[name](message)
 
 
@@ -253,5 +253,5 @@ def _number(record: dict[str, Any], name: str) -> int:
 
 
 def _of_ros_2(name: str) -> str:
-    """``std_msgs/String`` of ROS 1 is ``std_msgs/msg/String``."""
+    """Convert ``std_msgs/String`` of ROS 1 to ``std_msgs/msg/String``."""
     return name.replace("/", "/msg/") if name.count("/") == 1 else name

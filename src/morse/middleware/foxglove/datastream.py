@@ -1,4 +1,4 @@
-"""Carries data streams to Foxglove."""
+"""Publishes data streams to Foxglove."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class FoxgloveTopics(WebTopics):
 
     def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
         """See `morse.middleware.ros2.backends.backend.Backend.decode`."""
-        # CDR begins with 0, and JSON never does
+        # the first byte of CDR is 0, that of JSON never
         if data[:1] == b"\0":
             return super().decode(type_name, data)
         return json_form.decode(type_name, data)
@@ -38,6 +38,6 @@ class FoxgloveDatastreamManager(Ros2DatastreamManager):
         return FoxgloveTopics(hub_of(self.context, FoxgloveHub))
 
     def flush(self) -> None:
-        """A tick ends: time and frames, and all that was published."""
+        """The end of a tick: publish time and frames, and send all messages."""
         super().flush()
         self.backend.flush()

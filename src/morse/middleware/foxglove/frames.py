@@ -31,7 +31,7 @@ def parse(frame: bytes) -> Published | Call:
     """A binary message of a client.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not a valid message.
     """
     opcode = frame[0] if frame else None
     if opcode == _PUBLISH and len(frame) >= _HEAD.size:
@@ -41,14 +41,14 @@ def parse(frame: bytes) -> Published | Call:
         end = _CALL_HEAD.size + length
         if end <= len(frame):
             return Call(service, call, frame[_CALL_HEAD.size : end].decode("utf-8", "replace"), frame[end:])
-    raise ValueError(f"{len(frame)} bytes with the opcode {opcode} are no message of a client")
+    raise ValueError(f"{len(frame)} bytes with the opcode {opcode} are not a message of a client")
 
 
 def message(subscription: int, tail: bytes) -> bytes:
     """A message of a topic.
 
     Args:
-        subscription: number that the client has chosen.
+        subscription: id that the client has chosen.
         tail: time and data, see `morse.middleware.foxglove.hub.FoxgloveHub.frame`.
     """
     return _HEAD.pack(_DATA, subscription) + tail

@@ -1,4 +1,4 @@
-"""The server of Foxglove, and how its messages look."""
+"""The server of Foxglove, and the format of its messages."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class FoxgloveHub(Hub):
         self._of_path: dict[str, int] = {}
 
     def frame(self, topic: WebTopic, stamp: int, data: bytes) -> bytes:
-        """What follows the number of the subscription: the time, ns, and the message."""
+        """The part of a message after the id of the subscription: the time, ns, and the data."""
         return max(0, stamp).to_bytes(8, "little") + data
 
     def services(self) -> dict[int, str]:
-        """The names of the services by their numbers; a service keeps its number. In the network thread."""
+        """The names of the services by id; the id of a service does not change. In the network thread."""
         paths = self.requests.paths if self.requests is not None else {}
         for path in paths:
             if path not in self._of_path:

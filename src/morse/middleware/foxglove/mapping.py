@@ -1,4 +1,4 @@
-"""What Foxglove carries, and its options."""
+"""The mapping of Foxglove, and its options."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from morse.middleware.registry import Middleware
 from morse.middleware.ros2.mapping import MIDDLEWARE as ROS2
 from morse.middleware.web.options import TOPIC_OPTIONS, server_options
 
-#: 8765, which Foxglove proposes, is the port of the live view
+#: 8765, the default of Foxglove, is the port of the live view
 PORT = 8766
 MANAGER_OPTIONS = {**server_options(PORT), **TOPIC_OPTIONS}
 

@@ -1,4 +1,4 @@
-"""What actuators take."""
+"""Commands for actuators."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from morse.core.kinds import BoundKind
     from morse.middleware.mavlink.stream import MavlinkStream
 
-#: frames of SET_POSITION_TARGET_LOCAL_NED: the world; the vehicle, of two names
+#: frames of SET_POSITION_TARGET_LOCAL_NED: the world; the vehicle, with two names
 _LOCAL_NED, _BODY = 1, (8, 12)
-#: bits of type_mask: what the message does not say
+#: bits of type_mask: fields to ignore
 _NO_POSITION, _NO_VELOCITY, _NO_YAW, _NO_YAW_RATE = 0b111, 0b111000, 1 << 10, 1 << 11
-#: the same of SET_ATTITUDE_TARGET
+#: the same for SET_ATTITUDE_TARGET
 _NO_BODY_YAW_RATE, _NO_THRUST, _NO_ATTITUDE = 1 << 2, 1 << 6, 1 << 7
 #: m: as in MORSE 1.4
 _TOLERANCE = 0.5
 
-#: messages that command something, by name
+#: messages that contain commands, by name
 COMMANDS = ("SET_ATTITUDE_TARGET", "SET_POSITION_TARGET_LOCAL_NED", "HIL_ACTUATOR_CONTROLS", "NAMED_VALUE_FLOAT")
 
 
 class CommandKinds:
-    """The part of the stream manager that takes commands; each method gives slots, or None."""
+    """The part of the stream manager for commands; each method returns slots, or None."""
 
     @maps("attitude", direction="IN")
     def take_attitude(self, stream: MavlinkStream, bound: BoundKind, message: Any) -> dict[str, Any] | None:
@@ -73,7 +73,7 @@ class CommandKinds:
             return None
         if message.coordinate_frame not in _BODY or message.type_mask & _NO_VELOCITY == _NO_VELOCITY:
             if message.type_mask & _NO_POSITION == _NO_POSITION:
-                stream.complain("target", "velocities are taken in MAV_FRAME_BODY_NED or MAV_FRAME_BODY_FRD alone")
+                stream.complain("target", "velocities are only supported in MAV_FRAME_BODY_NED or MAV_FRAME_BODY_FRD")
             return None
         axes = stream.axes_of("world")
         rate = 0.0 if message.type_mask & _NO_YAW_RATE else message.yaw_rate

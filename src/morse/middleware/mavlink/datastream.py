@@ -1,4 +1,4 @@
-"""Carries data streams as messages of MAVLink."""
+"""Sends data streams as MAVLink messages."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
 _X_AXIS = {"enu": 0.0, "nwu": math.pi / 2.0}
 _UNSUPPORTED = 3
 _EVERYBODY = 0
-#: other sides of a link that send the beginning of a message
+#: maximum number of senders with an incomplete message on a link
 _MOST_FRAMERS = 16
 
 
 class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
-    """Each robot is a system of its own, with a heartbeat in every tick.
+    """Each robot is a MAVLink system, with a heartbeat in every tick.
 
     Options of ``env.configure_stream_manager('mavlink', ...)`` are in `morse.middleware.mavlink.mapping`.
 
     Attributes:
-        axes: how frames are turned: ``world``, ``nwu``, ``enu`` and ``ned``.
+        axes: conversions of the frames ``world``, ``nwu``, ``enu`` and ``ned``.
     """
 
     classpath = "morse.middleware.mavlink_datastream.MavlinkDatastreamManager"
@@ -91,22 +91,22 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         return made
 
     def opened(self, stream: MavlinkStream) -> None:
-        """Give an actuator what arrives for its robot."""
+        """Register an actuator for the messages to its robot."""
         if stream.direction == "IN":
             stream.vehicle.streams.append(stream)
 
     def closed(self, stream: MavlinkStream) -> None:
-        """Give it nothing more."""
+        """Unregister an actuator."""
         if stream in stream.vehicle.streams:
             stream.vehicle.streams.remove(stream)
         used = {id(one.vehicle) for streams in self.streams.values() for one in streams}
         self._vehicles = {key: one for key, one in self._vehicles.items() if id(one) in used}
 
     def check_north(self, stream: MavlinkStream) -> None:
-        """Refuse a component that knows where north is, if the link has it elsewhere.
+        """Refuse a component whose direction of north differs from that of the link.
 
         Raises:
-            MorseMiddlewareError: saying what to write.
+            MorseMiddlewareError: with the line to write.
         """
         angle = angle_against_north(self.context.scene.properties)
         world = self.options["world"]
@@ -142,7 +142,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     def _arrived(self, device: str, data: bytes) -> None:
         try:
             message = self._parser.decode(bytearray(data))
-        except Exception:  # pymavlink has several errors for a message that is none; it is just noise on the line
+        except Exception:  # pymavlink raises several errors for an invalid message, which is only noise
             return
         target = getattr(message, "target_system", _EVERYBODY)
         for (_, at), vehicle in self._vehicles.items():
@@ -161,11 +161,11 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
 
     @staticmethod
     def _refuse(vehicle: Vehicle, message: Any) -> None:
-        """Other sides wait for an answer to a command."""
+        """Answer a command, because senders wait for an answer."""
         vehicle.send("command_ack", message.command, _UNSUPPORTED, 0, 0, message.get_srcSystem(), 0)
 
     def flush(self) -> None:
-        """A tick ends: the sensors of each robot together, and a heartbeat."""
+        """The end of a tick: send the sensor messages of each robot, and a heartbeat."""
         stamp = self.context.clock.stamp()
         for vehicle in self._vehicles.values():
             vehicle.tick(stamp)

@@ -1,4 +1,4 @@
-"""Finds messages of MAVLink among bytes that may come from anybody."""
+"""Finds MAVLink messages in bytes from untrusted senders."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 V1, V2 = 0xFE, 0xFD
 _HEADS = {V1: 6, V2: 10}
 _CHECKSUM, _SIGNATURE, _SIGNED = 2, 13, 1
-#: the longest message
+#: maximum length of a message
 LONGEST = 10 + 255 + _CHECKSUM + _SIGNATURE
 
 
 class Frame(NamedTuple):
-    """What may be a message; its checksum is not checked.
+    """A candidate for a message; its checksum is not verified.
 
     Attributes:
-        number: of the kind of message.
+        number: id of the message type.
         data: all its bytes.
     """
 
@@ -27,10 +27,10 @@ class Frame(NamedTuple):
 
 
 class Framer:
-    """Keeps the beginning of a message until the rest arrives.
+    """Keeps an incomplete message until the rest arrives.
 
     Args:
-        wanted: numbers of the messages to look for; the bytes of others are passed over.
+        wanted: ids of the message types to search for; the bytes of others are skipped.
     """
 
     def __init__(self, wanted: Container[int]) -> None:
@@ -38,7 +38,7 @@ class Framer:
         self._rest = b""
 
     def feed(self, data: bytes) -> Iterator[Frame]:
-        """What may be messages in the bytes that have arrived; call `found` for those that are."""
+        """Candidates for messages in the received bytes; call `found` for those that are valid."""
         data = self._rest + data
         self._rest = b""
         at = 0
@@ -52,7 +52,7 @@ class Framer:
                 return
             if frame.number in self._wanted:
                 yield frame
-            # what looks like a message may be the middle of another one
+            # a candidate may be a part of another message
             at += 1
 
 
@@ -62,7 +62,7 @@ def _next_start(data: bytes, at: int) -> int:
 
 
 def _frame(data: bytes, at: int) -> Frame | None:
-    """What begins at a place; None if more bytes are needed."""
+    """The candidate at an offset; None if more bytes are needed."""
     version = data[at]
     head = _HEADS[version]
     if len(data) - at < head:

@@ -1,4 +1,4 @@
-"""The sockets of MAVLink; nothing here waits."""
+"""The sockets of MAVLink; all functions are non-blocking."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: in one tick: packets, and bytes of a connection, that are taken
+#: limits for one tick: packets, and bytes of a connection
 _MOST_PACKETS, _MOST_BYTES = 64, 1 << 16
 _MOST_PEERS = 16
-#: bytes that wait for a slow reader
+#: maximum number of unsent bytes for a slow reader
 _MOST_UNSENT = 1 << 20
 #: wall-clock seconds between two attempts to connect
 _PAUSE = 1.0
@@ -32,10 +32,10 @@ _UNDER_WAY = (errno.EINPROGRESS, errno.EWOULDBLOCK, errno.EAGAIN)
 
 
 class Link(ABC):
-    """A way to one or several other sides.
+    """A connection to one or several peers.
 
     Attributes:
-        device: as the script has said it.
+        device: the device string of the script.
     """
 
     def __init__(self, device: str) -> None:
@@ -43,7 +43,7 @@ class Link(ABC):
 
     @abstractmethod
     def send(self, data: bytes) -> None:
-        """Send to all that are there; what cannot be sent at once is lost or waits."""
+        """Send to all peers; bytes that cannot be sent immediately are lost or queued."""
 
     @abstractmethod
     def receive(self) -> Iterator[tuple[object, bytes]]:
@@ -55,7 +55,7 @@ class Link(ABC):
 
 
 class UdpLink(Link):
-    """Packets to a fixed address (``udpout``), or to all that have sent some (``udpin``)."""
+    """Packets to a fixed address (``udpout``), or to all addresses from which packets arrived (``udpin``)."""
 
     def __init__(self, device: str, address: _Address, family: int, *, listens: bool) -> None:
         super().__init__(device)
@@ -82,7 +82,7 @@ class UdpLink(Link):
                 data, address = self._socket.recvfrom(_MOST_BYTES)
             except (BlockingIOError, InterruptedError):
                 return
-            except OSError:  # the other side has no such port any more
+            except OSError:  # the port of the peer is closed
                 continue
             if self._listens and address not in self._peers:
                 if len(self._peers) >= _MOST_PEERS:
@@ -99,7 +99,7 @@ class _Connection:
     """A TCP connection.
 
     Attributes:
-        over: it has ended.
+        over: whether the connection has ended.
     """
 
     def __init__(self, sock: socket.socket) -> None:
@@ -124,7 +124,7 @@ class _Connection:
         except OSError as error:
             self._end_unless_busy(error)
             return b""
-        # a web page could have a browser send anything, but not as the first byte
+        # a web page can make a browser send any byte, except as the first byte
         if not data or not (self._is_greeted or data[0] in (V1, V2)):
             self.end()
             return b""
@@ -141,7 +141,7 @@ class _Connection:
 
 
 class TcpLink(Link):
-    """Connects to an address (``tcp``), again and again; or lets others connect (``tcpin``)."""
+    """Connects to an address repeatedly (``tcp``), or accepts connections (``tcpin``)."""
 
     def __init__(self, device: str, address: _Address, family: int, *, listens: bool) -> None:
         super().__init__(device)
@@ -204,7 +204,7 @@ _WAYS = {"udpout": (UdpLink, False), "udpin": (UdpLink, True), "udp": (UdpLink, 
 
 
 def _refused(device: str, error: OSError) -> MorseMiddlewareError:
-    return MorseMiddlewareError(f"mavlink: the device {shown(device)} cannot be had: {error.strerror}")
+    return MorseMiddlewareError(f"mavlink: the device {shown(device)} cannot be opened: {error.strerror}")
 
 
 def open_link(device: str) -> Link:

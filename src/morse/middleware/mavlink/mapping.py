@@ -1,4 +1,4 @@
-"""What MAVLink carries, and its options."""
+"""The mapping of MAVLink, and its options."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
 INSTALL = "pip install 'morse-simulator[mavlink]'"
-#: where ground stations listen
+#: default port of ground stations
 DEVICE = "udpout:127.0.0.1:14550"
 _DEVICE = "udpout:, udpin:, tcp: or tcpin: with address and port"
 
 MANAGER_OPTIONS = {
-    "device": Option(str, DEVICE, f"where the messages go: {_DEVICE}"),
+    "device": Option(str, DEVICE, f"destination of the messages: {_DEVICE}"),
     "world": Option(str, "nwu", "axes of the world: X north and Y west, or X east and Y north", choices=("nwu", "enu")),
     "hil": Option(bool, False, "all sensors of a robot in HIL_SENSOR and HIL_GPS, for an autopilot in the loop"),
     "vehicle": Option(int, 0, "MAV_TYPE of the heartbeats, such as 2 for a quadrotor, 10 for a rover", low=0, high=255),
 }
 STREAM_OPTIONS = {
-    "device": Option(str, None, f"of this stream: {_DEVICE}"),
-    "system_id": Option(int, None, "of the robot; they are numbered from 1 if not given", low=1, high=255),
-    "full": Option(float, None, "of motors: what the control 1.0 means; the largest value of the field if not given"),
+    "device": Option(str, None, f"device of this stream: {_DEVICE}"),
+    "system_id": Option(int, None, "system id of the robot; by default, robots are numbered from 1", low=1, high=255),
+    "full": Option(float, None, "for motors: value of the control 1.0; default: the upper limit of the field"),
 }
 
 MIDDLEWARE = Middleware(
@@ -29,6 +29,6 @@ MIDDLEWARE = Middleware(
     stream_options=STREAM_OPTIONS,
     default_publisher="morse.middleware.mavlink.stream.MavlinkStream",
     default_reader="morse.middleware.mavlink.stream.MavlinkStream",
-    # MAVLink has no messages for pictures and clouds
+    # MAVLink has no messages for images and point clouds
     not_carried=("Camera", "CameraUnit", "StereoUnit", "MocapControl"),
 )

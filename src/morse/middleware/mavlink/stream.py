@@ -13,25 +13,25 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.axes import Axes
     from morse.middleware.mavlink.vehicle import Vehicle
 
-#: frames of positions for which MAVLink has no message
+#: frames of positions without a MAVLink message
 _ELSEWHERE = ("utm", "earth", "geocentric")
 
 
 class MavlinkStream(KindStream):
-    """Sends the messages of a component, or gives the component what arrives for its vehicle.
+    """Sends the messages of a component, or passes the messages for its vehicle to the component.
 
     Attributes:
-        vehicle: of the robot; set before `initialize`.
+        vehicle: the vehicle of the robot; set before `initialize`.
     """
 
     options = STREAM_OPTIONS
     vehicle: Vehicle
 
     def initialize(self) -> None:
-        """Find out what the component speaks.
+        """Determine the message kinds of the component.
 
         Raises:
-            MorseMiddlewareError: MAVLink has no such coordinates, or north is elsewhere for the link.
+            MorseMiddlewareError: MAVLink has no such coordinates, or the link has another direction of north.
         """
         super().initialize()
         for bound in self.kinds:
@@ -43,12 +43,12 @@ class MavlinkStream(KindStream):
                 self.manager.check_north(self)
 
     def axes_of(self, frame: str) -> Axes:
-        """How things in a frame of MORSE are turned."""
+        """The conversion for a frame of MORSE."""
         known: Axes = self.manager.axes[frame if frame in ("ned", "enu") else "world"]
         return known
 
     def arrived(self, message: Any) -> None:
-        """A message has arrived for the vehicle."""
+        """Take a message for the vehicle."""
         for bound in self.kinds:
             take = self.manager.mapping(bound.kind.name, "IN")
             slots: dict[str, Any] | None = take(self, bound, message)
@@ -56,5 +56,5 @@ class MavlinkStream(KindStream):
                 self.receive(bound, slots)
 
     def number(self, bound: BoundKind) -> int:
-        """A number of the component among those of its vehicle, 0..255."""
+        """The id of the component on its vehicle, 0..255."""
         return self.vehicle.number_of(self.component_name) % 256

@@ -1,4 +1,4 @@
-"""What sensors send."""
+"""Messages of sensors."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _FIX_3D = 3
 _LOCAL_FRD, _BODY_FRD = 20, 12
 _RADIATION = {"ultrasound": 1, "infrared": 2, "radar": 3}
 _CHARGING, _FINE = 7, 1
-#: orientation of a DISTANCE_SENSOR by the direction in which it looks, X forward, Y left, Z up
+#: orientation of a DISTANCE_SENSOR by the direction of its axis, X forward, Y left, Z up
 _LOOKS = {0: (1.0, 0.0, 0.0), 2: (0.0, -1.0, 0.0), 4: (-1.0, 0.0, 0.0), 6: (0.0, 1.0, 0.0), 24: (0.0, 0.0, 1.0),
           25: (0.0, 0.0, -1.0)}  # fmt: skip
 _DOWN = 25
 _BINS = 72
-#: of NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY
+#: sizes of NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY
 _LETTERS, _MOST_VALUES = 10, 58
 _UNKNOWN_COVARIANCE = [_NAN] + [0.0] * 20
 
@@ -43,7 +43,7 @@ def _whole(value: float, least: int, most: int, unknown: int) -> int:
 
 
 class Telemetry:
-    """The part of the stream manager that sends."""
+    """The part of the stream manager for sensors."""
 
     axes: dict[str, Axes]
 
@@ -61,7 +61,7 @@ class Telemetry:
         frd, axes = self.axes["nwu"], stream.axes_of(m.frame)
         position, orientation = m.position, m.orientation
         if axes.frame == "enu":
-            # the pose at the start, from which the odometry counts, is anywhere in the world
+            # the initial pose, to which odometry is relative, may be anywhere in the world
             rows = stream.component_instance.initial_position_3d.rotation_matrix
             start = nine([list(row) for row in rows])
             w, x, y, z = (float(number) for number in orientation)
@@ -160,7 +160,7 @@ class Telemetry:
 
     @maps("scan")
     def scan(self, stream: MavlinkStream, m: Message) -> None:
-        """OBSTACLE_DISTANCE: the nearest thing in each of 72 directions, clockwise from ahead, in centimetres."""
+        """OBSTACLE_DISTANCE: the nearest obstacle in each of 72 directions, clockwise from ahead, in centimetres."""
         mounting = stream.component_instance.sensor_to_robot_position_3d()
         angles = m.angle_min + np.arange(len(m.ranges)) * m.angle_increment + mounting.yaw
         directions = np.rint(np.degrees(-angles) / (360.0 / _BINS)).astype(int) % _BINS
@@ -175,12 +175,12 @@ class Telemetry:
 
     @maps("clock")
     def clock(self, stream: MavlinkStream, m: Message) -> None:
-        """SYSTEM_TIME; universal time is not known to a simulation."""
+        """SYSTEM_TIME; a simulation has no universal time."""
         stream.vehicle.send("system_time", 0, boot_ms(m.stamp))
 
     @maps("general")
     def general(self, stream: MavlinkStream, m: Message) -> None:
-        """Every number on its own, and lists of numbers; the rest has no form."""
+        """Every number as a message, and lists of numbers; other values have no message."""
         for name, value in stream.data.items():
             if name == "timestamp":
                 continue
@@ -208,7 +208,7 @@ def _looks(stream: MavlinkStream) -> int:
 
 
 def _numbers(value: Any) -> list[float] | None:
-    """58 numbers of a list of numbers; None if it is something else."""
+    """58 numbers of a list of numbers; None for other values."""
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         return None
     try:

@@ -1,4 +1,4 @@
-"""A robot as MAVLink sees it: a system with its own number on one link."""
+"""A robot as a MAVLink system with an id on one link."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ class Vehicle:
     """Sends the messages of one robot.
 
     Attributes:
-        system: its number.
+        system: its system id.
         link: where its messages go.
-        hil: an autopilot in the loop is on the other side.
-        streams: of its actuators.
+        hil: whether an autopilot in the loop is the peer.
+        streams: the streams of its actuators.
     """
 
     def __init__(self, dialect: Any, system: int, link: Link, kind: int, hil: bool) -> None:
@@ -44,15 +44,15 @@ class Vehicle:
         self._complaints = Complaints(logger)
 
     def number_of(self, name: str) -> int:
-        """The number of a component."""
+        """The id of a component."""
         return self._numbers.setdefault(name, len(self._numbers))
 
     def send(self, name: str, *values: Any) -> None:
         """Send a message.
 
         Args:
-            name: of the message in small letters.
-            values: of its fields, in their order. A message whose values do not fit is left out, and the log says so.
+            name: of the message, in lower case.
+            values: of its fields, in order. A message with invalid values is omitted, and the log reports it.
         """
         try:
             data = getattr(self._mav, f"{name}_encode")(*values).pack(self._mav)
@@ -63,11 +63,11 @@ class Vehicle:
         self.link.send(bytes(data))
 
     def sense(self, **values: float) -> None:
-        """Add to the message that has all sensors of the tick."""
+        """Add fields to the message that contains all sensors of the tick."""
         self._sensed.update(values)
 
     def tick(self, stamp: int) -> None:
-        """A tick ends: the sensors of the tick, and a sign of life.
+        """The end of a tick: send the sensors of the tick, and a heartbeat.
 
         Args:
             stamp: simulated time, ns.

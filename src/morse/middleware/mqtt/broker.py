@@ -1,4 +1,4 @@
-"""The connection to a broker, which may come and go."""
+"""The connection to a broker, which may be temporarily unavailable."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: what waits to be sent, messages and bytes
+#: limits of the send queue: messages and bytes
 _MOST_MESSAGES, _MOST_BYTES = 2000, 32 << 20
-#: wall-clock seconds between two attempts to connect, at first and at most
+#: wall-clock seconds between two attempts to connect: initial and maximum value
 _FIRST_PAUSE, _LONGEST_PAUSE = 1, 5
 
 
 class Broker:
-    """Sends and receives in a thread of its own; nothing here waits for the broker.
+    """Sends and receives in its own thread; no call waits for the broker.
 
     Args:
         options: see `morse.middleware.mqtt.mapping.MANAGER_OPTIONS`.
 
     Attributes:
-        connected: whether the broker is there.
+        connected: whether the broker is connected.
 
     Raises:
-        MorseMiddlewareError: paho-mqtt is not installed, or an option does not fit.
+        MorseMiddlewareError: paho-mqtt is not installed, or an option is invalid.
     """
 
     def __init__(self, options: Mapping[str, Any]) -> None:
@@ -69,17 +69,17 @@ class Broker:
 
     @property
     def place(self) -> str:
-        """Where the broker is."""
+        """Address of the broker."""
         return f"{self._host}:{self._port}"
 
     def listen(self, topic: str, qos: int, take: Callable[[bytes], object]) -> None:
-        """Have ``take`` called, in the thread of the connection, with what arrives for a topic."""
+        """Call ``take`` in the thread of the connection with each message of a topic."""
         self._takers = {**self._takers, topic: (qos, take)}
         if self.connected:
             self._client.subscribe(topic, qos)
 
     def ignore(self, topic: str) -> None:
-        """Take nothing more for a topic."""
+        """End the subscription of a topic."""
         self._takers = {name: taker for name, taker in self._takers.items() if name != topic}
         if self.connected:
             self._client.unsubscribe(topic)
@@ -89,7 +89,7 @@ class Broker:
         if not self.connected:
             return
         if self._is_new:
-            # what was under way to the broker that has gone is lost
+            # messages in transit to a broker that was lost are lost
             self._is_new = False
             self._pending.clear()
             self._pending_size = 0
@@ -99,7 +99,7 @@ class Broker:
             return
         try:
             sent = self._client.publish(topic, data, qos, retain)
-        except ValueError as error:  # longer than MQTT allows
+        except ValueError as error:  # larger than MQTT allows
             self._complaints.warn(topic, f"mqtt: a message for {topic} is left out: {error}")
             return
         if sent.rc == 0:
@@ -111,10 +111,10 @@ class Broker:
             self._pending_size -= self._pending.popleft()[1]
 
     def close(self) -> None:
-        """Send what is left if there is a broker, and leave."""
+        """Send the remaining messages if there is a broker, and disconnect."""
         if self.connected:
             farewell = self._client.publish(self._status, b"offline", qos=1, retain=True)
-            with contextlib.suppress(RuntimeError, ValueError):  # the broker may have gone in the meantime
+            with contextlib.suppress(RuntimeError, ValueError):  # the broker may have disconnected in the meantime
                 farewell.wait_for_publish(1.0)
         self._client.disconnect()
         self._client.loop_stop()
@@ -123,7 +123,7 @@ class Broker:
 
     def _on_connect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
         if reason.is_failure:
-            self._complaints.warn("refused", f"mqtt: the broker {self.place} turns the simulation away: {reason}")
+            self._complaints.warn("refused", f"mqtt: the broker {self.place} refuses the connection: {reason}")
             return
         for topic, (qos, _) in self._takers.items():
             client.subscribe(topic, qos)
@@ -132,13 +132,15 @@ class Broker:
         logger.info("mqtt: connected to the broker %s", self.place)
 
     def _on_connect_fail(self, client: Any, userdata: Any) -> None:
-        self._complaints.warn("absent", f"mqtt: there is no broker at {self.place}; the simulation goes on without it")
+        self._complaints.warn(
+            "absent", f"mqtt: there is no broker at {self.place}; the simulation continues without it"
+        )
 
     def _on_disconnect(self, client: Any, userdata: Any, flags: Any, reason: Any, properties: Any) -> None:
         if self.connected:
             self.connected = False
             if reason.is_failure:
-                self._complaints.warn("gone", f"mqtt: the broker {self.place} has gone: {reason}")
+                self._complaints.warn("gone", f"mqtt: the broker {self.place} has disconnected: {reason}")
 
     def _on_message(self, client: Any, userdata: Any, message: Any) -> None:
         known = self._takers.get(message.topic)

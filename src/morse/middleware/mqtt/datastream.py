@@ -1,4 +1,4 @@
-"""Carries data streams over a broker."""
+"""Sends and receives data streams over a broker."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.middleware.mqtt.streams import MqttPublisher, MqttStream
 
-    #: name of a topic below that of the component, and what is sent there
+    #: name of a topic below that of the component, and its payload
     Parcels = list[tuple[str, bytes]]
 
 logger = logging.getLogger(__name__)
 
-#: numbers that are not finite become null
+#: NaN and infinity become null
 _encoder = msgspec.json.Encoder(enc_hook=plain)
 
 
 class MqttDatastreamManager(DatastreamManager):
-    """``morse/robot/component`` for what sensors measure, ``morse/robot/component/set`` for commands.
+    """``morse/robot/component`` for data of sensors, ``morse/robot/component/set`` for commands.
 
     ``morse/status`` is ``online`` while the simulation runs, and ``offline`` afterwards.
 
@@ -47,28 +47,28 @@ class MqttDatastreamManager(DatastreamManager):
         self._owners: dict[str, str] = {}
 
     def claim(self, topic: str, name: str) -> None:
-        """A stream has a topic.
+        """Reserve a topic for a stream.
 
         Raises:
-            MorseMiddlewareError: it is that of another stream.
+            MorseMiddlewareError: another stream has this topic.
         """
         owner = self._owners.get(topic)
         if owner is not None:
-            raise MorseMiddlewareError(f"{name}: the topic {topic} is that of {owner}; give one of them topic='...'")
+            raise MorseMiddlewareError(f"{name}: the topic {topic} is that of {owner}; set topic='...' for one of them")
         self._owners[topic] = name
 
     def closed(self, stream: MqttStream) -> None:
-        """Its topic is free."""
+        """Release the topic."""
         self._owners.pop(getattr(stream, "topic", ""), None)
 
     @maps("general")
     def general(self, stream: MqttPublisher) -> Parcels:
-        """All fields as they are."""
+        """All fields, unchanged."""
         return [("", _encoder.encode(stream.data))]
 
     @maps("image")
     def image(self, stream: MqttPublisher) -> Parcels:
-        """The pixels row by row on ``image``, what they mean on the topic of the camera."""
+        """The pixels row by row on ``image``, their format on the topic of the camera."""
         bound = next(one for one in stream.kinds if one.kind.name == "image")
         if not getattr(bound.component, "capturing", True):
             return []

@@ -1,4 +1,4 @@
-"""What MQTT carries, and its options."""
+"""The mapping of MQTT, and its options."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ INSTALL = "pip install 'morse-simulator[mqtt]'"
 
 MANAGER_OPTIONS = {
     "host": Option(str, "127.0.0.1", "name or address of the broker"),
-    "port": Option(int, None, "of the broker; 1883, or 8883 with TLS", low=1, high=65535),
-    "tls": Option(bool, False, "encrypt the connection, and check the certificate of the broker"),
-    "username": Option(str, None, "that the broker asks for"),
-    "password": Option(str, None, "that the broker asks for"),
-    "client_id": Option(str, "", "by which the broker knows the simulation; made up by the broker if not given"),
+    "port": Option(int, None, "port of the broker; default: 1883, or 8883 with TLS", low=1, high=65535),
+    "tls": Option(bool, False, "encrypt the connection, and verify the certificate of the broker"),
+    "username": Option(str, None, "user name for the broker"),
+    "password": Option(str, None, "password for the broker"),
+    "client_id": Option(str, "", "client id of the simulation; by default, the broker generates it"),
     "prefix": Option(str, "morse", "first word of all topics"),
 }
 STREAM_OPTIONS = {
-    "topic": Option(str, None, "instead of prefix/robot/component"),
+    "topic": Option(str, None, "replaces prefix/robot/component"),
     "qos": Option(int, 0, "0: at most once, 1: at least once, 2: once", low=0, high=2),
-    "retain": Option(bool, False, "the broker keeps the last message for those who come later"),
+    "retain": Option(bool, False, "the broker keeps the last message for later subscribers"),
 }
 
 MIDDLEWARE = Middleware(
@@ -30,6 +30,6 @@ MIDDLEWARE = Middleware(
     stream_options=STREAM_OPTIONS,
     default_publisher="morse.middleware.mqtt.streams.MqttPublisher",
     default_reader="morse.middleware.mqtt.streams.MqttReader",
-    # they carry cameras, or nothing, and measure nothing
+    # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
 )

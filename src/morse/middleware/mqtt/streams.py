@@ -1,4 +1,4 @@
-"""The streams of components: publishers send JSON, readers take JSON."""
+"""The streams of components: publishers send JSON, readers receive JSON."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: messages that wait for the next action of an actuator, and the longest of them
+#: limits of the messages that wait for the next action of an actuator: number, and size of one
 _MOST_WAITING, _LONGEST = 64, 1 << 20
-#: bytes of the name of a topic
+#: maximum size of the name of a topic, bytes
 _LONGEST_TOPIC = 1024
 
 
@@ -35,7 +35,7 @@ class MqttStream(AbstractDatastream):
     options = STREAM_OPTIONS
 
     def initialize(self) -> None:
-        """Find the name of the topic.
+        """Determine the name of the topic.
 
         Raises:
             MorseMiddlewareError: MQTT does not allow it.
@@ -51,13 +51,13 @@ class MqttStream(AbstractDatastream):
 
 
 class MqttPublisher(MqttStream):
-    """Sends the data of a component as one object of JSON, at each of its actions.
+    """Sends the data of a component as a JSON object at each of its actions.
 
-    Pixels and points go as bytes to topics below that of the component.
+    Pixels and points are sent as bytes to topics below that of the component.
     """
 
     def initialize(self) -> None:
-        """Find out which form the data have."""
+        """Determine the format of the data."""
         super().initialize()
         self.kinds = bind(self.component_instance)
         main = next((bound for bound in self.kinds if not bound.topic), None)
@@ -65,7 +65,7 @@ class MqttPublisher(MqttStream):
         self.manager.claim(self.topic, self.component_name)
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish the data, if there is a broker."""
+        """Publish the data if a broker is connected."""
         if self.manager.broker.connected:
             for below, data in self._form(self):
                 topic = f"{self.topic}/{below}" if below else self.topic
@@ -74,9 +74,9 @@ class MqttPublisher(MqttStream):
 
 
 class MqttReader(MqttStream):
-    """Takes objects of JSON from the topic ``<component>/set`` into the data of a component.
+    """Writes JSON objects from the topic ``<component>/set`` into the data of a component.
 
-    Fields that an object does not have stay as they are. What does not fit is refused as a whole.
+    Missing fields keep their values. An invalid object is refused as a whole.
     """
 
     def initialize(self) -> None:
@@ -90,16 +90,16 @@ class MqttReader(MqttStream):
         self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived.append)
 
     def finalize(self) -> None:
-        """Listen no more."""
+        """End the subscription."""
         self.manager.broker.ignore(self.topic)
 
     @property
     def waiting(self) -> Collection[Any]:
-        """What has arrived."""
+        """Take a received message."""
         return self._arrived
 
     def default(self, ci: Object | None = None) -> bool:
-        """Take what has arrived; True if something did."""
+        """Process received messages; True if there were any."""
         taken = False
         while self._arrived:
             taken = self._take(self._arrived.popleft()) or taken

@@ -1,6 +1,6 @@
-"""The server of an action: goals, cancellation, status, feedback and result as actionlib has them on its topics.
+"""The server of an action: goals, cancellation, status, feedback and result on the topics of actionlib.
 
-Source: wiki.ros.org/actionlib/DetailedDescription. A new goal takes the place of the one that goes on.
+Source: wiki.ros.org/actionlib/DetailedDescription. A new goal preempts the active one.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
 
-#: of actionlib_msgs/GoalStatus
+#: constants of actionlib_msgs/GoalStatus
 _ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
-#: simulated seconds between two messages of status, and for which the status of a goal that has ended is told
+#: simulated seconds between two status messages, and for which the status of a finished goal is published
 _STATUS_PERIOD, _KEPT = 0.2, 5.0
 _WAITING = 64
 
@@ -38,7 +38,7 @@ class ActionServer:
         rospy: the module.
         path: name of the action.
         kind: class of the action.
-        begin: begins the service with arguments and what is given the outcome; returns the call if it goes on.
+        begin: begins the service with arguments and a callback for the outcome; returns the call if it is asynchronous.
         manager: aborts calls.
     """
 
@@ -64,12 +64,12 @@ class ActionServer:
         ]
 
     def close(self) -> None:
-        """End the topics."""
+        """Close the topics."""
         for topic in self._topics:
             topic.unregister()
 
     def act(self, clock: Clock) -> None:
-        """Begin and cancel what was asked for, and tell the status."""
+        """Begin and cancel goals as requested, and publish the status."""
         self._now = clock.time
         self._stamp = clock.stamp()
         for _ in range(len(self._arrived)):
@@ -84,7 +84,7 @@ class ActionServer:
     def _take(self, given: Any) -> None:
         known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
         if known is not None:
-            return  # it was sent twice, or was cancelled before it came
+            return  # a duplicate, or cancelled before it arrived
         for running in [goal for goal in self._goals if goal.status == _ACTIVE and goal.call is not None]:
             self._manager.abort_request(running.call)
         self._manager.answer()
@@ -117,7 +117,7 @@ class ActionServer:
         self._tell()
 
     def feedback(self, value: Any) -> None:
-        """Tell how far the goal that goes on is.
+        """Publish feedback of the active goal.
 
         Args:
             value: the feedback message of the action.

@@ -1,4 +1,4 @@
-"""Carries data streams as topics of ROS 1."""
+"""Publishes data streams as topics of ROS 1."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class ROSDatastreamManager(Ros1Kinds, Ros2DatastreamManager):
-    """Topics of ROS 1: the messages and frames of MORSE 1.4, and for what 1.4 did not send those of ROS 2.
+    """Topics of ROS 1: the messages and frames of MORSE 1.4, and those of ROS 2 for all other components.
 
     Options of ``env.configure_stream_manager('ros', ...)`` are in `morse.middleware.ros.mapping`.
     """

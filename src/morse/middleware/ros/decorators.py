@@ -1,4 +1,4 @@
-"""Declares methods of components and overlays as services and actions of ROS 1, as MORSE 1.4 did."""
+"""Decorators that declare methods of components and overlays as services and actions of ROS 1, as in MORSE 1.4."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def ros_service(
 ) -> Any:
     """Declare a method as a ROS service.
 
-    The method takes the fields of the request as its arguments, in their order, and returns the response, or what the
-    response is made of.
+    The method takes the fields of the request as its arguments, in order, and returns the response, or the values of
+    its fields.
 
     Args:
         type: class of the service, such as ``std_srvs.srv.SetBool``.
         component: see `morse.core.services.service`.
         name: see `morse.core.services.service`.
-        asynchronous: the service ends by ``self.completed(status, result)``.
+        asynchronous: the service ends with ``self.completed(status, result)``.
     """
     if fn is None:
         return functools.partial(ros_service, type=type, component=component, name=name, asynchronous=asynchronous)
@@ -39,7 +39,7 @@ def ros_service(
 def ros_action(
     fn: Callable[..., Any] | None = None, type: Any = None, component: str | None = None, name: str | None = None
 ) -> Any:
-    """Declare a method as a ROS action; it takes the goal, and ends by ``self.completed(status, result)``.
+    """Declare a method as a ROS action; it takes the goal, and ends with ``self.completed(status, result)``.
 
     Args:
         type: class of the action, such as ``move_base_msgs.msg.MoveBaseAction``.

@@ -1,4 +1,4 @@
-"""Messages in which ROS 1 differs from ROS 2: those of MORSE 1.4."""
+"""Messages that differ between ROS 1 and ROS 2: those of MORSE 1.4."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _STRING = "std_msgs/msg/String"
-#: components whose data 1.4 sent as the text of a Python dictionary
+#: components whose data 1.4 published as the text of a Python dictionary
 _AS_REPR = ("Proximity", "Gyroscope")
-#: the nearest distance of every scan of 1.4, m
+#: minimum range of every scan of 1.4, m
 _NEAREST = 0.3
 
 
@@ -37,13 +37,13 @@ def _text_of(component: Any) -> Outlet:
 
 
 class Ros1Kinds:
-    """What goes out and comes in otherwise than in ROS 2."""
+    """Messages that differ from those of ROS 2."""
 
     # -- sensors -----------------------------------------------------------------------------
 
     @maps("pose")
     def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """A GPS without orientation is a ``NavSatFix`` of metres, as in 1.4."""
+        """A GPS without orientation publishes a ``NavSatFix`` in metres, as in 1.4."""
         if not _is_a(bound.component, "GPS"):
             return SpatialKinds.pose(self, stream, bound)  # type: ignore[arg-type]
         logger.warning(
@@ -55,12 +55,12 @@ class Ros1Kinds:
 
     @maps("imu")
     def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """On the topic of the component itself."""
+        """On the topic of the component."""
         return [outlet._replace(topic="") for outlet in SensingKinds.imu(self, stream, bound)]  # type: ignore[arg-type]
 
     @maps("attitude")
     def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """A gyroscope sent its angles as text."""
+        """A gyroscope publishes its angles as text."""
         if _is_a(bound.component, *_AS_REPR):
             return [_text_of(bound.component)]
         return SpatialKinds.attitude(self, stream, bound)  # type: ignore[arg-type]
@@ -72,7 +72,7 @@ class Ros1Kinds:
 
     @maps("scan")
     def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """As in 1.4, with 0.3 m as the nearest distance."""
+        """As in 1.4, with a minimum range of 0.3 m."""
 
         def nearest(make: Callable[..., Any]) -> Callable[[Message, str], dict[str, Any]]:
             return lambda m, f: {**make(m, f), "range_min": _NEAREST}
@@ -92,7 +92,7 @@ class Ros1Kinds:
 
     @maps("general")
     def general(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """All fields as JSON; as 1.4 sent it where it did."""
+        """All fields as JSON, or in the format of 1.4 for its components."""
         if _is_a(bound.component, *_AS_REPR):
             return [_text_of(bound.component)]
         return StateKinds.general(self, stream, bound)  # type: ignore[arg-type]
@@ -101,7 +101,7 @@ class Ros1Kinds:
 
     @maps("pose", direction="IN")
     def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """A ``Pose``, or a ``Point`` for what takes no orientation."""
+        """A ``Pose``, or a ``Point`` for actuators without orientation."""
         if not bound.has("orientation"):
             return [Inlet("geometry_msgs/msg/Point", lambda m: {"position": from_xyz(m)})]
         return [Inlet("geometry_msgs/msg/Pose", _from_pose)]

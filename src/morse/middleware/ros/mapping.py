@@ -1,4 +1,4 @@
-"""What ROS 1 carries, and its options."""
+"""The mapping of ROS 1, and its options."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ MANAGER_OPTIONS = {
     "clock": Option(bool, True, "publish simulated time as /clock"),
     "tf": Option(bool, True, "publish /tf and /tf_static"),
     "localization": Option(bool, False, "by REP 105: another node publishes the transform from map to odom"),
-    "namespace": Option(str, None, "namespace of all topics instead of the name of the robot; empty for none"),
-    "frame_prefix": Option(str, None, "by REP 105: begin of the names of frames instead of that of the robot"),
+    "namespace": Option(str, None, "namespace of all topics, replaces the name of the robot; empty for none"),
+    "frame_prefix": Option(str, None, "by REP 105: prefix of the names of frames, replaces the name of the robot"),
 }
 STREAM_OPTIONS = {
     **{name: option for name, option in ROS2_OPTIONS.items() if name != "qos"},
-    "parent_frame_id": Option(str, "/base_link", "frame that carries a camera, as 1.4 named it"),
-    "pub_tf": Option(bool, True, "publish where a camera is"),
+    "parent_frame_id": Option(str, "/base_link", "parent frame of a camera, as named by 1.4"),
+    "pub_tf": Option(bool, True, "publish the transform of a camera"),
 }
 
 MIDDLEWARE = Middleware(

@@ -1,4 +1,4 @@
-"""Messages of rospy from dictionaries in the form of ROS 2, and back."""
+"""Conversion of dictionaries in the format of ROS 2 to messages of rospy, and back."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
-#: fields that ROS 2 has renamed, by package and message
+#: fields that were renamed in ROS 2, by package and message
 _RENAMED = {"sensor_msgs/CameraInfo": {"d": "D", "k": "K", "r": "R", "p": "P"}}
 _TIMES = ("time", "duration")
 
@@ -23,7 +23,7 @@ def message_class(type_name: str) -> Any:
 
 
 def message(type_name: str, fields: Any) -> Any:
-    """A message with some fields; those that ROS 1 does not know are left out.
+    """A message with some fields; fields that ROS 1 does not have are ignored.
 
     Raises:
         ValueError, TypeError: a value does not fit its field.
@@ -55,7 +55,7 @@ def _value(kind: str, value: Any) -> Any:
 
 
 def plain(value: Any) -> Any:
-    """A message as a dictionary, under the names of ROS 2."""
+    """A message as a dictionary with the names of ROS 2."""
     if hasattr(value, "secs"):
         return {"sec": value.secs, "nanosec": value.nsecs}
     if hasattr(value, "_slot_types"):

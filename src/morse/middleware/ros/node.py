@@ -1,4 +1,4 @@
-"""The node of rospy that this process is."""
+"""The rospy node of this process."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: messages of a topic that wait for the next tick
+#: maximum number of messages of a topic that wait for the next tick
 _WAITING = 64
 _joining = threading.Lock()
 
@@ -50,7 +50,7 @@ def join(name: str | None = None) -> Any:
         before = logging.root.level, list(logging.root.handlers)
         suffix = f"_{re.sub(r'[^A-Za-z0-9_]', '_', name)}" if name else ""
         rospy.init_node(f"morse{suffix}", disable_signals=True)
-        # rospy sets up the logging of the whole process for itself
+        # rospy configures the logging of the whole process
         logging.root.level, logging.root.handlers[:] = before[0], before[1]
     return rospy
 
@@ -71,7 +71,7 @@ class _Publisher(Publisher):
 
 
 class _Latched(_Publisher):
-    """Who comes later gets the last message: it is always wanted."""
+    """Later subscribers receive the last message: it is always needed."""
 
     def wanted(self) -> bool:
         return True
@@ -90,7 +90,7 @@ class _Subscription(Subscription):
 
 
 class RospyBackend(Backend):
-    """Topics of rospy. Messages are objects of rospy instead of bytes.
+    """Topics of rospy. Messages are objects of rospy, not bytes.
 
     Args:
         name: of this simulation node.
@@ -125,4 +125,4 @@ class RospyBackend(Backend):
         return None if kind is None else _Subscription(self._rospy, topic, kind)
 
     def close(self) -> None:
-        """See `Backend.close`; a process of rospy stays a node to its end."""
+        """See `Backend.close`; a process remains a rospy node until it ends."""

@@ -1,4 +1,4 @@
-"""Offers services and actions by rospy."""
+"""Offers services and actions over rospy."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: calls that are begun in one tick, and calls that go on
+#: maximum number of calls that are begun in one tick, and of active calls
 _EACH_TICK, _MOST_RUNNING = 64, 1024
-#: how often a thread that waits for an answer looks whether the simulation has ended, s
+#: interval in which a waiting thread checks whether the simulation has ended, s
 _LOOK = 0.5
 
 
 class _Waiting:
-    """A call that a thread of rospy waits for."""
+    """A call on which a thread of rospy waits."""
 
     def __init__(self, begin: Callable[[Callable[[Outcome], object]], object]) -> None:
         self.begin = begin
@@ -48,8 +48,8 @@ class _Waiting:
 class RosRequestManager(RequestManager):
     """Services and actions of ROS 1.
 
-    Methods with `ros_service` and `ros_action` have the types that they declare. Of all others those without arguments
-    are ``std_srvs/Trigger``, those that take one boolean ``std_srvs/SetBool``.
+    Methods with `ros_service` and `ros_action` have the declared types. All other services without arguments are
+    ``std_srvs/Trigger``, those with one boolean ``std_srvs/SetBool``.
     """
 
     classpath = "morse.middleware.ros_request_manager.RosRequestManager"
@@ -76,7 +76,7 @@ class RosRequestManager(RequestManager):
         return True
 
     def finalization(self) -> bool:
-        """Offer nothing more."""
+        """Remove all services and actions."""
         self._closed = True
         for server in self._servers.values():
             server.shutdown("the simulation has ended")
@@ -140,7 +140,7 @@ class RosRequestManager(RequestManager):
     def _begin(self, component: str, service: str) -> Callable[..., uuid.UUID | None]:
         def begin(arguments: list[Any], ended: Callable[[Outcome], object]) -> uuid.UUID | None:
             if len(self._ends) >= _MOST_RUNNING:
-                ended((FAILED, f"{_MOST_RUNNING} calls go on: wait for their end"))
+                ended((FAILED, f"{_MOST_RUNNING} calls are active: wait until they end"))
                 return None
             try:
                 done, outcome = self.on_incoming_request(component, service, arguments)
@@ -177,7 +177,7 @@ def _fields(request: Any) -> list[Any]:
 
 
 def _declared(kind: Any) -> Callable[[str, Any], Any]:
-    """What a service with a declared type answers; rospy tells the caller of an exception that it failed."""
+    """The response of a service with a declared type; an exception makes rospy report a failure to the caller."""
     response = kind._response_class
 
     def answer(state: str, result: Any) -> Any:

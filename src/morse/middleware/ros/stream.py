@@ -5,13 +5,13 @@ from __future__ import annotations
 from morse.middleware.ros.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.stream import Ros2Stream
 
-#: frames of the messages of 1.4 by kind; those of all other messages are called as their topics
+#: frames of the messages of 1.4 by kind; the frames of all other messages have the names of their topics
 _OF_1_4 = {"pose": "/map", "odometry": "/odom", "imu": "/imu", "scan": "/base_laser_link", "twist": "/base_link"}
 _CHILD = "/base_footprint"
 
 
 class RosStream(Ros2Stream):
-    """Sends the messages of a component, with the names of frames that 1.4 gave them, or with those of REP 105."""
+    """Sends the messages of a component with the frame names of 1.4 or of REP 105."""
 
     options = STREAM_OPTIONS
 

@@ -1,4 +1,4 @@
-"""The transforms that MORSE 1.4 sent: of odometry, and of cameras."""
+"""The transforms of MORSE 1.4: of odometry, and of cameras."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 class TransformsOf14(Transforms):
-    """From ``/odom`` to ``/base_footprint`` for each sensor of odometry, from ``/base_link`` to each camera."""
+    """From ``/odom`` to ``/base_footprint`` for each odometry sensor, from ``/base_link`` to each camera."""
 
     def add(self, stream: Any, *, lenient: bool = False) -> None:
-        """See `Transforms.add`: frames of 1.4 do not tell robots apart, and several sensors may send them."""
+        """See `Transforms.add`: the frames of 1.4 do not contain the robot, and several sensors may publish them."""
         super().add(stream, lenient=True)
 
     def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:

@@ -1,1 +1,1 @@
-"""Components as ROS 2 topics, with rclpy or, without any ROS installation, with Cyclone DDS."""
+"""Components as ROS 2 topics, with rclpy, or with Cyclone DDS without a ROS installation."""

@@ -1,6 +1,6 @@
-"""The server of an action: goals, cancellation, results, status and feedback as rcl_action has them.
+"""The server of an action: goals, cancellation, results, status and feedback as in rcl_action.
 
-Source: design.ros2.org/articles/actions.html. Messages are those of the class that the action was declared with.
+Source: design.ros2.org/articles/actions.html. Messages are those of the declared class of the action.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from morse.core.clock import Clock
     from morse.middleware.ros2.backends.backend import Backend
 
-#: of action_msgs/GoalStatus
+#: constants of action_msgs/GoalStatus
 _UNKNOWN, _EXECUTING, _SUCCEEDED, _CANCELED, _ABORTED = 0, 2, 4, 5, 6
-#: of action_msgs/srv/CancelGoal
+#: constants of action_msgs/srv/CancelGoal
 _NONE, _REJECTED, _UNKNOWN_GOAL = 0, 1, 2
-#: goals whose result can still be asked for
+#: maximum number of goals whose result is kept
 _KEPT = 64
 _EACH_TICK = 16
 _SECOND = 10**9
@@ -38,10 +38,10 @@ class ActionServer:
     """Serves one action.
 
     Args:
-        backend: carries typed services.
+        backend: provides typed services.
         path: absolute name of the action.
         kind: class of the action, such as ``nav2_msgs.action.NavigateToPose``.
-        begin: begins the service with arguments and what is given the outcome; returns the call if it goes on.
+        begin: begins the service with arguments and a callback for the outcome; returns the call if it is asynchronous.
         abort: ends a call.
     """
 
@@ -67,7 +67,7 @@ class ActionServer:
             one.close()
 
     def act(self, clock: Clock) -> None:
-        """Begin and cancel what was asked for."""
+        """Begin and cancel goals as requested."""
         stamp = clock.stamp()
         for caller, request in self._send.take_messages(_EACH_TICK):
             self._take(caller, request, stamp)

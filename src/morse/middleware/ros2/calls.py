@@ -1,7 +1,7 @@
-"""Calls of services as the standard types of ROS carry them.
+"""Service calls with the standard types of ROS.
 
-A service without arguments is ``std_srvs/Trigger``, one that takes a boolean ``std_srvs/SetBool``. All others take
-named and typed arguments, for which ROS has one type only: ``rcl_interfaces/SetParametersAtomically``.
+A service without arguments is ``std_srvs/Trigger``, a service with one boolean ``std_srvs/SetBool``. All others take
+named and typed arguments, for which ROS has only one type: ``rcl_interfaces/SetParametersAtomically``.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _NOTHING = inspect.Parameter.empty
 
 
 class Call:
-    """How a service is called.
+    """The signature of a service.
 
     Args:
         callback: the service.
@@ -55,10 +55,10 @@ class Call:
             self.type = SET_PARAMETERS
 
     def arguments(self, request: Mapping[str, Any]) -> list[Any]:
-        """The arguments in their order.
+        """The arguments in the order of the service.
 
         Raises:
-            MorseRPCInvokationError: one is missing, twice there or unknown.
+            MorseRPCInvokationError: an argument is missing, duplicated or unknown.
         """
         if self.type == TRIGGER:
             return []
@@ -76,7 +76,7 @@ class Call:
                 raise MorseRPCInvokationError(f"the argument '{name}' is given twice")
             given[name] = self._value(name, one["value"])
         values = []
-        # an optional argument may be left out although a later one is given
+        # an optional argument may be omitted although a later one is given
         last = max((list(self._parameters).index(name) for name in given), default=-1)
         for index, (name, parameter) in enumerate(self._parameters.items()):
             if name in given:
@@ -95,7 +95,7 @@ class Call:
         if hasattr(given, "tolist"):
             return given.tolist()
         if field == "string_value" and name not in self._words:
-            # what no parameter of ROS can be, such as a list of lists, comes as JSON
+            # values without a parameter type, such as a list of lists, are JSON
             try:
                 return from_json(given)
             except ValueError:
@@ -103,7 +103,7 @@ class Call:
         return given
 
     def answer(self, state: str, result: Any) -> dict[str, Any]:
-        """The answer: the result as JSON, or what went wrong."""
+        """The response: the result as JSON, or an error message."""
         good = state == status.SUCCESS
         text = "" if result is None else result if isinstance(result, str) and not good else as_json(result)
         if not good:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _HEADER = b"\x00\x01\x00\x00"  # CDR, little endian, no options
 _BIG, _LITTLE = b"\x00\x00", b"\x00\x01"
-#: bytes of the largest number
+#: size of the largest number, bytes
 _LARGEST = 8
 
 
@@ -34,7 +34,7 @@ class CdrError(ValueError):
 
 
 def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
-    """The bytes of a message, with the header of four bytes that says how they are encoded.
+    """Encode a message, with the header of four bytes that contains the encoding.
 
     Raises:
         ValueError, TypeError, OverflowError, struct.error: a value does not fit its field.
@@ -45,14 +45,14 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
 
 
 def decode(type_name: str, data: bytes) -> dict[str, Any]:
-    """The message in bytes that may come from anybody; sequences of numbers become numpy arrays.
+    """Decode a message from untrusted bytes; sequences of numbers become numpy arrays.
 
     Raises:
         CdrError: the bytes are not a message of that type.
     """
     kind = bytes(data[:2])
     if len(data) < len(_HEADER) or kind not in (_BIG, _LITTLE):
-        raise CdrError(f"{type_name}: no CDR of version 1: {bytes(data[:4])!r}")
+        raise CdrError(f"{type_name}: not CDR version 1: {bytes(data[:4])!r}")
     message: dict[str, Any] = _struct_reader(type_name, "<" if kind == _LITTLE else ">")(_Bytes(memoryview(data)[4:]))
     return message
 
@@ -78,7 +78,7 @@ def _struct_writer(type_name: str) -> Write:
 
 
 def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
-    """Begins most messages; the frames of a simulation are few."""
+    """The beginning of most messages; the frames of a simulation are few."""
     _check_names("std_msgs/msg/Header", _HEADER_FIELDS, value)
     stamp = value.get("stamp") or {}
     _align(buffer, 4)
@@ -86,7 +86,7 @@ def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
     buffer += _string_bytes(value.get("frame_id") or "")
 
 
-#: letters of a string that may be a name
+#: maximum length of a string that may be a name
 _NAME = 100
 _HEADER_FIELDS = frozenset(("stamp", "frame_id"))
 _STAMP = struct.Struct("<iI").pack
@@ -94,7 +94,7 @@ _STAMP = struct.Struct("<iI").pack
 
 @lru_cache(maxsize=4096)
 def _string_bytes(text: str) -> bytes:
-    """A string with its length, at a place that is a multiple of 4."""
+    """A string with its length, at an offset that is a multiple of 4."""
     data = text.encode("utf-8", "replace").replace(b"\0", b"?")  # 0 ends a string
     return (len(data) + 1).to_bytes(4, "little") + data + b"\0"
 
@@ -106,7 +106,7 @@ def _check_names(type_name: str, known: frozenset[str], value: Mapping[str, Any]
 
 @cache
 def _letters(type_name: str) -> str | None:
-    """The numbers that a message of fixed length consists of; None if its length is not fixed."""
+    """The numbers of a message of fixed length; None if its length is not fixed."""
     letters = ""
     for field in fields_of(type_name):
         inner = PRIMITIVES.get(field.type) or (None if field.type == "string" else _letters(field.type))
@@ -120,7 +120,7 @@ def _plain_writer(type_name: str) -> Write:
     """Writes all numbers of a message of fixed length at once."""
     letters = _letters(type_name) or ""
     collect = _collector(type_name)
-    # what is filled up between the numbers depends on where the message begins
+    # the padding between the numbers depends on the offset of the message
     packers = [_padded(letters, begin) for begin in range(_LARGEST)]
 
     def write(buffer: bytearray, value: Mapping[str, Any]) -> None:
@@ -171,7 +171,7 @@ def _collector(type_name: str) -> Callable[[Mapping[str, Any], list[Any]], None]
     all_of = itemgetter(*(field.name for field in fields))
 
     def collect_all(value: Mapping[str, Any], numbers: list[Any]) -> None:
-        """Vectors and quaternions, which usually have all of their numbers."""
+        """Vectors and quaternions, which usually contain all their numbers."""
         if len(value) != len(fields):
             collect(value, numbers)
             return
@@ -263,7 +263,7 @@ def _write_count(buffer: bytearray, count: int) -> None:
 def _write_string(buffer: bytearray, value: Any) -> None:
     text = "" if value is None else value
     _align(buffer, 4)
-    # names of frames and joints come again and again, texts do not
+    # names of frames and joints are repeated often, texts are not
     buffer += _string_bytes(text) if len(text) < _NAME else _string_bytes.__wrapped__(text)
 
 
@@ -271,7 +271,7 @@ def _write_string(buffer: bytearray, value: Any) -> None:
 
 
 class _Bytes:
-    """Bytes and how far they are read."""
+    """Bytes and the present offset."""
 
     __slots__ = ("at", "data")
 
@@ -309,7 +309,7 @@ def _reader(field: MessageField, order: str) -> Read:
 
     def read(source: _Bytes) -> list[Any]:
         count = field.size or count_of(source)
-        if count > len(source.data) - source.at:  # each item takes a byte at least
+        if count > len(source.data) - source.at:  # each item takes at least one byte
             raise CdrError(f"{len(source.data)} bytes are too few for {count} items")
         return [item(source) for _ in range(count)]
 

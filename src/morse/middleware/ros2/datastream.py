@@ -1,4 +1,4 @@
-"""Carries data streams as topics of ROS 2."""
+"""Publishes data streams as topics of ROS 2."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ _CLOCK = "rosgraph_msgs/msg/Clock"
 
 
 class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKinds, StateKinds, DatastreamManager):
-    """Topics of ROS 2, and simulated time and the tree of frames.
+    """Topics of ROS 2, with simulated time and the tree of frames.
 
     Options of ``env.configure_stream_manager('ros2', ...)`` are in `morse.middleware.ros2.mapping`.
 
     Attributes:
-        names: of topics and frames.
+        names: names of topics and frames.
         transforms: the tree of frames.
-        backend: carries the bytes.
+        backend: transports the messages.
     """
 
     classpath = "morse.middleware.ros2.datastream.Ros2DatastreamManager"
     manager_options = MANAGER_OPTIONS
-    #: how messages call this middleware
+    #: name of this middleware in messages
     title = "ros2"
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
@@ -59,7 +59,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self.backend = self._make_backend()
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
-        #: topics by name: their type, and the component that has them
+        #: topics by name: their type, and the component that publishes them
         self._claims: dict[str, tuple[str, str]] = {}
         self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
         self._subscriptions: dict[tuple[str, str, Qos], Subscription] = {}
@@ -79,7 +79,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._publish(self._tf, _TF, message)
 
     def _make_backend(self) -> Backend:
-        """What carries the bytes."""
+        """The backend."""
         return join(self.context, self.options)
 
     def _own(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
@@ -90,20 +90,20 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         return made
 
     def own(self, topic: str, type_name: str, qos: Qos, owner: str) -> Publisher | None:
-        """A topic of no component; None if a component has it already, or if the backend has no such message."""
+        """A topic without a component; None if a component publishes it, or the backend does not have the message."""
         if topic in self._claims:
-            logger.info("%s: %s is published by %s alone", self.title, topic, self._claims[topic][1])
+            logger.info("%s: %s is published by %s only", self.title, topic, self._claims[topic][1])
             return None
         made = self._own(topic, type_name, qos)
         self._claims[topic] = (type_name, owner)
         return made
 
     def send(self, publisher: Publisher | None, type_name: str, message: dict[str, Any]) -> None:
-        """Send a message of no component."""
+        """Publish a message that belongs to no component."""
         self._publish(publisher, type_name, message)
 
     def release(self, owner: str) -> None:
-        """The topics of an owner are free."""
+        """Release the topics of an owner."""
         self._claims = {topic: claim for topic, claim in self._claims.items() if claim[1] != owner}
 
     def _lacks(self, type_name: str) -> str:
@@ -116,21 +116,20 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     # -- topics ------------------------------------------------------------------------------
 
     def offer(self, stream: Ros2Stream, bound: BoundKind, outlet: Outlet) -> tuple[str, Outlet, Publisher] | None:
-        """A topic that a stream publishes; None if it can do without it, and the backend has no such message.
+        """A topic that a stream publishes; None if it is optional and the backend does not have the message.
 
         Raises:
-            MorseMiddlewareError: the topic is that of another component, or the backend has no such message.
+            MorseMiddlewareError: the topic is that of another component, or the backend does not have the message.
         """
         base = self.names.topic(stream.component_instance, stream.kwargs)
-        # a component that has the message on a topic of that name already wants no second one below it
+        # a component whose own topic has this message needs no second topic below it
         below = "" if bound.topic.rpartition("/")[2] == outlet.topic else outlet.topic
         topic = "/".join(part for part in (base, bound.topic, below) if part)
         qos = outlet.qos._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else outlet.qos
         owner = self._claims.get(topic)
         if owner is not None:
             raise MorseMiddlewareError(
-                f"{stream.component_name}: the topic {topic} is that of {owner[1]}; "
-                "give one of them another: topic='...'"
+                f"{stream.component_name}: the topic {topic} is that of {owner[1]}; set another one: topic='...'"
             )
         key = (topic, outlet.type, qos)
         if key not in self._publishers:
@@ -144,7 +143,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         return topic, outlet, self._publishers[key]
 
     def hear(self, stream: Ros2Stream, bound: BoundKind, inlet: Inlet) -> Iterator[tuple[str, Subscription]]:
-        """The topics by which a stream is commanded.
+        """The command topics of a stream.
 
         Raises:
             MorseMiddlewareError: another component uses the topic with another message.
@@ -160,15 +159,15 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
             if known[0] != inlet.type:
                 raise MorseMiddlewareError(
                     f"{stream.component_name}: the topic {topic} has the type {known[0]} for {known[1]}, and "
-                    f"cannot have {inlet.type} as well; give one of them another: topic='...'"
+                    f"cannot have {inlet.type} as well; set another one: topic='...'"
                 )
             qos = COMMAND._replace(reliable=False) if stream.kwargs.get("qos") == "sensor" else COMMAND
-            # each listener has a subscription of its own: what one has taken is gone
+            # each listener has its own subscription: a message can be taken only once
             key = (f"{stream.component_name} {topic}", inlet.type, qos)
             if key not in self._subscriptions:
                 made = self.backend.subscription(topic, inlet.type, qos)
                 self._subscriptions[key] = self._made(made, stream, inlet.type)
-            self._subscriptions[key].take()  # what was sent to a former component is void
+            self._subscriptions[key].take()  # discard messages to a former component
             yield topic, self._subscriptions[key]
 
     def _made(self, made: Any, stream: Ros2Stream, type_name: str) -> Any:
@@ -177,7 +176,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         return made
 
     def opened(self, stream: Ros2Stream) -> None:
-        """Refuse a second robot if names do not tell robots apart."""
+        """Refuse a second robot if names do not contain the robot."""
         others = {robot_of(other.component_instance).name() for streams in self.streams.values() for other in streams}
         if self.names.for_one_robot and len(others) > 1:
             raise MorseMiddlewareError(
@@ -186,7 +185,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
             )
 
     def closed(self, stream: Ros2Stream) -> None:
-        """Its topics are free; they stay open for a component that follows it: readers need not look for them again."""
+        """Release its topics; they stay open for a replacement of the component, so that readers stay connected."""
         name = stream.component_name
         self.release(name)
         self._aliases = {alias: owner for alias, owner in self._aliases.items() if owner != name}
@@ -209,7 +208,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         return self._tf is not None and self._tf.wanted()
 
     def flush(self) -> None:
-        """A tick ends: say which time it is, and where all frames are."""
+        """The end of a tick: publish the time and the poses of all frames."""
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))

@@ -1,4 +1,4 @@
-"""The messages of ROS 2 Jazzy that are in use, field by field.
+"""The definitions of the messages of ROS 2 Jazzy that are in use.
 
 Names and types are those of the packages common_interfaces, rcl_interfaces, geometry2 and vision_msgs.
 """
@@ -104,7 +104,7 @@ trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names,
     trajectory_msgs/JointTrajectoryPoint[] points
 """
 
-#: of numbers, in numpy's letters
+#: type codes of numpy
 PRIMITIVES = {
     "bool": "?", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I",
     "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
@@ -134,7 +134,7 @@ def _full(name: str) -> str:
 
 @cache
 def messages() -> dict[str, tuple[MessageField, ...]]:
-    """All messages by their full name (``std_msgs/msg/Header``), each after those that it contains."""
+    """All messages by their full name (``std_msgs/msg/Header``), each after the messages that it contains."""
     found = {}
     for line in re.sub(r",\n +", ", ", _MESSAGES).strip().splitlines():
         name, _, fields = line.partition(": ")
@@ -163,7 +163,7 @@ def fields_of(type_name: str) -> tuple[MessageField, ...]:
 
 
 def definition(type_name: str) -> str:
-    """A message and all that it contains, in the language of ``.msg`` files with separators, as bags hold it.
+    """A message and all messages that it contains, in the ``.msg`` format with separators, as used in bags.
 
     Raises:
         MorseMiddlewareError: there is no such message.

@@ -1,4 +1,4 @@
-"""The participant of a ROS domain that the streams and the services of a simulation share."""
+"""The participant of a ROS domain, shared by the streams and the services of a simulation."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _joined: WeakKeyDictionary[Context, Backend] = WeakKeyDictionary()
 
 
 def options_of(context: Context) -> dict[str, Any]:
-    """What ``env.configure_stream_manager('ros2', ...)`` said, and the defaults of the rest.
+    """The options of ``env.configure_stream_manager('ros2', ...)`` with defaults.
 
     Raises:
-        OptionError: an option does not exist, or takes another value.
+        OptionError: an option does not exist, or has an invalid value.
     """
     given = context.scene.manager_options.get(MIDDLEWARE.stream_manager or "", {})
     return with_defaults(MANAGER_OPTIONS, checked_options("ros2", MANAGER_OPTIONS, dict(given)))
@@ -50,7 +50,7 @@ def join(context: Context, options: Mapping[str, Any]) -> Backend:
 
 
 def announce(backend: Backend, title: str) -> None:
-    """Say once what a backend has opened."""
+    """Log once what a backend has opened."""
     if not backend.announced:
         backend.announced = True
         logger.info("%s: %s, %s", title, backend.name, backend.opens)

@@ -1,4 +1,4 @@
-"""Data fields on topics of their own."""
+"""Data fields with their own topics."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _SINGLE = ((bool, "Bool"), (int, "Int64"), (float, "Float64"), (str, "String"))
 
 
 def unsaid(kinds: Iterable[BoundKind]) -> list[str]:
-    """The fields of a component that none of its messages has; all of them if it has no kind."""
+    """The fields of a component that are in none of its messages; all fields if it has no kind."""
     rests = [kind.rest for kind in kinds]
     return [name for name in (rests[0] if rests else ()) if all(name in rest for rest in rests)]
 
 
 def field_outlet(component: Any, name: str) -> Outlet:
-    """The topic of a field: the type of the message is that of its value at the start."""
+    """The topic of a field; the type of the message is that of its initial value."""
     value = component.local_data[name]
     for kind, message in _SINGLE:
         if isinstance(value, kind):

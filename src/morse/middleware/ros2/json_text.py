@@ -1,4 +1,4 @@
-"""Data as JSON that every reader understands: what is not finite is ``null``."""
+"""Data as standard JSON: NaN and infinity are ``null``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # numpy
         return value.tolist()
     if isinstance(value, (set, frozenset)):
-        return sorted(value, key=str)  # the order of a set differs from process to process
+        return sorted(value, key=str)  # the order of a set differs between processes
     if hasattr(value, "__iter__"):  # vectors and matrices
         return list(value)
     return str(value)
@@ -24,13 +24,13 @@ def as_json(value: Any) -> str:
     """A value as JSON.
 
     Raises:
-        ValueError, TypeError, RecursionError: it has no form in JSON.
+        ValueError, TypeError, RecursionError: it has no JSON representation.
     """
     return _ENCODER.encode(value).decode()
 
 
 def from_json(text: str) -> Any:
-    """What a client has sent.
+    """Parse JSON of a client.
 
     Raises:
         ValueError: the text is not JSON.
@@ -38,4 +38,4 @@ def from_json(text: str) -> Any:
     try:
         return msgspec.json.decode(text)
     except (msgspec.DecodeError, RecursionError) as error:
-        raise ValueError(f"no JSON ({error})") from None
+        raise ValueError(f"not JSON ({error})") from None

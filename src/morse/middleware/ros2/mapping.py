@@ -1,4 +1,4 @@
-"""What ROS 2 carries, and its options."""
+"""The mapping of ROS 2, and its options."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
 BACKENDS = ("rclpy", "cyclonedds")
-#: the largest domain whose ports are below 65536
+#: the largest domain with ports below 65536
 LAST_DOMAIN = 232
 INSTALL = "pip install 'morse-simulator[ros2]'"
 
 MANAGER_OPTIONS = {
-    "backend": Option(str, None, "what carries the topics; rclpy where it can be imported", choices=BACKENDS),
-    "domain_id": Option(int, None, "ROS domain; that of ROS_DOMAIN_ID, or 0", low=0, high=LAST_DOMAIN),
-    "interface": Option(str, "lo", "network interface or its address; any: all that there are"),
+    "backend": Option(str, None, "library for the topics; default: rclpy if it can be imported", choices=BACKENDS),
+    "domain_id": Option(int, None, "ROS domain; default: ROS_DOMAIN_ID, or 0", low=0, high=LAST_DOMAIN),
+    "interface": Option(str, "lo", "network interface or its address; any: all interfaces"),
     "clock": Option(bool, True, "publish simulated time as /clock"),
     "tf": Option(bool, True, "publish /tf and /tf_static"),
     "description": Option(bool, True, "publish robot_description, a URDF, for each robot"),
     "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
     "localization": Option(bool, False, "another node publishes the transform from map to odom"),
-    "namespace": Option(str, None, "namespace of all topics instead of the name of the robot; empty for none"),
-    "frame_prefix": Option(str, None, "begin of the names of frames instead of the name of the robot and a slash"),
+    "namespace": Option(str, None, "namespace of all topics, replaces the name of the robot; empty for none"),
+    "frame_prefix": Option(str, None, "prefix of the names of frames, replaces the name of the robot and a slash"),
 }
 STREAM_OPTIONS = {
-    "topic": Option(str, None, "name of the topic; not from the root: below the namespace"),
+    "topic": Option(str, None, "name of the topic; without a leading slash: below the namespace"),
     "namespace": Option(str, None, "namespace of the topics of this stream"),
     "frame_id": Option(str, None, "frame of the messages"),
-    "child_frame_id": Option(str, None, "of odometry: frame of the robot"),
-    "stamped": Option(bool, False, "of commands of velocity: TwistStamped instead of Twist"),
+    "child_frame_id": Option(str, None, "for odometry: frame of the robot"),
+    "stamped": Option(bool, False, "for velocity commands: TwistStamped instead of Twist"),
     "qos": Option(str, "default", "sensor: best effort", choices=("default", "sensor")),
-    "fields": Option(bool, False, "every data field that no message has gets a topic of its own"),
-    "tf": Option(bool, True, "of odometry: it is the transform from odom to base_link"),
+    "fields": Option(bool, False, "every data field that is in no message gets its own topic"),
+    "tf": Option(bool, True, "for odometry: publish the transform from odom to base_link"),
 }
 
 MIDDLEWARE = Middleware(

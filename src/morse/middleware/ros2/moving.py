@@ -1,4 +1,4 @@
-"""Frames of the parts of a robot that its joints move: wheels, heads, links of arms."""
+"""Frames of the moving parts of a robot: wheels, heads, links of arms."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ class Joint(NamedTuple):
     """A joint of a robot.
 
     Attributes:
-        owner: the robot or the component whose joint it is.
-        name: as ``sensor_msgs/JointState`` and the description of the robot call it.
-        part: what it moves.
-        frame: of the part.
-        parent: frame that the part moves against.
-        against: the object of that frame.
+        owner: the robot or the component that has the joint.
+        name: its name in ``sensor_msgs/JointState`` and in the description of the robot.
+        part: the part that it moves.
+        frame: frame of the part.
+        parent: parent frame of the joint.
+        against: the object of the parent frame.
     """
 
     owner: Any
@@ -36,11 +36,11 @@ class Joint(NamedTuple):
     against: Any
 
     def pose(self) -> Transformation3d:
-        """Where the part is now, in the frame of the parent."""
+        """The present pose of the part in the parent frame."""
         return between(self.against, self.part.object)
 
     def origin(self) -> Transformation3d:
-        """Where the part is if the position of the joint is 0."""
+        """The pose of the part at joint position 0."""
         x, y, z = self.part.axis
         position = self.part.position()
         if self.part.type == "prismatic":
@@ -52,7 +52,7 @@ class Joint(NamedTuple):
 
 
 def joints_of(robot: Any, names: Names) -> list[Joint]:
-    """All joints of a robot and of what it carries; joints that two components have are called by both names."""
+    """All joints of a robot and its components; joints of two components with the same name contain the component."""
     carried = [one for one in robot.context.components.values() if one.robot_parent is robot]
     owners = [(owner, list(owner.moving_parts())) for owner in (robot, *carried)]
     known = [part.joint for _, parts in owners for part in parts]
@@ -78,13 +78,13 @@ def _name(owner: Any, joint: str, *, single: bool) -> str:
 
 
 def name_of(joints: list[Joint], sensor: Any, joint: str) -> str:
-    """What a joint is called that a sensor calls so: of several that have the name, the one that carries the sensor."""
+    """The name of the joint that a sensor measures: of several joints of that name, the one that carries the sensor."""
     alike = [one for one in joints if one.part.joint == joint]
     over = [one for one in alike if sensor.name().startswith(f"{one.owner.name()}.")]
     return (over or alike)[-1].name if len(alike) > 1 and over else joint
 
 
 def poses_of(joints: list[Joint]) -> Iterator[tuple[str, str, Transformation3d]]:
-    """Parent, frame and pose of all that joints move."""
+    """Parent, frame and pose of all moving parts."""
     for joint in joints:
         yield joint.parent, joint.frame, joint.pose()

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MAP = "map"
-#: frames of components that are frames of the world in ROS
+#: frames of components that are world frames in ROS
 _OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
 #: frames of REP 105
 _TAKEN = (MAP, "odom", "base_link")
@@ -25,12 +25,12 @@ def _part(text: str) -> str:
 
 
 def cleaned(text: str) -> str:
-    """A name with letters that ROS allows; dots become slashes."""
+    """A name with characters that ROS allows; dots become slashes."""
     return _part(text)
 
 
 def checked_topic(topic: str, what: str) -> str:
-    """A name of a topic or a namespace, as it is.
+    """Check the name of a topic or a namespace, and return it unchanged.
 
     Raises:
         MorseMiddlewareError: ROS does not allow it.
@@ -44,12 +44,12 @@ def checked_topic(topic: str, what: str) -> str:
 
 
 def robot_of(component: Any) -> Any:
-    """The robot that carries a component; a robot itself."""
+    """The robot of a component; a robot itself."""
     return component.robot_parent or component
 
 
 class Names:
-    """Names as the options of the middleware say.
+    """Names according to the options of the middleware.
 
     Args:
         options: ``namespace`` and ``frame_prefix`` of the stream manager.
@@ -62,7 +62,7 @@ class Names:
 
     @property
     def for_one_robot(self) -> bool:
-        """Whether the names do not tell robots apart."""
+        """Whether the names do not contain the robot."""
         return self._namespace is not None or self._prefix is not None
 
     def namespace(self, robot: Any, given: str | None = None) -> str:
@@ -73,7 +73,7 @@ class Names:
         return "/" + chosen.strip("/") if chosen else "" if chosen == "" else "/" + _part(robot.name())
 
     def topic(self, component: Any, options: Mapping[str, Any]) -> str:
-        """The topic of a component: that of the options of its stream, or its name."""
+        """The topic of a component: from the options of its stream, or its name."""
         robot = robot_of(component)
         base = self.namespace(robot, options["namespace"])
         given = options["topic"]
@@ -83,7 +83,7 @@ class Names:
         return str(given) if given.startswith("/") else f"{base}/{given}"
 
     def prefix(self, robot: Any) -> str:
-        """What the frames of a robot begin with."""
+        """The prefix of the frames of a robot."""
         return f"{_part(robot.name())}/" if self._prefix is None else str(self._prefix)
 
     def base(self, robot: Any) -> str:
@@ -91,7 +91,7 @@ class Names:
         return f"{self.prefix(robot)}base_link"
 
     def odom(self, robot: Any) -> str:
-        """The frame of the pose of a robot at the start."""
+        """The frame of the initial pose of a robot."""
         return f"{self.prefix(robot)}odom"
 
     def own(self, component: Any) -> str:
@@ -99,11 +99,11 @@ class Names:
         if component.robot_parent is None:
             return self.base(component)
         name = _part(relative_name(component))
-        # a sensor may well be called odom: a frame has one parent
+        # a sensor may be named odom: a frame can have only one parent
         return f"{self.prefix(component.robot_parent)}{name}{'_link' if name in _TAKEN else ''}"
 
     def part(self, owner: Any, joint: str) -> str:
-        """The frame of what a joint of a robot, or of a component, moves."""
+        """The frame of a part that a joint of a robot or of a component moves."""
         if owner.robot_parent is None:
             return f"{self.prefix(owner)}{_part(joint)}"
         return f"{self.own(owner)}_{_part(joint)}"
@@ -119,7 +119,7 @@ class Names:
         return f"{self.own(component)}_{frame}" if frame in ("optical", "frd", "down") else self.own(component)
 
     def frame_of(self, component: Any, frame_id: str) -> str | None:
-        """The frame that the sender of a command means; empty for that of the fields, None if it is unknown."""
+        """The frame of a command; empty for the frame of the fields, None if it is unknown."""
         if not frame_id:
             return ""
         known = {self.frame(component, frame): frame for frame in ("own", "robot", "world")}

@@ -1,4 +1,4 @@
-"""What a message kind becomes: topics that are published (outlets), and topics that are heard (inlets)."""
+"""The topics of a message kind: published topics (outlets), and subscribed topics (inlets)."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ if TYPE_CHECKING:
     from morse.core.kinds import Message
 
 COMMAND = Qos(1)
-#: clouds and images: more of them would fill the memory of slow readers
+#: queue depth of clouds and images: more of them would fill the memory of slow readers
 LARGE = Qos(2)
 
 
 class Outlet(NamedTuple):
-    """A topic that carries a kind.
+    """A topic that publishes a kind.
 
     Attributes:
-        type: of its messages.
-        make: the message for one of the component; None if there is nothing to send. It is called with the frame.
-        topic: below that of the component; empty for that itself.
+        type: type of its messages.
+        make: converts a message of the component; None if there is nothing to send. It is called with the frame.
+        topic: relative to that of the component; empty for the topic of the component.
         qos: quality of service.
-        frame: a name of `morse.core.declarations.FRAMES`, or ``down``; empty for that of the message of the component.
-        instead: what is published if the backend has no such type.
-        or_none: nothing is published if the backend has no such type.
+        frame: a name of `morse.core.declarations.FRAMES`, or ``down``; empty for the frame of the message.
+        instead: outlet that is used if the backend does not have the type.
+        or_none: nothing is published if the backend does not have the type.
     """
 
     type: str
@@ -42,10 +42,10 @@ class Inlet(NamedTuple):
     """A topic that commands a component.
 
     Attributes:
-        type: of its messages.
-        take: slots by name for a message.
-        topic: below that of the component; empty for that itself.
-        also: below the namespace of the robot, for the first component of the robot that has this inlet.
+        type: type of its messages.
+        take: converts a message to slots by name.
+        topic: relative to that of the component; empty for the topic of the component.
+        also: below the namespace of the robot, for the first component of the robot with this inlet.
     """
 
     type: str

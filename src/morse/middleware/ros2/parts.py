@@ -1,4 +1,4 @@
-"""Parts that many messages have."""
+"""Common parts of messages."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ if TYPE_CHECKING:
     from morse.core.kinds import Message
 
 _SECOND = 10**9
-#: of a covariance: there is no such datum (definition of sensor_msgs/Imu)
+#: first element of a covariance if the quantity is not measured (definition of sensor_msgs/Imu)
 ABSENT = np.array([-1.0] + [0.0] * 8)
 
 
 def time(stamp: int) -> dict[str, int]:
-    """``builtin_interfaces/Time`` of whole ns."""
+    """``builtin_interfaces/Time`` from whole ns."""
     return {"sec": stamp // _SECOND, "nanosec": stamp % _SECOND}
 
 
 def header_at(stamp: int, frame: str) -> dict[str, Any]:
-    """``std_msgs/Header`` of whole ns."""
+    """``std_msgs/Header`` from whole ns."""
     return {"stamp": time(stamp), "frame_id": frame}
 
 
@@ -46,7 +46,7 @@ def xyz(vector: Sequence[float] | None) -> dict[str, float]:
 
 
 def quaternion(wxyz: Sequence[float] | None) -> dict[str, float]:
-    """``Quaternion`` of length 1; no rotation for None, or for one without length."""
+    """A normalised ``Quaternion``; the identity for None, or for zero."""
     if wxyz is None:
         return {}
     w, x, y, z = _floats(wxyz)
@@ -59,7 +59,7 @@ def quaternion(wxyz: Sequence[float] | None) -> dict[str, float]:
 
 
 def covariance(matrix: Any) -> Any:
-    """Row by row; None, which is all zeros, means unknown."""
+    """Row by row; None becomes all zeros, which means unknown."""
     return None if matrix is None else np.asarray(matrix).reshape(-1)
 
 

@@ -1,4 +1,4 @@
-"""Products of poses, and odometry of a robot from that of a sensor somewhere on it."""
+"""Products of poses, and odometry of a robot from a sensor anywhere on it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ NO_DISPLACEMENT = Transformation3d()
 
 
 class Motion(NamedTuple):
-    """Pose since the start, and velocity of a robot.
+    """Pose relative to the start, and velocity of a robot.
 
     Attributes:
-        pose: of the robot in the frame of its pose at the start.
-        linear: (3,) m/s along the axes of the robot.
-        angular: (3,) rad/s about the axes of the robot.
+        pose: of the robot relative to its initial pose.
+        linear: (3,) m/s in the axes of the robot.
+        angular: (3,) rad/s in the axes of the robot.
     """
 
     pose: Transformation3d
@@ -39,12 +39,12 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Transform
 
 
 def inverse(pose: Transformation3d) -> Transformation3d:
-    """The pose that undoes another."""
+    """The inverse of a pose."""
     return pose.transformation3d_with(NO_DISPLACEMENT)
 
 
 def product(first: Transformation3d, second: Transformation3d) -> Transformation3d:
-    """The second pose, which is given in the frame of the first, in the frame that the first is given in."""
+    """The product of two poses: the second one is given in the frame of the first one."""
     return inverse(first).transformation3d_with(second)
 
 
@@ -54,27 +54,27 @@ def quaternion_of(pose: Transformation3d) -> tuple[float, ...]:
 
 
 def motion_of_robot(sensor: Transformation3d, linear: Any, angular: Any, mounting: Transformation3d) -> Motion:
-    """What the robot does, if a sensor on it has moved.
+    """The motion of the robot, from the motion of a sensor on it.
 
     Args:
-        sensor: pose of the sensor in the frame of its own pose at the start.
-        linear: (3,) m/s along the axes of the sensor.
-        angular: (3,) rad/s about the axes of the sensor.
+        sensor: pose of the sensor relative to its own initial pose.
+        linear: (3,) m/s in the axes of the sensor.
+        angular: (3,) rad/s in the axes of the sensor.
         mounting: pose of the sensor on the robot.
     """
     pose = product(mounting, product(sensor, inverse(mounting)))
     rotation = np.array(mounting.rotation_matrix, dtype=np.float64)
     turning = rotation @ np.asarray(angular, dtype=np.float64)
-    # the velocity of a point of a rigid body is that of another one plus the rotation times their distance
+    # velocities of two points of a rigid body differ by the cross product of the angular velocity and their offset
     moving = rotation @ np.asarray(linear, dtype=np.float64) - np.cross(turning, [mounting.x, mounting.y, mounting.z])
     return Motion(pose, moving, turning)
 
 
-#: rotation from what looks along X, Z up, to what looks along Z, Y down, w, x, y, z
+#: rotation from axes with X forward, Z up, to axes with Z forward, Y down, w, x, y, z
 OPTICAL_TURN = (0.5, -0.5, 0.5, -0.5)
 OPTICAL_INVERSE = inverse(pose_of((0.0, 0.0, 0.0), OPTICAL_TURN))
 
 
 def between(robot: Any, obj: Any) -> Transformation3d:
-    """The pose of an object in the frame of another one."""
+    """The pose of an object in the frame of another object."""
     return Transformation3d(robot).transformation3d_with(Transformation3d(obj))

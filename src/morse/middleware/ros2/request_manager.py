@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: calls that a service takes in one tick, and calls that go on
+#: maximum number of calls that a service takes in one tick, and of active calls
 _EACH_TICK, _MOST_RUNNING = 16, 1024
 
 
@@ -38,8 +38,8 @@ class _Offer(NamedTuple):
 class Ros2RequestManager(RequestManager):
     """Services of components as services of ROS 2, below the topics of the component.
 
-    They need a backend that has services: rclpy. Types are those of `morse.middleware.ros2.calls`. The services of the
-    simulation are below ``/simulation`` and ``/time``, and as far as it can be as `simulation_interfaces`.
+    They need a backend with services: rclpy. Types are those of `morse.middleware.ros2.calls`. The services of the
+    simulation are below ``/simulation`` and ``/time``, and available as `simulation_interfaces` as far as possible.
     """
 
     classpath = "morse.middleware.ros2.request_manager.Ros2RequestManager"
@@ -74,7 +74,7 @@ class Ros2RequestManager(RequestManager):
         return True
 
     def finalization(self) -> bool:
-        """Offer nothing more."""
+        """Remove all services."""
         for offer in self._offers.values():
             offer.server.close()
         self._offers.clear()
@@ -113,7 +113,7 @@ class Ros2RequestManager(RequestManager):
             self._simulation = SimulationInterfaces(self._context, self._backend, self.call)
 
     def _offer_typed(self, component: str, callback: Callable[..., Any], name: str, backend: Backend) -> bool:
-        """Offer a service or an action with a type of its own; False if it has none."""
+        """Offer a service or an action with its own type; False if it has none."""
         key, path = (component, name), f"{self._base(component)}/{cleaned(name)}"
         action, kind = getattr(callback, "_ros_action_type", None), getattr(callback, "_ros_service_type", None)
         if action is None and kind is None:
@@ -178,7 +178,7 @@ class Ros2RequestManager(RequestManager):
             try:
                 offer.server.answer(caller, offer.call.answer(state, result))
             except (ValueError, TypeError, RecursionError) as error:
-                text = f"the result has no form in JSON: {error}"
+                text = f"the result has no JSON representation: {error}"
                 offer.server.answer(caller, offer.call.answer(FAILED, text))
 
         try:
@@ -191,16 +191,16 @@ class Ros2RequestManager(RequestManager):
     def call(
         self, component: str, service: str, arguments: list[Any], ended: Callable[[Outcome], object]
     ) -> uuid.UUID | None:
-        """Call a service that this manager offers.
+        """Call a service of this manager.
 
         Args:
-            ended: is given status and result, in this tick or in a later one.
+            ended: called with status and result, in this tick or in a later one.
 
         Returns:
-            The call, if it goes on.
+            The call, if it is asynchronous.
         """
         if len(self._pending) >= _MOST_RUNNING:
-            ended((FAILED, f"{_MOST_RUNNING} calls go on: wait for their end"))
+            ended((FAILED, f"{_MOST_RUNNING} calls are active: wait until they end"))
             return None
         try:
             done, outcome = self.on_incoming_request(component, service, arguments)
@@ -232,7 +232,7 @@ class Ros2RequestManager(RequestManager):
 
 
 def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:
-    """What a service with a type of its own answers: what it returns, or nothing if it has failed."""
+    """The response of a service with its own type: the returned value, or nothing if it has failed."""
 
     def ended(outcome: Outcome) -> None:
         state, result = outcome
@@ -246,7 +246,7 @@ def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:
                 for name, value in zip(fields, values, strict=False):
                     setattr(response, name, value)
             except (AssertionError, ValueError, TypeError) as error:
-                logger.error("ros2: a service returned what its response cannot hold: %s", error)
+                logger.error("ros2: a service returned a value that does not fit its response: %s", error)
         elif state != SUCCESS:
             logger.warning("ros2: a service has failed (%s): %s", state, result)
         server.answer_message(caller, response)

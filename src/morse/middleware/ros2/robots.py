@@ -26,7 +26,7 @@ _QUANTITIES = ("position", "velocity", "effort")
 
 
 class _Robot:
-    """What is published of a robot as a whole."""
+    """The topics of one robot."""
 
     def __init__(self, robot: Any) -> None:
         self.robot = robot
@@ -39,10 +39,10 @@ class _Robot:
 
 
 class Robots:
-    """The topics of all robots whose components publish something.
+    """The topics of all robots with publishing components.
 
     Args:
-        manager: publishes them.
+        manager: publishes the topics.
     """
 
     def __init__(self, manager: Any) -> None:
@@ -51,7 +51,7 @@ class Robots:
         self._changed: set[str] = set()
 
     def add(self, stream: Ros2Stream) -> None:
-        """A stream of a sensor begins."""
+        """Add the stream of a sensor."""
         name = stream.robot.name()
         known = self._robots.get(name)
         if known is None or known.robot is not stream.robot:
@@ -64,7 +64,7 @@ class Robots:
         self._changed.add(name)
 
     def remove(self, stream: Ros2Stream) -> None:
-        """A stream ends."""
+        """Remove a stream."""
         known = self._robots.get(stream.robot.name())
         if known is None or stream not in known.streams:
             return
@@ -72,7 +72,7 @@ class Robots:
         known.measured = [(one, bound) for one, bound in known.measured if one is not stream.component_instance]
 
     def left(self) -> None:
-        """Components were deleted: close the topics of robots that have gone."""
+        """Components were deleted: close the topics of deleted robots."""
         for name in [name for name, known in self._robots.items() if not known.streams]:
             known = self._robots.pop(name)
             for publisher in (known.states, known.description):
@@ -81,7 +81,7 @@ class Robots:
             self._manager.release(name)
 
     def publish(self) -> None:
-        """Send what has changed in a tick."""
+        """Send the changes of a tick."""
         changed, self._changed = self._changed, set()
         for name in sorted(changed & self._robots.keys()):
             self._describe(self._robots[name])
@@ -116,7 +116,7 @@ class Robots:
 
 
 def union(messages: list[tuple[Any, Message]], stamp: int, joints: list[Joint]) -> dict[str, Any]:
-    """One ``sensor_msgs/JointState`` of several: what a joint has not is NaN, what no joint has is an empty list."""
+    """Merge several ``sensor_msgs/JointState``: missing values are NaN; without any values, lists are empty."""
     names: list[str] = []
     values: dict[str, list[float]] = {quantity: [] for quantity in _QUANTITIES}
     for owner, message in messages:

@@ -15,22 +15,22 @@ if TYPE_CHECKING:
 _TYPE = "rcl_interfaces/msg/Log"
 #: levels of rcl_interfaces/Log are those of logging
 _STEP, _LEAST, _MOST = 10, 10, 50
-#: lines that wait for the end of a tick, and lines that one tick sends
+#: maximum number of lines that wait for the end of a tick, and that one tick sends
 _WAITING, _EACH_TICK = 1000, 64
 
 
 class LogTopic(logging.Handler):
-    """Takes what MORSE logs, in any thread, and publishes it between two ticks.
+    """Collects log records of MORSE in any thread, and publishes them between two ticks.
 
     Args:
-        manager: publishes it.
+        manager: publishes the topic.
     """
 
     def __init__(self, manager: Any) -> None:
         super().__init__()
         self._manager = manager
         self._lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
-        # who comes later gets the last lines, as of every node of ROS
+        # later subscribers receive the last lines, as from every ROS node
         qos = Qos(_WAITING, latched=True)
         self._publisher: Publisher | None = manager.own("/rosout", _TYPE, qos, "the simulation")
         if self._publisher is not None:
@@ -38,7 +38,7 @@ class LogTopic(logging.Handler):
 
     @property
     def waiting(self) -> bool:
-        """Whether there are lines that are not sent yet."""
+        """Whether there are unsent lines."""
         return bool(self._lines)
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -46,7 +46,7 @@ class LogTopic(logging.Handler):
         self._lines.append(record)
 
     def publish(self, stamp: int) -> None:
-        """Send what has been logged.
+        """Send the logged lines.
 
         Args:
             stamp: simulated time, ns.
@@ -55,7 +55,7 @@ class LogTopic(logging.Handler):
             self._manager.send(self._publisher, _TYPE, _message(self._lines.popleft(), stamp))
 
     def close(self) -> None:
-        """Take nothing more."""
+        """Stop collecting."""
         logging.getLogger("morse").removeHandler(self)
         if self._publisher is not None:
             self._publisher.close()
@@ -65,7 +65,7 @@ class LogTopic(logging.Handler):
 def _message(record: logging.LogRecord, stamp: int) -> dict[str, Any]:
     try:
         text = record.getMessage()
-    except Exception:  # arguments that do not fit their text: logging says so elsewhere
+    except Exception:  # arguments that do not fit the format: logging reports it elsewhere
         text = str(record.msg)
     return {
         "stamp": time(stamp),

@@ -1,7 +1,7 @@
-"""The services of the package simulation_interfaces, as far as MORSE can do what they ask for.
+"""The services of the package simulation_interfaces that MORSE supports.
 
-Source: github.com/ros-simulation/simulation_interfaces, version 1. They are offered under ``/morse``, where the package
-is installed; each is carried out by the services of the simulation, so that the journal has it.
+Source: github.com/ros-simulation/simulation_interfaces, version 1. They are offered below ``/morse`` if the package is
+installed; each is implemented by services of the simulation, so that the journal contains it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     _Reply = Callable[[dict[str, Any]], object]
 
 _UNSUPPORTED, _OK, _NOT_FOUND, _INCORRECT_STATE, _FAILED = 0, 1, 2, 3, 4
-#: SetSimulationState and SpawnEntity
+#: constants of SetSimulationState and SpawnEntity
 _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _BAD_POSE = (
     101,
     101,
@@ -37,10 +37,10 @@ _ALREADY, _NOT_UNIQUE, _NAME_INVALID, _NO_FORMAT, _NO_RESOURCE, _NO_NAMESPACE, _
 _STOPPED, _PLAYING, _PAUSED, _QUITTING = 0, 1, 2, 3
 #: spawning, deleting, state of entities (get, set), reset, state of the simulation (get, set, pause), steps
 FEATURES = (0, 1, 10, 11, 20, 24, 25, 26, 31, 32)
-#: of ResetSimulation: the default, time, state and what was spawned together, everything
+#: scopes of ResetSimulation: the default; time, state and spawned entities together; everything
 _WHOLE = (0, 7, 255)
 _WORLDS = ("", "map", "world")
-#: a filter of names without what could take a regular expression for ever
+#: a filter of names without constructs with exponential time
 _HARMLESS, _MOST_STARS = re.compile(r"[^(){}+?\\*]*(?:\*[^(){}+?\\*]*){0,3}"), 3
 _LONGEST = 200
 _EACH_TICK = 16
@@ -50,8 +50,8 @@ class SimulationInterfaces:
     """Answers the calls.
 
     Args:
-        backend: has services.
-        call: a service of MORSE: component, service, arguments, and what is given the outcome.
+        backend: a backend with services.
+        call: calls a service of MORSE: component, service, arguments, and a callback for the outcome.
     """
 
     def __init__(self, context: Context, backend: Backend, call: Callable[..., Any]) -> None:
@@ -76,13 +76,13 @@ class SimulationInterfaces:
                 self._servers.append((server, handler))
 
     def serve(self) -> None:
-        """Answer what has arrived."""
+        """Answer the received calls."""
         for server, handler in self._servers:
             for caller, request in server.take(_EACH_TICK):
                 handler(request, lambda answer, server=server, caller=caller: server.answer(caller, answer))  # type: ignore[misc]
 
     def close(self) -> None:
-        """Offer nothing more."""
+        """Remove all services."""
         for server, _ in self._servers:
             server.close()
         self._servers.clear()
@@ -188,7 +188,7 @@ class SimulationInterfaces:
             arguments = [name, from_xyz(pose["position"]), _turn(pose)]
             self._call("simulation", "set_object_pose", arguments, _then(reply))
 
-    # -- coming and going --------------------------------------------------------------------
+    # -- spawning and deleting ---------------------------------------------------------------
 
     def _spawn(self, request: dict[str, Any], reply: _Reply) -> None:
         name, wrong = self._name_of(request)
@@ -235,7 +235,7 @@ def _result(code: int = _OK, text: str = "") -> dict[str, Any]:
 
 
 def _then(reply: _Reply, more: dict[str, Any] | None = None) -> Callable[[Outcome], object]:
-    """Answer with the outcome of a service."""
+    """A callback that answers with the outcome of a service."""
 
     def ended(outcome: Outcome) -> None:
         state, text = outcome
@@ -246,7 +246,7 @@ def _then(reply: _Reply, more: dict[str, Any] | None = None) -> Callable[[Outcom
 
 
 def _turn(pose: dict[str, Any]) -> list[float]:
-    """W, x, y, z; no rotation if all are 0."""
+    """W, x, y, z; the identity if all are 0."""
     given = from_quaternion(pose["orientation"])
     if not any(given):
         return [1.0, 0.0, 0.0, 0.0]

@@ -1,4 +1,4 @@
-"""The stream of a component: its messages as topics."""
+"""The stream of a component: its messages on topics."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class _Hearing(NamedTuple):
 
 
 class Ros2Stream(KindStream):
-    """Sends the messages of a component, each on its topic; or gives the component what topics bring."""
+    """Sends the messages of a component on their topics, or writes received messages into the component."""
 
     options = STREAM_OPTIONS
 
@@ -50,12 +50,12 @@ class Ros2Stream(KindStream):
         """Open the topics.
 
         Raises:
-            MorseMiddlewareError: a topic is taken, or has a name that ROS does not allow.
+            MorseMiddlewareError: a topic is in use, or has a name that ROS does not allow.
         """
         super().initialize()
         self.robot = robot_of(self.component_instance)
         self._frame_ids: dict[str, str] = {}
-        # not all streams look around in the same tick
+        # streams check in different ticks
         self._silence = crc32(self.component_name.encode()) % _PATIENCE
         self._sending: list[tuple[BoundKind, list[_Sending]]] = []
         self._hearing: list[_Hearing] = []
@@ -77,7 +77,7 @@ class Ros2Stream(KindStream):
         if self.direction == "OUT":
             self._offer_fields()
             self.manager.robots.add(self)
-            # a scene that was not made for ROS may well have two kinds of odometry
+            # a scene that was not made for ROS may have two odometry sensors
             self.manager.transforms.add(self, lenient="ros2" in self.manager.context.scene.interfaces)
 
     def _offer_fields(self) -> None:
@@ -93,7 +93,7 @@ class Ros2Stream(KindStream):
     # -- frames ------------------------------------------------------------------------------
 
     def frame_id(self, frame: str) -> str:
-        """The name of a frame of the component; that of its messages may be an option of the stream."""
+        """The name of a frame of the component; an option of the stream may replace that of its messages."""
         known = self._frame_ids.get(frame)
         if known is None:
             known = self._frame_ids[frame] = self._find_frame_id(frame)
@@ -107,7 +107,7 @@ class Ros2Stream(KindStream):
         return name
 
     def own_frame(self) -> str:
-        """The name of the frame of the component itself."""
+        """The name of the frame of the component."""
         return self.frame_id("own")
 
     def child_frame_id(self) -> str:
@@ -115,18 +115,18 @@ class Ros2Stream(KindStream):
         return str(self.kwargs["child_frame_id"] or self.manager.names.base(self.robot))
 
     def frames(self) -> set[str]:
-        """The frames that messages of the component are in."""
+        """The frames of the messages of the component."""
         said = {line.outlet.frame for _, lines in self._sending for line in lines if line.outlet.frame}
         return {bound.frame for bound in self.kinds} | said
 
     def mounting(self) -> Transformation3d:
         """The present pose of the component on its robot, X forward."""
         pose = self.component_instance.sensor_to_robot_position_3d()
-        # the object of a camera has the axes of its picture
+        # the axes of a camera object are those of its image
         return product(pose, OPTICAL_INVERSE) if hasattr(self.component_instance, "lens") else pose
 
     def master(self) -> Any:
-        """The camera whose frame the pictures or clouds of several cameras are in; None for all other components."""
+        """The camera in whose frame the images or clouds of several cameras are; None for all other components."""
         component: Any = self.component_instance
         clouds = getattr(component, "clouds", None)
         return component.master() if clouds is not None and clouds() else None
@@ -137,13 +137,13 @@ class Ros2Stream(KindStream):
 
     @property
     def gives_transform(self) -> bool:
-        """Whether the transform from odom to base_link follows from it."""
+        """Whether the transform from odom to base_link is derived from it."""
         return bool(self.kwargs["tf"]) and any(bound.kind.name == "odometry" for bound in self.kinds)
 
-    # -- what goes out -----------------------------------------------------------------------
+    # -- publishing --------------------------------------------------------------------------
 
     def default(self, ci: Object | None = None) -> bool:
-        """Publish; or take what has arrived, True if something did."""
+        """Publish, or process received messages; True if there were any."""
         if self.direction == "IN":
             silent = True
             for hearing in self._hearing:
@@ -173,18 +173,19 @@ class Ros2Stream(KindStream):
             data = self.manager.backend.encode(line.outlet.type, made)
         except _UNFIT as error:
             self.complain(
-                f"encode {line.topic}", f"a message for {line.topic} is no {line.outlet.type} and is left out: {error}"
+                f"encode {line.topic}",
+                f"a message for {line.topic} is not a valid {line.outlet.type} and is omitted: {error}",
             )
             return
         if not line.publisher.publish(data):
-            self.complain(f"slow {line.topic}", f"who reads {line.topic} is too slow: a message is lost")
+            self.complain(f"slow {line.topic}", f"a reader of {line.topic} is too slow: a message is lost")
 
     def _motion(self, message: Message) -> Any:
         sensor = pose_of(message.position, message.orientation)
         return motion_of_robot(sensor, message.linear, message.angular, self.mounting())
 
     def odometry(self, message: Message, frame: str) -> dict[str, Any]:
-        """``nav_msgs/Odometry`` of the robot, wherever on it the sensor is."""
+        """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted."""
         pose, linear, angular = self._motion(message)
         return {
             "header": header(message, frame),
@@ -199,7 +200,7 @@ class Ros2Stream(KindStream):
             },
         }
 
-    # -- what comes in -----------------------------------------------------------------------
+    # -- commands ----------------------------------------------------------------------------
 
     def _look_for_others(self) -> None:
         """If no messages arrive, warn about senders of messages of another type, which are not received."""
@@ -209,7 +210,7 @@ class Ros2Stream(KindStream):
         for hearing in self._hearing:
             for other in sorted(hearing.subscription.other_types()):
                 stamped = "TwistStamped" in other and not self.kwargs["stamped"]
-                mend = "; say stamped=True" if stamped else ""
+                mend = "; set stamped=True" if stamped else ""
                 self.complain(
                     f"type {hearing.topic}",
                     f"somebody sends {other} on {hearing.topic}, which takes {hearing.inlet.type}{mend}",
@@ -235,7 +236,7 @@ class Ros2Stream(KindStream):
         self.receive(hearing.bound, slots, frame)
 
     def _from_frame(self, frame_id: str, slots: dict[str, Any]) -> str | None:
-        """The frame of a command; a pose since the start becomes one in the world."""
+        """The frame of a command; a pose relative to the start is converted to the world frame."""
         names = self.manager.names
         if frame_id.lstrip("/") != names.odom(self.robot) or "position" not in slots:
             known: str | None = names.frame_of(self.component_instance, frame_id)

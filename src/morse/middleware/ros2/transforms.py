@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _FROM_OWN = {"optical": OPTICAL_TURN, "frd": (0.0, 1.0, 0.0, 0.0)}
 #: X down, Y left, Z forward, along the axes of the world
 _DOWN = (0.7071067811865476, 0.0, 0.7071067811865476, 0.0)
-#: north-east-down in a world whose X axis is east
+#: north-east-down in a world whose X axis points east
 _NED = (0.0, 0.7071067811865476, 0.7071067811865476, 0.0)
 
 
@@ -32,8 +32,8 @@ class _RobotFrames:
 
     Attributes:
         odom, base: names of frames.
-        source: name of the sensor whose odometry moves the robot in the tree; None: the truth does.
-        moved: pose of the robot in the frame odom, as that sensor has said last.
+        source: name of the sensor whose odometry moves the robot in the tree; None: the true pose is used.
+        moved: pose of the robot in the frame odom, from the last message of that sensor.
     """
 
     def __init__(self, robot: Any, odom: str, base: str) -> None:
@@ -42,11 +42,11 @@ class _RobotFrames:
         self.moved = Transformation3d()
         self.streams: list[Ros2Stream] = []
         self.joints: list[Joint] = []
-        #: streams with a frame that keeps the axes of the world, whatever the robot does
+        #: streams with a frame that keeps the axes of the world, independent of the robot
         self.upright: list[Ros2Stream] = []
 
     def pose(self) -> Transformation3d:
-        """Of the robot, in the frame odom."""
+        """The pose of the robot in the frame odom."""
         if self.source is not None:
             return self.moved
         return self.robot.initial_position_3d.transformation3d_with(Transformation3d(self.robot.bge_object))  # type: ignore[no-any-return]
@@ -57,7 +57,7 @@ class Transforms:
 
     Args:
         localization: another node publishes the transform from map to odom.
-        send, send_static: take a ``tf2_msgs/TFMessage``.
+        send, send_static: send a ``tf2_msgs/TFMessage``.
     """
 
     def __init__(self, localization: bool, send: _Send, send_static: _Send) -> None:
@@ -66,13 +66,13 @@ class Transforms:
         self._changed = False
 
     def add(self, stream: Ros2Stream, *, lenient: bool = False) -> None:
-        """A stream of a sensor begins.
+        """Add the stream of a sensor.
 
         Args:
-            lenient: of several sensors with odometry the first one counts.
+            lenient: of several odometry sensors, the first one is used.
 
         Raises:
-            MorseMiddlewareError: the transform of its robot comes from another sensor already.
+            MorseMiddlewareError: the transform of its robot already comes from another sensor.
         """
         robot = stream.robot
         names = stream.manager.names
@@ -83,7 +83,7 @@ class Transforms:
             if frames.source is not None:
                 raise MorseMiddlewareError(
                     f"{stream.component_name}: tf {frames.odom} → {frames.base} already comes from {frames.source}; "
-                    "say tf=False"
+                    "set tf=False"
                 )
             frames.source = stream.component_name
             frames.odom, frames.base = stream.frame_id("start"), stream.child_frame_id()
@@ -91,7 +91,7 @@ class Transforms:
         self._changed = True
 
     def remove(self, stream: Ros2Stream) -> None:
-        """A stream ends."""
+        """Remove a stream."""
         frames = self._robots.get(stream.robot.name())
         if frames is None or stream not in frames.streams:
             return
@@ -102,17 +102,17 @@ class Transforms:
             del self._robots[stream.robot.name()]
 
     def moved(self, stream: Ros2Stream, pose: Transformation3d) -> None:
-        """The odometry of a robot says where it is."""
+        """Set the odometry of a robot."""
         frames = self._robots[stream.robot.name()]
         if frames.source == stream.component_name:
             frames.moved = pose
 
     def publish(self, stamp: int, *, wanted: bool) -> None:
-        """Send what moves; and what does not if that has changed.
+        """Send the moving transforms, and the fixed transforms if they have changed.
 
         Args:
-            stamp: simulated time, ns. Time 0 has a meaning of its own in tf, and is not sent.
-            wanted: whether somebody listens to what moves.
+            stamp: simulated time, ns. Time 0 has a special meaning in tf, and is not sent.
+            wanted: whether the moving transforms have subscribers.
         """
         if stamp <= 0:
             return

@@ -1,4 +1,4 @@
-"""The description of a robot as URDF: its frames, its joints, and the shapes with which it collides.
+"""The description of a robot as URDF: its frames, its joints, and its collision shapes.
 
 Source of the format: wiki.ros.org/urdf/XML.
 """
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.moving import Joint
 
 _GREY = (0.6, 0.6, 0.6, 1.0)
-#: of a shape that has no extent along an axis, m
+#: size of a shape without extent along an axis, m
 _THIN = 1e-3
 
 
 class Carried(NamedTuple):
-    """A component that has a frame.
+    """A component with a frame.
 
     Attributes:
-        object: in the world.
-        pose: of its frame, X forward, in that of the robot.
-        moves: another component carries it, and may move it.
+        object: the object in the world.
+        pose: pose of its frame, X forward, in the frame of the robot.
+        moves: whether it is on another component, which may move it.
     """
 
     object: Any
@@ -46,8 +46,8 @@ def describe(name: str, robot: Any, base: str, joints: list[Joint], components: 
         name: of the robot.
         robot: its object in the world.
         base: its frame.
-        joints: what moves, parents first.
-        components: by frame.
+        joints: its joints, parents first.
+        components: its components by frame.
     """
     model = ElementTree.Element("robot", name=name)
     owners = {id(joint.part.object): joint.frame for joint in joints}
@@ -96,7 +96,7 @@ def _add_link(model: Any, frame: str, obj: Any, owners: Mapping[int, str], place
 
 
 def _own_parts(obj: Any, frame: str, owners: Mapping[int, str]) -> Iterator[Any]:
-    """The object and all below it, but for what is a link of its own."""
+    """The object and its descendants, except for those with their own link."""
     yield obj
     for child in obj.children:
         if owners.get(id(child), frame) == frame:
@@ -151,7 +151,7 @@ def _color(node: Any) -> tuple[float, ...]:
     for material in (*node.materials, *(node.mesh.materials if node.mesh is not None else ())):
         color = getattr(material, "color", None)
         if color is not None:
-            # linear light as viewers of URDF take it
+            # viewers of URDF expect sRGB
             return (*(float(c) ** (1.0 / 2.2) for c in color[:3]), 1.0)
     return _GREY
 

@@ -1,1 +1,1 @@
-"""Topics and services for clients of rosbridge: JSON by WebSocket."""
+"""Topics and services for clients of rosbridge: JSON over WebSocket."""

@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from morse.middleware.web.topics import WebTopic
 
 _LEVELS = ("none", "error", "warning", "info")
-#: topics that a client may subscribe, advertise
+#: maximum number of topics that a client may subscribe to or advertise
 _MOST_TOPICS = 1024
 _LONGEST_NAME = 256
 
 
 class _Wish(NamedTuple):
-    """What a subscription asks for.
+    """The options of a subscription.
 
     Attributes:
-        interval: least wall-clock time between two messages, s.
-        depth: messages that may wait; 0 for what the topic has.
+        interval: minimum wall-clock time between two messages, s.
+        depth: maximum number of queued messages; 0 for the queue depth of the topic.
     """
 
     interval: float
@@ -39,12 +39,12 @@ class _Wish(NamedTuple):
 
 
 class RosbridgeClient(HubClient):
-    """Carries out the operations of a client."""
+    """Executes the operations of a client."""
 
     def __init__(self, hub: Hub, connection: ServerConnection) -> None:
         super().__init__(hub, connection)
         self._level = 1
-        #: topic to subscriptions by id
+        #: subscriptions of each topic, by id
         self._wishes: dict[str, dict[Any, _Wish]] = {}
         self._last: dict[str, float] = {}
         self._advertised: set[str] = set()
@@ -114,7 +114,7 @@ class RosbridgeClient(HubClient):
     def _topic_of(self, operation: Operation) -> str:
         if not operation.topic or len(operation.topic) > _LONGEST_NAME:
             raise ValueError(f"'{operation.op}' needs 'topic', the name of a topic")
-        # rosbridge takes names without the first slash, too
+        # rosbridge also accepts names without the leading slash
         return operation.topic if operation.topic.startswith("/") else "/" + operation.topic
 
     def _advertise(self, operation: Operation) -> None:
@@ -135,7 +135,7 @@ class RosbridgeClient(HubClient):
         if not data:
             raise ValueError("'publish' needs 'msg', the message")
         if name not in heard:
-            text = f"nobody hears {short(name)}{nearest(name, heard)}"
+            text = f"no component subscribes to {short(name)}{nearest(name, heard)}"
             self.hub.server.complain(self, "nobody", text)
             self._status("warning", text, operation.id)
             return
@@ -167,14 +167,14 @@ class RosbridgeClient(HubClient):
         if error is not None:
             values = msgspec.json.encode(error)
         else:
-            # 'values' is an object: the fields of the response of a service of ROS
+            # 'values' is an object: the fields of the response of a ROS service
             values = value if value.startswith(b"{") else b'{"result":' + value + b"}"
         head = {"op": "service_response", "service": service, "result": error is None}
         if number is not None:
             head["id"] = number
         self.tell((msgspec.json.encode(head)[:-1] + b',"values":' + values + b"}").decode())
 
-    # -- the rest ----------------------------------------------------------------------------
+    # -- other operations --------------------------------------------------------------------
 
     def _set_level(self, operation: Operation) -> None:
         if operation.level not in _LEVELS:
@@ -182,7 +182,7 @@ class RosbridgeClient(HubClient):
         self._level = _LEVELS.index(operation.level)
 
     def _nothing(self, operation: Operation) -> None:
-        """Everybody who may connect may do everything."""
+        """All connected clients have all permissions."""
 
     _operations = {  # noqa: RUF012 - never changed
         "subscribe": _subscribe,
@@ -204,7 +204,7 @@ class RosbridgeClient(HubClient):
             method = self._operations.get(operation.op)
             if method is None:
                 raise ValueError(
-                    f"the operation {short(operation.op)} is not offered{nearest(operation.op, self._operations)}"
+                    f"the operation {short(operation.op)} is not supported{nearest(operation.op, self._operations)}"
                 )
             method(self, operation)
         except ValueError as error:
@@ -220,5 +220,5 @@ class RosbridgeClient(HubClient):
 
 
 def _of_ros_2(name: str) -> str:
-    """``std_msgs/String`` of ROS 1 is ``std_msgs/msg/String``."""
+    """Convert ``std_msgs/String`` of ROS 1 to ``std_msgs/msg/String``."""
     return name.replace("/", "/msg/") if name.count("/") == 1 else name

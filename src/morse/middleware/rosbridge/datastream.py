@@ -1,4 +1,4 @@
-"""Carries data streams to clients of rosbridge."""
+"""Publishes data streams to clients of rosbridge."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RosbridgeTopics(WebTopics):
-    """Topics whose messages are JSON."""
+    """Topics with messages in JSON."""
 
     def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
         """See `morse.middleware.ros2.backends.backend.Backend.encode`."""
@@ -28,7 +28,7 @@ class RosbridgeTopics(WebTopics):
 
 
 class RosbridgeDatastreamManager(Ros2DatastreamManager):
-    """The topics, messages and frames of ROS 2, as JSON by WebSocket.
+    """The topics, messages and frames of ROS 2, as JSON over WebSocket.
 
     Options of ``env.configure_stream_manager('rosbridge', ...)`` are in `morse.middleware.rosbridge.mapping`.
     """
@@ -42,6 +42,6 @@ class RosbridgeDatastreamManager(Ros2DatastreamManager):
         return RosbridgeTopics(hub_of(self.context, RosbridgeHub))
 
     def flush(self) -> None:
-        """A tick ends: time and frames, and all that was published."""
+        """The end of a tick: publish time and frames, and send all messages."""
         super().flush()
         self.backend.flush()

@@ -1,4 +1,4 @@
-"""The server of rosbridge, and how its messages look."""
+"""The server of rosbridge, and the format of its messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Messages as rosbridge writes them: JSON, ``uint8[]`` in base64, numbers that are not finite as ``null``."""
+"""Messages in the format of rosbridge: JSON, ``uint8[]`` in base64, NaN and infinity as ``null``."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
     from morse.middleware.ros2.definitions import MessageField
 
-#: fields of ROS 1, which clients may still send
+#: fields of ROS 1 that clients may still send
 _OF_ROS_1 = {"std_msgs/msg/Header": ("seq",), "builtin_interfaces/msg/Time": ("secs", "nsecs")}
 _BYTES = ("uint8", "int8")
 _encoder = msgspec.json.Encoder()
 
 
 def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
-    """A message with all its fields as JSON; those that are not given have their defaults.
+    """Encode a message with all its fields as JSON; missing fields have their defaults.
 
     Raises:
         ValueError, TypeError: a value does not fit its field.
@@ -36,15 +36,15 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
 
 
 def decode(type_name: str, data: bytes) -> dict[str, Any]:
-    """The message in JSON that may come from anybody; sequences of numbers become numpy arrays.
+    """Decode a message from untrusted JSON; sequences of numbers become numpy arrays.
 
     Raises:
-        ValueError: it is no message of that type; the text names the field.
+        ValueError: it is not a message of that type; the text names the field.
     """
     try:
         value = msgspec.json.decode(data)
     except (msgspec.DecodeError, RecursionError) as error:
-        raise ValueError(f"no JSON ({error})") from None
+        raise ValueError(f"not JSON ({error})") from None
     return _message(type_name, value, "")
 
 
@@ -135,7 +135,7 @@ def _string(value: Any, where: str) -> str:
 
 
 def _number_reader(field: MessageField) -> Callable[[Any, str], Any]:
-    # every integer that a float can hold; infinity is written as null
+    # every integer that a float can represent; infinity is written as null
     low, high = -(1 << 1023), 1 << 1023
     if field.type == "bool":
         words = "true or false"

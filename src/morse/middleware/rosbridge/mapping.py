@@ -1,4 +1,4 @@
-"""What rosbridge carries, and its options."""
+"""The mapping of rosbridge, and its options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What clients of rosbridge send: version 2 of its protocol."""
+"""The operations of rosbridge clients: version 2 of the protocol."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ Raw = msgspec.Raw
 
 
 class Operation(msgspec.Struct):
-    """An operation; fields that it does not use are not looked at.
+    """An operation; fields that it does not use are ignored.
 
     Attributes:
         op: name of the operation.
-        id: chosen by the client; answers have it, too.
+        id: chosen by the client; responses contain it, too.
     """
 
     op: str
@@ -30,15 +30,15 @@ class Operation(msgspec.Struct):
 
 
 def parse(frame: str | bytes) -> Operation:
-    """The operation of a message.
+    """Parse the operation of a message.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not a valid operation.
     """
     try:
         return _decoder.decode(frame)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
-        raise ValueError(f"no operation of rosbridge: {error}") from None
+        raise ValueError(f"not an operation of rosbridge: {error}") from None
 
 
 _decoder = msgspec.json.Decoder(Operation)

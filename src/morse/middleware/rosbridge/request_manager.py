@@ -7,7 +7,7 @@ from morse.middleware.web.requests import WebRequestManager
 
 
 class RosbridgeRequestManager(WebRequestManager):
-    """Services by the operation ``call_service``."""
+    """Services for the operation ``call_service``."""
 
     classpath = "morse.middleware.rosbridge.request_manager.RosbridgeRequestManager"
     hub_class = RosbridgeHub

@@ -1,4 +1,4 @@
-"""The services ``/rosapi/...`` by which clients look around."""
+"""The services ``/rosapi/...`` for introspection by clients."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _time(hub: Hub, _: str) -> dict[str, Any]:
     return {"time": {"sec": stamp // 10**9, "nanosec": stamp % 10**9}}
 
 
-#: service to the answer for its argument
+#: services, and the response for their argument
 _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
     "/rosapi/topics": ("", _topics),
     "/rosapi/topic_type": ("topic", lambda hub, topic: {"type": _types(hub).get(topic, "")}),
@@ -48,11 +48,11 @@ SERVICES = tuple(_ANSWERS)
 
 
 def answer(hub: Hub, service: str, args: Any) -> dict[str, Any] | None:
-    """Return the answer of a service; None if there is no such service.
+    """The response of a service; None if there is no such service.
 
     Args:
-        hub: whose topics and services these are.
-        service: with ``/rosapi/``.
+        hub: the hub with the topics and services.
+        service: its name, including ``/rosapi/``.
         args: a list, an object, or None.
     """
     known = _ANSWERS.get(service)

@@ -1,4 +1,4 @@
-"""Asynchronous calls that are running, and the clients that made them."""
+"""Active asynchronous calls, and their clients."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ if TYPE_CHECKING:
 
     from morse.middleware.socket.service_client import ServiceClient
 
-#: ids of a client that are remembered
+#: maximum number of ids of a client that are stored
 _REMEMBERED = 1024
 
 
 class Calls:
-    """The asynchronous calls of all clients; every operation takes constant time."""
+    """The active asynchronous calls of all clients; every operation takes constant time."""
 
     def __init__(self) -> None:
         self._callers: dict[uuid.UUID, tuple[ServiceClient, str]] = {}
@@ -33,7 +33,7 @@ class Calls:
             del ids[next(iter(ids))]
 
     def add(self, call: uuid.UUID, client: ServiceClient, request: str) -> None:
-        """Add a running call."""
+        """Add an active call."""
         self._callers[call] = (client, request)
         self._of_request.setdefault(request, {})[call] = None
         self._of_client.setdefault(client, {}).setdefault(request, {})[call] = None
@@ -60,7 +60,7 @@ class Calls:
         return next(reversed(others)) if others else None
 
     def forget(self, client: ServiceClient) -> list[uuid.UUID]:
-        """A client has gone; its calls that go on."""
+        """Remove a client that has disconnected; returns its active calls."""
         self._issued.pop(client, None)
         return [call for calls in self._of_client.get(client, {}).values() for call in calls]
 

@@ -1,4 +1,4 @@
-"""One TCP connection, served by the loop of the network; everything here runs in that loop."""
+"""One TCP connection; all functions run in the network loop."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from morse.core.network import Network
 
 _CHUNK = 1 << 18
-#: default number of unsent bytes above which the other side counts as slow
+#: default number of unsent bytes above which a peer counts as slow
 _HIGH_WATER = 1 << 16
 
 
@@ -21,30 +21,30 @@ class Listening(Protocol):
         """Bytes have arrived."""
 
     def eof_received(self) -> bool:
-        """The other side sends no more; True keeps the connection, to send the rest."""
+        """The peer has closed its sending side; True keeps the connection, to send the remaining bytes."""
 
     def connection_lost(self, error: OSError | None) -> None:
         """The connection has ended."""
 
     def pause_writing(self) -> None:
-        """More is unsent than the other side takes."""
+        """The number of unsent bytes exceeds the limit."""
 
     def resume_writing(self) -> None:
-        """The other side has caught up."""
+        """The peer has caught up."""
 
 
 class Connection:
     """One TCP connection.
 
-    Unlike an asyncio transport, it can be read at any time (`read`): the received bytes of a connection have to be
-    known before a request that came later on another one is carried out.
+    Unlike an asyncio transport, it can be read at any time (`read`): bytes received on a connection must be read
+    before a later request from another connection is executed.
 
     Args:
         sock: as `socket.socket.accept` returned it.
-        comes_first: what arrives here is read before requests are handed over (see `Network.when_read`).
+        comes_first: data of this connection are read before requests are processed (see `Network.when_read`).
 
     Attributes:
-        high_water: the other side counts as slow when more bytes are unsent.
+        high_water: the peer counts as slow if more bytes are unsent.
     """
 
     def __init__(self, network: Network, sock: socket.socket, *, comes_first: bool) -> None:
@@ -57,38 +57,38 @@ class Connection:
         self._slow = self._closing = self._ended = False
         self.high_water = _HIGH_WATER
         sock.setblocking(False)
-        with contextlib.suppress(OSError):  # the other side may have gone
+        with contextlib.suppress(OSError):  # the peer may have disconnected
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def start(self, listener: Listening) -> None:
-        """Tell ``listener`` from now on."""
+        """Set the listener for later events."""
         self._listener = listener
         self.resume_reading()
 
     def get_write_buffer_size(self) -> int:
-        """Number of bytes that wait to be sent."""
+        """Number of unsent bytes."""
         return len(self._rest)
 
     def is_closing(self) -> bool:
-        """Whether the connection has ended or is about to."""
+        """Whether the connection is closed or closing."""
         return self._closing or self._ended
 
     # -- reading -----------------------------------------------------------------------------
 
     def pause_reading(self) -> None:
-        """Take nothing for a while: the other side has to wait when the system's buffers are full."""
+        """Stop reading for a while: the peer has to wait when the buffers of the system are full."""
         if self._reading:
             self._reading = False
             self._network.ignore(self._socket)
 
     def resume_reading(self) -> None:
-        """Take what arrives."""
+        """Continue reading."""
         if not self._reading and not self.is_closing():
             self._reading = True
             self._network.on_readable(self._socket, self.read, comes_first=self._comes_first)
 
     def read(self) -> None:
-        """Take what has arrived."""
+        """Read the received bytes."""
         if not self._reading:
             return
         try:
@@ -108,7 +108,7 @@ class Connection:
     # -- writing -----------------------------------------------------------------------------
 
     def write(self, data: bytes) -> None:
-        """Send what the system takes now, and the rest as soon as it takes more."""
+        """Send the bytes that the system accepts now, and the rest as soon as it accepts more."""
         if self.is_closing():
             return
         if not self._rest:
@@ -157,7 +157,7 @@ class Connection:
     # -- the end -----------------------------------------------------------------------------
 
     def close(self) -> None:
-        """End when all is sent."""
+        """Close when all bytes are sent."""
         if self.is_closing():
             return
         self._closing = True
@@ -166,7 +166,7 @@ class Connection:
             self._end(None)
 
     def abort(self) -> None:
-        """End now; the other side notices at once."""
+        """Close immediately; the peer is notified by a reset."""
         if not self._ended:
             with contextlib.suppress(OSError):
                 self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
@@ -179,7 +179,7 @@ class Connection:
         self.pause_reading()
         self._watch_writable(False)
         self._rest.clear()
-        # called later: the set of clients must not change while a message is sent to all of them
+        # called later: the set of clients must not change during a broadcast
         self._network.loop.call_soon(self._tell_end, error)
 
     def _tell_end(self, error: OSError | None) -> None:
@@ -194,5 +194,5 @@ def _at_once() -> Any:
     return struct.pack("hh" if sys.platform == "win32" else "ii", 1, 0)
 
 
-#: the value of ``SO_LINGER`` by which a connection is reset
+#: the value of ``SO_LINGER`` that resets a connection on close
 _AT_ONCE = _at_once()

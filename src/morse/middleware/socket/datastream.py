@@ -1,4 +1,4 @@
-"""Carries data streams over TCP, each component on a port of its own."""
+"""Sends and receives data streams over TCP, with one port per component."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ FIRST_PORT = 60000
 class SocketDatastreamManager(DatastreamManager):
     """Streams as lines of JSON, from port 60000 upward.
 
-    A stream with the option ``port`` takes that one. Ports in use are skipped.
+    A stream with the option ``port`` uses that port. Ports in use are skipped.
 
-    Options of ``env.configure_stream_manager('socket', ...)``: ``time_sync=True`` has a client pace
-    the simulation (see `TimeSync`), on ``sync_port``, 6000 if it is not given.
+    Options of ``env.configure_stream_manager('socket', ...)``: with ``time_sync=True``, a client paces
+    the simulation (see `TimeSync`) over ``sync_port``, by default 6000.
     """
 
     classpath = "morse.middleware.socket_datastream.SocketDatastreamManager"
@@ -81,10 +81,10 @@ class SocketDatastreamManager(DatastreamManager):
         return stream
 
     def opened(self, stream: SocketStream) -> None:
-        """Give a stream its port.
+        """Open the port of a stream.
 
         Raises:
-            MorseMiddlewareError: no port for it.
+            MorseMiddlewareError: no port is available.
         """
         stream.server = self._server(stream.component_name, stream.kwargs.get("port"))
         stream.outbox = self._outbox
@@ -93,7 +93,7 @@ class SocketDatastreamManager(DatastreamManager):
             stream.server.inbox.take()  # discard messages to a former component
 
     def left(self, name: str) -> None:
-        """A component is deleted: close its port."""
+        """Close the port of a deleted component."""
         server = self._servers.pop(name, None)
         if server is not None:
             del self._ports[name]
@@ -116,11 +116,11 @@ class SocketDatastreamManager(DatastreamManager):
         self._ports[name] = port
         return server
 
-    # -- forms of messages -------------------------------------------------------------------
+    # -- message formats ---------------------------------------------------------------------
 
     @maps("general")
     def general(self, stream: SocketStream) -> bytes:
-        """The data of the component as JSON: what every kind has but those below."""
+        """The data of the component as JSON, for all other kinds."""
         return to_json(stream.data)
 
     @maps("image")
@@ -136,12 +136,12 @@ class SocketDatastreamManager(DatastreamManager):
     # -- the tick ----------------------------------------------------------------------------
 
     def action(self) -> None:
-        """A tick begins: wait for the client that paces the simulation, if there is one."""
+        """The beginning of a tick: wait for the client that paces the simulation, if there is one."""
         if self._sync is not None:
             self._sync.wait()
 
     def flush(self) -> None:
-        """A tick ends: hand all that was published to the network thread, in one parcel."""
+        """The end of a tick: pass all messages to the network thread at once."""
         if not self._outbox:
             return
         self._parcels.append(self._outbox.copy())
@@ -162,7 +162,7 @@ class SocketDatastreamManager(DatastreamManager):
             server.publish(published)
 
     def sent(self) -> dict[str, int]:
-        """Number of messages sent to each client of a sensor; to be called in the network thread.
+        """Number of messages sent to each client of a sensor; called in the network thread.
 
         The key is its address and the port of the stream: clients of two ports may have the same address.
         """
@@ -174,7 +174,7 @@ class SocketDatastreamManager(DatastreamManager):
         }
 
     def finalize(self) -> None:
-        """Send what is left and close."""
+        """Send the remaining messages and close."""
         super().finalize()
         self.flush()
         self.context.network.call(self._close())

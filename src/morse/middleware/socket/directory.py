@@ -1,4 +1,4 @@
-"""Services that tell clients where the streams are; part of the pseudo component ``simulation``."""
+"""Services that list the streams; part of the pseudo component ``simulation``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON as MORSE has always written it: ``{"x": 1.5, "y": [1.0, 2.0]}``, infinity as ``Infinity``."""
+"""JSON in the format of MORSE: ``{"x": 1.5, "y": [1.0, 2.0]}``, infinity as ``Infinity``."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from morse.mathutils import Euler, Matrix, Quaternion, Vector
 
 
 def plain(value: Any) -> Any:
-    """A value without a JSON representation, as a value with one.
+    """Convert a value without a JSON representation to a value with one.
 
     Vectors become lists, matrices lists of rows, quaternions ``{x, y, z, w}``, Euler angles
     ``{yaw, pitch, roll}``, transformations ``{x, y, z, yaw, pitch, roll}``, numpy arrays lists,
     bytes base64.
 
     Raises:
-        TypeError: it has no form.
+        TypeError: it has no JSON representation.
     """
     if isinstance(value, Vector):
         return list(value)
@@ -46,13 +46,13 @@ def plain(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.value
     if isinstance(value, (set, frozenset)):
-        return sorted(value, key=str)  # the order of a set differs from process to process
+        return sorted(value, key=str)  # the order of a set differs between processes
     if hasattr(value, "tolist"):  # numpy arrays and numbers
         return value.tolist()
     raise TypeError(f"{type(value).__name__} {value!r:.80} cannot be written as JSON")
 
 
-#: an escape that may be half of a surrogate pair, and such a half
+#: an escape that may be a lone surrogate, and such a surrogate
 _SURROGATE, _HALF_PAIR = re.compile(rb"\\u[dD][89a-fA-F]"), re.compile("[\ud800-\udfff]")
 
 _encoder = msgspec.json.Encoder(enc_hook=plain)
@@ -64,7 +64,7 @@ def _are_simple(keys: tuple[object, ...]) -> bool:
 
 
 def to_json(value: Any) -> bytes:
-    """A value as one line of JSON, without its end.
+    """Encode a value as one line of JSON, without the line end.
 
     Raises:
         TypeError: a value has no JSON representation (see `plain`).
@@ -82,7 +82,7 @@ def to_json(value: Any) -> bytes:
         text = _encoder.encode(value)
     except (TypeError, ValueError, OverflowError, RecursionError):
         return _slowly(value)
-    # "null" may also be infinity or not-a-number; one letter is looked for much faster than four
+    # "null" may also be infinity or NaN; searching one character is much faster than four
     if text.count(b'"') != quotes or (b"u" in text and b"null" in text):
         return _slowly(value)
     return text.replace(b",", b", ").replace(b":", b": ")
@@ -92,16 +92,16 @@ def _slowly(value: Any) -> bytes:
     try:
         return json.dumps(value, default=plain).encode("ascii")
     except RecursionError:
-        raise ValueError("the value is nested too deeply, or holds itself") from None
+        raise ValueError("the value is nested too deeply, or contains itself") from None
 
 
 def from_json(text: bytes) -> Any:
-    """The value of a JSON text; ``NaN`` and ``Infinity`` are understood.
+    """Decode a JSON text; ``NaN`` and ``Infinity`` are accepted.
 
-    Half a surrogate pair, which is not a character and cannot be encoded, is read as U+FFFD.
+    A lone surrogate, which is not a character and cannot be encoded, is replaced by U+FFFD.
 
     Raises:
-        ValueError: it is no JSON, or nested too deeply.
+        ValueError: it is not JSON, or nested too deeply.
     """
     try:
         return msgspec.json.decode(text)

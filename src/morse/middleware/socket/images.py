@@ -1,4 +1,4 @@
-"""Images and point clouds as JSON, pixels and points in base64."""
+"""Images and point clouds as JSON, with pixels and points in base64."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.datastream import AbstractDatastream
 
-#: the share of each colour in the brightness of a pixel (ITU-R BT.709)
+#: the weight of each colour in the luminance (ITU-R BT.709)
 _LUMA = (0.2126, 0.7152, 0.0722)
 
 
@@ -24,20 +24,20 @@ def image_json(
 ) -> bytes | None:
     """``{timestamp, height, width, image, intrinsic_matrix}``; the image is RGBA, 8 bits each, in base64.
 
-    A camera with ``compression`` sends the bytes of a file instead, and ``format`` names its kind. Other fields of the
-    component follow, arrays of them in base64, too. None while the camera does not capture.
+    A camera with ``compression`` sends the bytes of an image file instead, and ``format`` is its format. The other
+    fields of the component follow, arrays of them in base64. None while the camera does not capture.
 
     Args:
         stream: of a component with the fields ``image`` and ``intrinsic_matrix``.
-        pixels: makes the bytes of the image of the field; RGBA if not given.
+        pixels: converts the image of the field to bytes; default: RGBA.
         others: send the other fields of the component as well.
     """
     return _json(stream, "image", pixels or as_bytes, others=others)
 
 
 def _file(pixels: Any, form: str, quality: int) -> bytes:
-    """A picture (H, W, 4) uint8, (H, W) uint8 or uint16, as the bytes of a file."""
-    # imported by cameras that compress
+    """An image (H, W, 4) uint8, (H, W) uint8 or uint16, as the bytes of an image file."""
+    # imported only by cameras that compress
     from PIL import Image
 
     data = io.BytesIO()
@@ -45,7 +45,7 @@ def _file(pixels: Any, form: str, quality: int) -> bytes:
     if form == "jpeg":
         picture.save(data, "JPEG", quality=quality)
     else:
-        # level 1 takes a quarter of the time of the usual one
+        # level 1 takes a quarter of the time of the default level
         picture.save(data, "PNG", compress_level=1)
     return data.getvalue()
 
@@ -65,7 +65,7 @@ def _json(
 ) -> bytes | None:
     camera: Any = stream.component_instance
     data = stream.data
-    # None: no camera of its own, but it has a cloud
+    # None: the component is not a camera, but has a cloud
     if getattr(camera, "capturing", None) not in (None, True):
         return None
     form = getattr(camera, "compression", "") if field == "image" else ""
@@ -91,16 +91,16 @@ def _json(
 
 
 def as_bytes(value: Any) -> bytes:
-    """The bytes of an array, or bytes as they are, row by row."""
+    """The bytes of an array, row by row; bytes are returned unchanged."""
     return value.tobytes() if hasattr(value, "tobytes") else bytes(value)
 
 
 def points_as_bytes(points: Any) -> bytes:
-    """Points as float32; bytes as they are."""
+    """Points as float32; bytes are returned unchanged."""
     return bytes(points) if isinstance(points, (bytes, bytearray, memoryview)) else np.float32(points).tobytes()
 
 
 def grey(image: Any) -> bytes:
-    """The brightness of each pixel of an RGBA image, 8 bits."""
+    """The luminance of each pixel of an RGBA image, 8 bits."""
     rgba = np.frombuffer(as_bytes(image), dtype=np.uint8).reshape(-1, 4)
     return bytes((rgba[:, :3] @ np.array(_LUMA)).astype(np.uint8).tobytes())

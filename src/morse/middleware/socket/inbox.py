@@ -1,4 +1,4 @@
-"""Messages on their way from the network thread to the simulation."""
+"""Messages from the network thread to the simulation."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _MAX_BYTES = 1 << 20
 
 
 class Inbox:
-    """Holds the latest messages of a stream until the next tick.
+    """Stores the latest messages of a stream until the next tick.
 
-    A client that sends far more than ticks can take loses the oldest messages, which the newer
-    ones supersede.
+    If a client sends far more messages than a tick can process, the oldest messages are dropped,
+    because newer messages supersede them.
 
     Attributes:
-        budget: of all inboxes together; a message for which there is no room is lost.
+        budget: memory shared by all inboxes; a message that exceeds it is dropped.
         arrived: empty while there is nothing to take.
     """
 
@@ -49,7 +49,7 @@ class Inbox:
                 self._dropped += 1
 
     def take(self) -> tuple[list[bytes], int]:
-        """The messages since the last time, oldest first, and how many were lost before them."""
+        """The messages since the last call, oldest first, and the number of dropped messages."""
         with self._lock:
             lines, dropped = list(self._lines), self._dropped
             self.arrived.clear()

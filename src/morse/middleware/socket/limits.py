@@ -1,4 +1,4 @@
-"""What the clients of one simulation may take, alone and together."""
+"""Limits for the clients of one simulation, individually and in total."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 MAX_CLIENTS = 256
 """Connections to one port."""
 MAX_HELD = 64 << 20
-"""Received bytes of all clients together that are not yet processed."""
+"""Maximum number of received bytes of all clients that are not yet processed."""
 MAX_COMMANDS = 32 << 20
-"""Bytes of the messages to all actuators together that wait for the next tick."""
+"""Maximum size of the messages to all actuators that wait for the next tick, bytes."""
 MAX_UNSENT = 128 << 20
-"""Bytes that wait to be sent to all clients together."""
-#: a connection counts as slow when that much is unsent, or its share of `MAX_UNSENT` if there are many
+"""Maximum number of unsent bytes for all clients."""
+#: a connection counts as slow above this number of unsent bytes, or above its share of `MAX_UNSENT`
 _HIGH_WATER = 1 << 18
 
 
@@ -32,7 +32,7 @@ class Budget:
         self._lock = threading.Lock()
 
     def take(self, count: int) -> bool:
-        """Take that many bytes; False if fewer are left."""
+        """Reserve bytes; False if fewer are left."""
         with self._lock:
             if count > self.left:
                 return False
@@ -40,7 +40,7 @@ class Budget:
             return True
 
     def give(self, count: int) -> None:
-        """Give back what `take` took."""
+        """Release bytes that `take` has reserved."""
         with self._lock:
             self.left += count
 
@@ -61,17 +61,17 @@ class Server(Protocol):
     complaints: Complaints
 
     def least_missed(self) -> Any:
-        """The client that may go first."""
+        """The client that is disconnected first."""
 
     def leave(self, client: Any) -> None:
-        """Forget a client that has left."""
+        """Remove a client that has disconnected."""
 
 
 class Limits:
     """The servers of a simulation, and the limits that their clients share.
 
     Attributes:
-        held: bytes of requests, and of lines without their end, that wait to be used.
+        held: bytes of unprocessed requests and incomplete lines.
         commands: bytes of messages to actuators that wait for the next tick.
         servers: the open servers.
     """
@@ -88,13 +88,13 @@ class Limits:
         return sum(server.connected for server in self.servers)
 
     def fullest(self) -> Server | None:
-        """The server with the most connections if there may be no more of them in all, else None."""
+        """The server with the most connections if the total limit is reached, else None."""
         if self.connected + len(self.servers) < self._most:
             return None
         return max(self.servers, key=lambda server: server.connected)
 
     def high_water(self) -> int:
-        """Unsent bytes above which a connection to a stream counts as slow."""
+        """Number of unsent bytes above which a connection to a stream counts as slow."""
         return max(1 << 12, min(_HIGH_WATER, MAX_UNSENT // (self.connected + 1)))
 
     def greediest(self) -> Any:
@@ -106,5 +106,5 @@ _limits: weakref.WeakKeyDictionary[Network, Limits] = weakref.WeakKeyDictionary(
 
 
 def limits_of(network: Network) -> Limits:
-    """The limits of the simulation that has this network."""
+    """The limits of the simulation with this network."""
     return _limits.setdefault(network, Limits())

@@ -1,4 +1,4 @@
-"""The clients of servers for lines; everything here runs in the network loop, except where it says otherwise."""
+"""The clients of line-based servers; all functions run in the network loop, unless stated otherwise."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 MAX_LINE = 4 << 20
 """Maximum bytes of a line. A client that sends more without a line end gets an error and is disconnected."""
-#: bytes of a line that a message repeats
+#: maximum number of bytes of a line that a message quotes
 _SHOWN = 80
 
 
@@ -24,9 +24,9 @@ class LineClient:
 
     Attributes:
         peer: address and port of the client.
-        heard: when it last sent something (`time.monotonic`), or connected.
-        spoken: it has sent something.
-        held: bytes that have arrived from it and are not used yet.
+        heard: time of the last received data (`time.monotonic`), or of the connection.
+        spoken: whether it has sent data.
+        held: received bytes that are not yet processed.
     """
 
     def __init__(self, server: LineServer) -> None:
@@ -83,11 +83,11 @@ class LineClient:
         return True
 
     def data_received(self, data: bytes) -> None:
-        """Cut what arrived into lines."""
+        """Split the received bytes into lines."""
         if not self.is_welcome(data):
             return
         if not self._partial and data.find(b"\n") == len(data) - 1:
-            self.line(data[:-1])  # one line, as nearly always
+            self.line(data[:-1])  # one line, the usual case
             return
         first, *others = data.split(b"\n")
         if others:
@@ -114,7 +114,7 @@ class LineClient:
     # -- bytes held in memory --------------------------------------------------------------
 
     def hold(self, count: int) -> bool:
-        """So many bytes wait to be used; False if that was too much and this client is disconnected for it."""
+        """Account for unprocessed bytes; False if the limit is exceeded and this client is disconnected."""
         limits = self.server.limits
         while not limits.held.take(count):
             greediest: LineClient = limits.greediest()
@@ -127,14 +127,14 @@ class LineClient:
         return True
 
     def release(self, count: int) -> None:
-        """So many bytes that were held are used."""
+        """Release bytes that have been processed."""
         count = min(count, self.held)
         self.held -= count
         self.server.limits.held.give(count)
 
     def give_up(self) -> None:
         """Disconnect a client whose unread data exceed the limit, and discard its data."""
-        text = f"{self.server.name}: {self.peer} is disconnected: it has sent {self.held} bytes that wait to be used"
+        text = f"{self.server.name}: {self.peer} is disconnected: {self.held} bytes from it are not yet processed"
         self.server.complaints.warn("greedy", text)
         self._partial.clear()
         self._size = 0
@@ -143,10 +143,10 @@ class LineClient:
         self.server.leave(self)
         self.transport.abort()
 
-    # -- being told --------------------------------------------------------------------------
+    # -- events ------------------------------------------------------------------------------
 
     def pause_writing(self) -> None:
-        """The client does not read as fast as it is written to."""
+        """The client reads too slowly."""
         self.congested = True
 
     def resume_writing(self) -> None:
@@ -154,22 +154,22 @@ class LineClient:
         self.congested = False
 
     def line(self, line: bytes) -> None:
-        """A line has arrived; it comes without its end."""
+        """A line has arrived, without its line end."""
 
     def unfinished(self, rest: bytes) -> None:
-        """The client left in the middle of a line."""
+        """The client disconnected in the middle of a line."""
 
     def overlong(self) -> None:
         """The client sent more than `MAX_LINE` bytes without a line end; it is about to be disconnected."""
 
     def importance(self) -> tuple[float, ...]:
-        """Where there are too many clients, the one with the least is disconnected.
+        """If there are too many clients, the client with the lowest priority is disconnected.
 
-        A client that has never sent anything has the least, then the client that has been silent for longest.
+        A client that has never sent anything has the lowest priority, then the client that has been silent for longest.
         """
         return (self.spoken, self.heard)
 
 
 def beginning(line: bytes) -> str:
-    """The first characters of a line, as they may stand in a message."""
+    """The first characters of a line, for a message."""
     return escaped(repr(line[:_SHOWN])[2:-1])

@@ -18,17 +18,17 @@ _BACKLOG = 128
 
 
 def listen(host: str, ports: Iterable[int]) -> socket.socket:
-    """Listen on the first free one of several ports.
+    """Listen on the first free port of several.
 
     Args:
-        host: address of this machine, ``0.0.0.0`` for all its networks.
-        ports: in the order of preference; 0 stands for any free one.
+        host: address of this machine; ``0.0.0.0`` for all networks.
+        ports: in order of preference; 0 for any free port.
 
     Returns:
-        A socket that listens.
+        A listening socket.
 
     Raises:
-        MorseMiddlewareError: all are in use, or ``host`` is not an address of this machine.
+        MorseMiddlewareError: all ports are in use, or ``host`` is not an address of this machine.
     """
     tried = []
     for port in ports:
@@ -50,7 +50,7 @@ def _bound(host: str, port: int) -> socket.socket:
     )[0]
     listener = socket.socket(family, kind, protocol)
     try:
-        # a simulation that has just ended leaves its ports in a state that only this option overlooks;
+        # a simulation that has just ended leaves its ports in TIME_WAIT, which this option ignores;
         # on Windows the same option would let two programs share a port
         if os.name == "posix":
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -64,14 +64,14 @@ def _bound(host: str, port: int) -> socket.socket:
 
 
 def port_of(listener: socket.socket) -> int:
-    """The port on which a socket listens."""
+    """The port of a listening socket."""
     return int(listener.getsockname()[1])
 
 
 def allow_many_sockets() -> None:
-    """Take as many file descriptors as the system grants: every stream is a port of its own."""
+    """Raise the limit of file descriptors to the maximum: every stream has its own port."""
     with contextlib.suppress(ImportError, OSError, ValueError):
-        import resource  # not on Windows, which has no such limit
+        import resource  # not available on Windows, which has no such limit
 
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         wanted = 1 << 16 if hard == resource.RLIM_INFINITY else min(hard, 1 << 16)
@@ -79,14 +79,14 @@ def allow_many_sockets() -> None:
             resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-#: sockets that `select` of Windows takes
+#: maximum number of sockets for `select` on Windows
 _WINDOWS = 512
-#: the most that other systems are asked to serve, and what other parts of the process need
+#: maximum number of sockets on other systems, and the number reserved for other parts of the process
 _MOST, _OTHERS = 1 << 14, 128
 
 
 def most_sockets() -> int:
-    """The number of sockets that clients may have the simulation open."""
+    """The maximum number of sockets for clients."""
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 

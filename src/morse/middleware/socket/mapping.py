@@ -1,4 +1,4 @@
-"""What the socket middleware carries, and its options."""
+"""The mapping of the socket middleware, and its options."""
 
 from __future__ import annotations
 
@@ -22,6 +22,6 @@ MIDDLEWARE = Middleware(
     stream_options=STREAM_OPTIONS,
     default_publisher="morse.middleware.socket_datastream.SocketPublisher",
     default_reader="morse.middleware.socket_datastream.SocketReader",
-    # they carry cameras, or nothing, and measure nothing
+    # these classes carry cameras or nothing, and have no data
     not_carried=("StereoUnit", "MocapControl"),
 )

@@ -1,7 +1,7 @@
-"""Service calls on the wire.
+"""The wire format of service calls.
 
-A request is ``id component service [arguments]`` or ``id cancel``, a reply ``id STATUS [value]``, one
-a line. Arguments are a JSON list. A value that counts as false is left out of a reply.
+A request is ``id component service [arguments]`` or ``id cancel``, a reply ``id STATUS [value]``, one per
+line. Arguments are a JSON list. A value that is false in Python is omitted from a reply.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class MalformedRequest(ValueError):
     """A line that is not a request.
 
     Attributes:
-        request: the id to answer under.
+        request: the id of the reply.
     """
 
     def __init__(self, request: str, message: str) -> None:
@@ -38,7 +38,7 @@ class Request(NamedTuple):
 
 
 def parse_request(line: bytes) -> Request | None:
-    """Read a line; None if it is blank.
+    """Parse a line; None if it is blank.
 
     Raises:
         MalformedRequest: the line is not a request.
@@ -65,9 +65,9 @@ def parse_request(line: bytes) -> Request | None:
 
 
 def format_reply(request: str, outcome: str, value: Any) -> bytes:
-    """The line of a reply, with its end.
+    """Format a reply, with the line end.
 
-    A value that cannot be encoded turns the answer into a failure with the reason.
+    If the value cannot be encoded, the reply is a failure with the reason.
     """
     if value is None:
         return f"{request} {outcome}\n".encode()
@@ -80,5 +80,5 @@ def format_reply(request: str, outcome: str, value: Any) -> bytes:
 
 
 def format_failure(request: str, message: str) -> bytes:
-    """The line of a reply that says what went wrong."""
+    """Format a reply with an error message."""
     return format_reply(request, status.FAILED, message)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
 
-    #: bytes, or what gives them when they are sent
+    #: bytes, or a function that returns them when they are sent
     _Reply = bytes | Callable[[], bytes]
 
 logger = logging.getLogger(__name__)
@@ -34,30 +34,30 @@ logger = logging.getLogger(__name__)
 PORT = 4000
 _TRIES = 10
 _PORT_VARIABLE = "MORSE_SOCKET_PORT"
-#: a tick takes no more than this from its clients; the rest waits for the next one
+#: limits of the requests that a tick takes from its clients; the rest waits for the next tick
 _REQUESTS_PER_TICK = 512
 _REPLIES_PER_TICK = 4 << 20
-#: share of the wall-clock time that services may take if clients want more than that
+#: share of the wall-clock time for services if clients request more
 _SHARE = 1 / 3
-#: seconds that services may take in each tick, however short it is, and in any tick, however long it was
+#: minimum and maximum time for services in each tick, seconds
 _LEAST, _MOST = 0.0003, 0.05
-#: asynchronous calls of one client that go on
+#: maximum number of active asynchronous calls of one client
 _MAX_CALLS = 1024
-#: the service whose reply says, if asked, how many messages each client of a stream has been sent
+#: the service whose reply can contain the number of messages sent to each client of a stream
 _STEP = ("simulation", "step")
 
 
 class SocketRequestManager(RequestManager):
-    """Services over TCP, one request a line (see `morse.middleware.socket.protocol`).
+    """Services over TCP, one request per line (see `morse.middleware.socket.protocol`).
 
-    Listens on the first free port from 4000 to 4009, or from the number in the environment
-    variable ``MORSE_SOCKET_PORT`` on (0: any free port).
+    Listens on the first free port from 4000 to 4009, or from the port in the environment
+    variable ``MORSE_SOCKET_PORT`` (0: any free port).
 
     Services get a share of the time of a tick. Requests beyond that share wait; the client that has used the least time
     is served next (see `Turns`). Calls that only concern the client, such as sleep and step, end when it disconnects.
 
     Attributes:
-        port: where it listens.
+        port: the port on which it listens.
     """
 
     classpath = "morse.middleware.socket_request_manager.SocketRequestManager"
@@ -91,7 +91,7 @@ class SocketRequestManager(RequestManager):
         try:
             listener = listen(self._context.host, ports)
         except MorseMiddlewareError as error:
-            raise MorseMiddlewareError(f"{error}; {_PORT_VARIABLE} says where to look for a free one") from None
+            raise MorseMiddlewareError(f"{error}; {_PORT_VARIABLE} sets the first port to try") from None
         self.port = port_of(listener)
         if wanted and self.port != wanted:
             logger.warning(
@@ -107,7 +107,7 @@ class SocketRequestManager(RequestManager):
         return True
 
     def finalization(self) -> bool:
-        """Send the last replies and close."""
+        """Send the remaining replies and close."""
         self._hand_over()
         if self._server is not None:
             self._context.network.call(self._server.close())
@@ -132,12 +132,12 @@ class SocketRequestManager(RequestManager):
         self._context.wake()
 
     def update(self) -> None:
-        """One tick: requests, outcomes, and all replies in one parcel to the network thread."""
+        """One tick: requests, outcomes, and all replies at once to the network thread."""
         super().update()
         self._hand_over()
 
     def main(self) -> None:
-        """Process the requests that have arrived, within the share of time of a tick."""
+        """Process the received requests within the time share of a tick."""
         if self._inbox:
             self._serve()
         while self._left:
@@ -180,7 +180,7 @@ class SocketRequestManager(RequestManager):
         """Send the result of an asynchronous call to the client that made it."""
         client, request = self._calls.remove(request_id)
         if request_id in self._steps:
-            # how much its streams have been sent is known when the reply is sent: after all that was published before
+            # the number of sent messages is known when the reply is sent: after all earlier messages
             self._steps.discard(request_id)
             self._answer(client, lambda: self._step_reply(request, *result))
         else:
@@ -211,7 +211,7 @@ class SocketRequestManager(RequestManager):
             return
         self._calls.issued(client, request.id)
         if client.calls >= _MAX_CALLS:
-            text = f"{_MAX_CALLS} calls of this client go on: cancel some, or wait for their end"
+            text = f"{_MAX_CALLS} calls of this client are active: cancel some, or wait until they end"
             self._answer(client, format_failure(request.id, text))
             return
         try:

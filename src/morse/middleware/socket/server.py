@@ -1,4 +1,4 @@
-"""TCP servers for lines; everything here runs in the network loop, except where it says otherwise."""
+"""Line-based TCP servers; all functions run in the network loop, unless stated otherwise."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ logger = logging.getLogger(__name__)
 
 #: seconds for which clients may read the remaining bytes when a server closes
 _FAREWELL = 1.0
-#: connections that are accepted before the loop does something else
+#: maximum number of connections that are accepted at once
 _AT_A_TIME = 64
-#: seconds without accepting connections after the system has refused a socket
+#: seconds without accepting connections after the system could not create a socket
 _PAUSE = 1.0
 #: TCP keep-alive: seconds of silence before the first probe, seconds between probes, and number of probes without an
 #: answer after which the connection is closed
@@ -35,14 +35,14 @@ class LineServer:
     """Listens on one port.
 
     Args:
-        make: makes the client of a new connection.
-        comes_first: what arrives here is read before requests are handed over (see `Network.when_read`).
+        make: creates the client of a new connection.
+        comes_first: data of its clients are read before requests are processed (see `Network.when_read`).
 
     Attributes:
         clients: the connected clients.
         connected: the number of connected clients; any thread may read it.
-        complaints: about what the clients do.
-        limits: what all clients of the simulation have in common.
+        complaints: warnings about its clients.
+        limits: limits shared by all clients of the simulation.
     """
 
     def __init__(
@@ -64,7 +64,7 @@ class LineServer:
         self._network: Network | None = None
 
     async def start(self, network: Network) -> None:
-        """Begin to accept clients."""
+        """Start accepting clients."""
         self._network = network
         self.limits = limits_of(network)
         self.limits.servers.add(self)
@@ -92,7 +92,7 @@ class LineServer:
     def _join(self, sock: socket.socket, address: Any) -> None:
         assert self._network is not None
         self._make_room()
-        with contextlib.suppress(OSError):  # it may have gone
+        with contextlib.suppress(OSError):  # it may have disconnected
             _probe_when_silent(sock)
         client = self._make(self)
         connection = Connection(self._network, sock, comes_first=self._comes_first)
@@ -102,15 +102,15 @@ class LineServer:
         client.connection_made(connection, peer)
         connection.start(client)
         if self._comes_first:
-            connection.read()  # it may have sent something before it was accepted
+            connection.read()  # it may have sent data before it was accepted
 
     def _make_room(self) -> None:
-        """Disconnect the least important client if there are too many."""
+        """Disconnect the client with the lowest priority if there are too many."""
         crowded = self if self.connected >= MAX_CLIENTS else self.limits.fullest()
         if crowded is None or not crowded.clients:
             return
         leaving = crowded.least_missed()
-        text = f"{crowded.name}: {leaving.peer} is turned away to make room: there are {crowded.connected} clients"
+        text = f"{crowded.name}: {leaving.peer} is disconnected to make room: there are {crowded.connected} clients"
         crowded.complaints.warn("many", text)
         crowded.leave(leaving)
         leaving.transport.abort()
@@ -120,7 +120,7 @@ class LineServer:
         return min(self.clients, key=lambda client: client.importance())
 
     def leave(self, client: LineClient) -> None:
-        """A client has gone."""
+        """Remove a client that has disconnected."""
         self.clients.discard(client)
         self.connected = len(self.clients)
 
@@ -144,7 +144,7 @@ class LineServer:
 
 
 def _probe_when_silent(sock: socket.socket) -> None:
-    # the word of its end may be lost: it is sent once only
+    # the final packet is sent only once and may be lost
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (("TCP_KEEPINTVL", _PROBE), ("TCP_KEEPCNT", _PROBES), ("TCP_KEEPIDLE", _SILENCE)):
         if hasattr(socket, option):  # not on every system
@@ -152,5 +152,5 @@ def _probe_when_silent(sock: socket.socket) -> None:
 
 
 async def close_all(servers: Iterable[LineServer]) -> None:
-    """Close several servers, at the same time."""
+    """Close several servers concurrently."""
     await asyncio.gather(*(server.close() for server in servers))

@@ -1,4 +1,4 @@
-"""The connections of clients that call services; everything here runs in the network thread."""
+"""The connections of clients that call services; all functions run in the network thread."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ if TYPE_CHECKING:
     from morse.middleware.socket.server import LineServer
 
 MAX_UNREAD = 16 << 20
-"""Bytes of replies that a client leaves unread before it is disconnected."""
+"""Number of unread bytes of replies above which a client is disconnected."""
 _MAX_WAITING = 1024
 _RESUME_BELOW = 256
-#: bytes of requests that wait: the client is not read from until there are fewer
+#: maximum size of waiting requests, bytes: reading from the client stops until there are fewer
 _MANY_BYTES = 1 << 20
-#: bytes that a request takes beside its line
+#: overhead of a request in addition to its line, bytes
 _OVERHEAD = 256
 
 
 class ServiceClient(LineClient):
     """A client that calls services.
 
-    A client that sends requests faster than the simulation answers them is not read from until
+    If a client sends requests faster than the simulation answers them, reading stops until
     the simulation has caught up.
 
     Args:
         arrived: called with the client and each of its lines.
-        left: called when the connection has ended.
+        left: called when the connection is closed.
 
     Attributes:
-        calls: number of its calls that go on; any thread may write it.
+        calls: number of its active calls; any thread may write it.
     """
 
     def __init__(
@@ -61,17 +61,17 @@ class ServiceClient(LineClient):
         self._arrived(self, line)
 
     def eof_received(self) -> bool:
-        """The client sends no more; it may still read the answers to what it has sent (as ``nc`` does)."""
+        """The client has closed its sending side; it may still read the pending replies (as ``nc`` does)."""
         self._leaving = self._waiting > 0
         return self._leaving
 
     def connection_lost(self, error: OSError | None) -> None:
-        """The connection has ended; by a reset if there is an error."""
+        """Close the connection; by a reset if there is an error."""
         super().connection_lost(error)
         self._left(self, error is not None or self._shut_out)
 
     def consumed(self, count: int, size: int) -> None:
-        """The simulation has taken ``count`` of the requests, and answered what could be answered at once.
+        """The simulation has processed ``count`` of the requests.
 
         Args:
             size: bytes of these requests.
@@ -85,7 +85,7 @@ class ServiceClient(LineClient):
             self.transport.resume_reading()
 
     def importance(self) -> tuple[float, ...]:
-        """Clients that wait for an answer are the most important."""
+        """Clients that wait for a reply have the highest priority."""
         return (self.calls > 0 or self._waiting > 0, *super().importance())
 
     def reply(self, data: bytes) -> None:

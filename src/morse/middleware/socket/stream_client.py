@@ -1,4 +1,4 @@
-"""The connections of clients to data streams; everything here runs in the network thread."""
+"""The connections of clients to data streams; all functions run in the network thread."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ if TYPE_CHECKING:
     from morse.core.network import Network
     from morse.middleware.socket.connection import Connection
 
-#: messages are put together to pieces of about that size
+#: approximate size to which messages are combined
 _HIGH_WATER = 1 << 18
 
 
 class StreamClient(LineClient):
     """A client of a stream.
 
-    One that reads too slowly gets the latest message whenever it has room for one, not all of them.
+    A client that reads too slowly receives the latest message when it can, not all messages.
 
     Attributes:
-        sent: number of messages handed to the connection.
+        sent: number of messages passed to the connection.
     """
 
     server: StreamServer
@@ -44,17 +44,17 @@ class StreamClient(LineClient):
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
 
     def importance(self) -> tuple[float, ...]:
-        """The importance of a listener grows with the time since it connected, because listeners send nothing."""
+        """The priority of a listener grows with the time since it connected, because listeners send nothing."""
         return super().importance() if self.server.reads else (not self.congested, -self.heard)
 
     def offer(self, parcels: Sequence[tuple[bytes, int]], last: bytes) -> None:
-        """Send messages now; of those for which the client has no room only the last one, as soon as it has.
+        """Send messages now; if the client is slow, only the last message, as soon as possible.
 
         Args:
-            parcels: bytes, and how many messages these are.
-            last: the last message of all.
+            parcels: bytes, and the number of messages in them.
+            last: the last message.
         """
-        missed = -1  # the last one is not missed: it waits
+        missed = -1  # the last message is not missed: it is queued
         for data, count in parcels:
             if self.congested:
                 missed += count
@@ -68,7 +68,7 @@ class StreamClient(LineClient):
             self._waiting = last
 
     def resume_writing(self) -> None:
-        """The client has room again."""
+        """The client has caught up."""
         super().resume_writing()
         message, self._waiting = self._waiting, None
         if message is not None and not self.transport.is_closing():
@@ -76,7 +76,7 @@ class StreamClient(LineClient):
             self.sent += 1
 
     def data_received(self, data: bytes) -> None:
-        """Bytes have arrived; a stream that only sends takes no notice."""
+        """Bytes have arrived; a sensor stream ignores them."""
         if self.server.reads:
             super().data_received(data)
         else:
@@ -88,12 +88,12 @@ class StreamClient(LineClient):
             self.server.inbox.put(line)
 
     def unfinished(self, rest: bytes) -> None:
-        """The client left in the middle of a message."""
+        """The client disconnected in the middle of a message."""
         text = f"the client {self.peer} left in the middle of a message, which is ignored: {beginning(rest)}"
         self._complain("unfinished", text)
 
     def overlong(self) -> None:
-        """A message without an end."""
+        """A message without a line end."""
         text = f"the client {self.peer} sent more than {MAX_LINE} bytes without a line end: disconnected"
         self._complain("overlong", text)
 
@@ -105,8 +105,8 @@ class StreamServer(LineServer):
     """The port of one component.
 
     Attributes:
-        inbox: what clients have sent.
-        reads: whether the component takes data.
+        inbox: messages of clients.
+        reads: whether the component receives data.
     """
 
     def __init__(self, name: str, listener: socket.socket) -> None:
@@ -115,7 +115,7 @@ class StreamServer(LineServer):
         self.reads = False
 
     async def start(self, network: Network) -> None:
-        """Begin to accept clients."""
+        """Start accepting clients."""
         await super().start(network)
         self.inbox.budget = self.limits.commands
 
@@ -128,7 +128,7 @@ class StreamServer(LineServer):
 
 
 def _parcels(messages: Sequence[bytes]) -> Iterator[tuple[bytes, int]]:
-    """The messages in few pieces, each with their number; none is larger than what a client may fall behind."""
+    """Combine messages into a few pieces, with their numbers of messages; each is below the limit for slow clients."""
     piece: list[bytes] = []
     size = 0
     for message in messages:

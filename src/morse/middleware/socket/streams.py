@@ -22,11 +22,11 @@ logger = logging.getLogger(__name__)
 
 
 class SocketStream(AbstractDatastream):
-    """A stream on a port of its own.
+    """A stream with its own port.
 
     Attributes:
-        server: the port.
-        outbox: takes pairs of port and message, which are sent at the end of the tick.
+        server: the server of the port.
+        outbox: receives pairs of port and message, which are sent at the end of the tick.
     """
 
     server: StreamServer
@@ -34,7 +34,7 @@ class SocketStream(AbstractDatastream):
 
 
 def main_kind(component: Any) -> str:
-    """The message kind of a component's own topic: ``general`` if it declares none."""
+    """The message kind of the topic of a component: ``general`` if it declares none."""
     uses = [use for use in kinds(type(component)) if not use.topic and use.on_level(component.level)]
     return next((use.kind for use in uses if use.when is None or use.when(component)), GENERAL)
 
@@ -46,13 +46,13 @@ def _as_it_is(stream: SocketStream) -> bytes:
 class SocketPublisher(SocketStream):
     """Sends the data of a component as one line of JSON to every client, at each of its actions.
 
-    Subclass it and override `encode` to send something else.
+    Subclass it and override `encode` for another format.
     """
 
     _form: Callable[[SocketStream], bytes | None] = staticmethod(_as_it_is)
 
     def initialize(self) -> None:
-        """Find out which form the message kind of the component has."""
+        """Determine the format of the message kind of the component."""
         form = self.manager.mapping(main_kind(self.component_instance)) if self.manager is not None else None
         self._form = form or _as_it_is
 
@@ -79,13 +79,13 @@ class SocketPublisher(SocketStream):
 
 
 class SocketReader(SocketStream):
-    """Takes lines of JSON from clients into the data of a component.
+    """Writes lines of JSON from clients into the data of a component.
 
-    Messages that arrived since the last tick are taken in their order, so that the last one wins;
-    fields that a message does not have stay as they are. A message that is not JSON, or does not fit
-    the fields of the component, is refused as a whole, and the log says why.
+    Messages since the last tick are applied in order, so that the last one wins; missing fields
+    keep their values. A message that is not JSON, or does not fit the fields of the component, is
+    refused as a whole, and the log gives the reason.
 
-    Subclass it and override `decode` to take something else.
+    Subclass it and override `decode` for another format.
     """
 
     def __init__(self, component_instance: Object, kwargs: dict[str, Any]) -> None:
@@ -95,24 +95,24 @@ class SocketReader(SocketStream):
 
     @property
     def waiting(self) -> Collection[Any] | None:
-        """What clients have sent."""
+        """Messages of clients."""
         return self.server.inbox.arrived if type(self).default is SocketReader.default else None
 
     def decode(self, msg: bytes) -> Any:
         """The fields that a message sets.
 
         Raises:
-            ValueError: it cannot be read.
+            ValueError: it cannot be decoded.
         """
         return from_json(msg)
 
     def default(self, ci: Object | None = None) -> bool:
-        """Take what has arrived; True if something did."""
+        """Apply received messages; True if there were any."""
         if not self.server.inbox:
             return False
         lines, dropped = self.server.inbox.take()
         if dropped:
-            self._complain("dropped", f"{dropped} messages came too fast: newer ones replace them")
+            self._complain("dropped", f"{dropped} messages arrived too fast: newer messages replace them")
         taken = False
         for line in lines:
             taken = self._take(line) or taken
@@ -121,7 +121,7 @@ class SocketReader(SocketStream):
     def _take(self, line: bytes) -> bool:
         try:
             message = self.decode(line)
-        except Exception as error:  # decode may be the user's: a client's message must not stop the component
+        except Exception as error:  # decode may be user code: a message must not deactivate the component
             self._refuse("decode", f"this message cannot be read ({type(error).__name__}: {error}): {line[:80]!r}")
             return False
         if message is None:

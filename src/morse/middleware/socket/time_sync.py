@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: how long the simulation thread waits before it looks whether the simulation is to end, s
+#: interval in which the waiting simulation thread checks whether the simulation is to end, s
 _SLICE = 0.02
 
 
 class TimeSync:
-    """A port whose clients pace the simulation.
+    """A port for clients that pace the simulation.
 
-    While at least one client is connected, a tick begins only when bytes have arrived since the
-    last one began; how many does not matter. Services are answered in the meantime.
+    While at least one client is connected, a tick begins only after bytes have arrived since the
+    beginning of the last tick; their number does not matter. Services are answered in the meantime.
     """
 
     def __init__(self, context: Context, listener: socket.socket) -> None:
@@ -33,11 +33,11 @@ class TimeSync:
         self._server = LineServer("time sync", listener, lambda server: _SyncClient(server, self))
 
     async def start(self) -> None:
-        """Begin to accept clients."""
+        """Start accepting clients."""
         await self._server.start(self._context.network)
 
     async def close(self) -> None:
-        """Free the simulation."""
+        """Stop pacing the simulation."""
         await self._server.close()
 
     def arrived(self) -> None:
@@ -45,12 +45,12 @@ class TimeSync:
         self._context.network.when_read(self.release)
 
     def release(self) -> None:
-        """Let one tick begin, or find that no client paces the simulation any more; runs in the network loop."""
+        """Allow one tick, or note that no client paces the simulation any more; runs in the network loop."""
         self._released = True
         self._context.wake()
 
     def wait(self) -> None:
-        """Wait until the tick may begin; runs in the simulation thread."""
+        """Wait until the next tick is allowed; runs in the simulation thread."""
         while self._server.connected and not self._released and not self._context.stopping():
             self._context.services.process()
             self._context.wait(_SLICE)

@@ -1,4 +1,4 @@
-"""Whose request is next."""
+"""The scheduling of requests."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
     from morse.middleware.socket.service_client import ServiceClient
 
-#: seconds: clients that have taken so little more time than others are served in the order of their requests
+#: seconds: clients whose used times differ by less are served in the order of their requests
 _GRAIN = 0.005
 
 
 class Turns:
     """The queue of requests. The client that has used the least time is served next.
 
-    Among clients that have used about the same time, the request that arrived first is served next; so a few clients
-    with cheap requests are served in the order of arrival. A new client starts with the time of the client that was
+    Among clients with about the same used time, the request that arrived first is served next, so that clients with
+    cheap requests are served in the order of arrival. A new client starts with the used time of the client that was
     served last.
     """
 
@@ -38,7 +38,7 @@ class Turns:
         return self._count
 
     def extend(self, requests: Iterable[tuple[ServiceClient, bytes]]) -> None:
-        """Requests have arrived."""
+        """Add received requests."""
         with self._lock:
             for client, line in requests:
                 number = next(self._numbers)
@@ -51,7 +51,7 @@ class Turns:
                 self._count += 1
 
     def next(self) -> tuple[ServiceClient, bytes] | None:
-        """The next request, or None; to be followed by `served`."""
+        """The next request, or None; must be followed by `served`."""
         with self._lock:
             while self._order:
                 _, _, client = heapq.heappop(self._order)
@@ -63,7 +63,7 @@ class Turns:
             return None
 
     def served(self, client: ServiceClient, seconds: float) -> None:
-        """The request of that client took so long."""
+        """Account for the time of a request of that client."""
         with self._lock:
             queue = self._waiting.get(client)
             if queue is None:
@@ -77,7 +77,7 @@ class Turns:
                     del self._taken[client]
 
     def forget(self, client: ServiceClient, *, with_requests: bool) -> int:
-        """A client has gone; the number of its requests that are dropped."""
+        """Remove a disconnected client; returns the number of its dropped requests."""
         with self._lock:
             dropped = 0
             if with_requests:

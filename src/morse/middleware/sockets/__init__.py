@@ -1,1 +1,1 @@
-"""The class paths of MORSE 1.4 for streams of images and point clouds over the socket."""
+"""The class paths of MORSE 1.4 for image and point cloud streams over the socket."""

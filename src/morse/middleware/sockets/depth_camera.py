@@ -7,7 +7,7 @@ from morse.middleware.socket.streams import SocketPublisher
 
 
 class DepthCameraPublisher(SocketPublisher):
-    """A cloud as `morse.middleware.socket.images.cloud_json` writes it, for a component of any kind."""
+    """A cloud in the format of `morse.middleware.socket.images.cloud_json`, for a component of any kind."""
 
     def encode(self) -> bytes | None:
         """The message, or None while the camera does not capture."""

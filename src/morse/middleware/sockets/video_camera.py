@@ -7,7 +7,7 @@ from morse.middleware.socket.streams import SocketPublisher
 
 
 class VideoPublisher(SocketPublisher):
-    """An image with the fields of 1.4 alone, as `morse.middleware.socket.images.image_json` writes it."""
+    """An image with only the fields of 1.4, in the format of `morse.middleware.socket.images.image_json`."""
 
     def pixels(self) -> bytes:
         """The bytes of the image, row by row; RGBA."""
@@ -19,7 +19,7 @@ class VideoPublisher(SocketPublisher):
 
 
 class Video8uPublisher(VideoPublisher):
-    """The same with one byte a pixel: its brightness."""
+    """The same with one byte per pixel: its luminance."""
 
     def pixels(self) -> bytes:
         """The bytes of the grey image, row by row."""

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class TextDatastreamManager(DatastreamManager):
-    """One file for each stream, in the working directory unless the stream has the option ``file``.
+    """One file for each stream, in the working directory or with the path of the option ``file``.
 
-    A file is written anew when a simulation is loaded. It goes on when the simulation is reset. Other programs see
-    what is written at the latest after a simulated second.
+    A file is overwritten when a simulation is loaded, and continued when the simulation is reset. Data are flushed at
+    least once per simulated second.
     """
 
     classpath = "morse.middleware.text_datastream.TextDatastreamManager"
@@ -38,7 +38,7 @@ class TextDatastreamManager(DatastreamManager):
         """See `DatastreamManager.make_stream`.
 
         Raises:
-            MorseMiddlewareError: it is not a text stream of a sensor, or its file cannot be had.
+            MorseMiddlewareError: it is not a text stream of a sensor, or its file cannot be opened.
         """
         cls = load_class(declaration.stream)
         if not (isinstance(cls, type) and issubclass(cls, TextStream)):
@@ -56,13 +56,13 @@ class TextDatastreamManager(DatastreamManager):
         path = Path(given if given else f"{name}.txt").expanduser().absolute()
         owner = self._in_use.setdefault(path, name)
         if owner != name or any(stream.file.path == path for stream in self.streams.get(name, ())):
-            raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; say another one: file='...'")
+            raise MorseMiddlewareError(f"{path} is the file of another stream of {owner}; set another one: file='...'")
         if path not in self._files or self._files[path].owner != name:
             self._files[path] = TextFile(path, name)
         return self._files[path]
 
     def closed(self, stream: TextStream) -> None:
-        """Another component may write the file, or a new one of the same name go on with it."""
+        """Release the file: another component may write it, or a new component of the same name may continue it."""
         self._in_use.pop(stream.file.path, None)
         stream.file.flush()
 
@@ -72,13 +72,13 @@ class TextDatastreamManager(DatastreamManager):
         return stream.encode_data()
 
     def flush(self) -> None:
-        """A tick ends."""
+        """The end of a tick."""
         if self.context.clock.tick % self._period == 0:
             for file in self._files.values():
                 file.flush()
 
     def finalize(self) -> None:
-        """Write what is left and close the files."""
+        """Write the remaining data and close the files."""
         super().finalize()
         for file in self._files.values():
             file.close()

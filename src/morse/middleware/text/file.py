@@ -1,4 +1,4 @@
-"""A file that a component is written to."""
+"""The text file of a component."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ logger = logging.getLogger(__name__)
 
 
 class TextFile:
-    """A text file; a full disk ends the file, and not the simulation.
+    """A text file; on a full disk, the file ends, but not the simulation.
 
     Args:
-        path: absolute path; what is there already is replaced.
+        path: absolute path; an existing file is overwritten.
         owner: name of the component.
 
     Raises:
@@ -31,18 +31,18 @@ class TextFile:
             self._file = path.open("w", encoding="utf-8", errors="backslashreplace", newline="\n")
         except OSError as error:
             raise MorseMiddlewareError(
-                f"the file {path} cannot be written: {error.strerror}; say another one: file='...'"
+                f"the file {path} cannot be written: {error.strerror}; set another one: file='...'"
             ) from None
         self._is_over = False
 
     def begin(self, header: str) -> None:
-        """Write the header, unless the file goes on with another component of the same name."""
+        """Write the header, unless another component of the same name has begun the file."""
         if self._is_new:
             self.write(header)
         self._is_new = False
 
     def write(self, text: str) -> None:
-        """Write a text; if that fails, the log says so, and nothing more is written."""
+        """Write a text; an error is logged, and ends the file."""
         if not self._is_over:
             try:
                 self._file.write(text)
@@ -50,7 +50,7 @@ class TextFile:
                 self._end(error)
 
     def flush(self) -> None:
-        """Let other programs see what has been written."""
+        """Flush the file."""
         if not self._is_over:
             try:
                 self._file.flush()
@@ -62,7 +62,7 @@ class TextFile:
         logger.error("%s: nothing more is written to %s: %s", self.owner, self.path, error.strerror)
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write the remaining data."""
         self.flush()
         try:
             self._file.close()

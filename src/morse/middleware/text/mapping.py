@@ -1,11 +1,11 @@
-"""What text files carry, and their options."""
+"""The mapping of text files, and their options."""
 
 from __future__ import annotations
 
 from morse.core.declarations import Option
 from morse.middleware.registry import Middleware
 
-STREAM_OPTIONS = {"file": Option(str, None, "path of the file; the name of the component and .txt if not given")}
+STREAM_OPTIONS = {"file": Option(str, None, "path of the file; default: the name of the component and .txt")}
 
 MIDDLEWARE = Middleware(
     name="text",
@@ -14,6 +14,6 @@ MIDDLEWARE = Middleware(
     default_publisher="morse.middleware.text_datastream.Publisher",
     default_reader=None,
     needs_network=False,
-    # pictures and clouds are megabytes in each tick
+    # images and clouds would be megabytes in each tick
     not_carried=("Camera", "CameraUnit"),
 )

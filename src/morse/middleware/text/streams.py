@@ -1,4 +1,4 @@
-"""What is written of a component: a block, or a row, for each measurement."""
+"""The text formats: a block, or a row, for each measurement."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ class TextStream(AbstractDatastream):
 
     Attributes:
         file: set before `initialize`.
-        index: number of measurements that have been written.
+        index: number of written measurements.
     """
 
     options = STREAM_OPTIONS
     file: TextFile
 
     def initialize(self) -> None:
-        """Write what a file begins with."""
+        """Write the header of the file."""
         self.index = 0
         self.file.begin(self.header())
 
     @abstractmethod
     def header(self) -> str:
-        """What the file begins with; may be empty."""
+        """The header of the file; may be empty."""
 
     @abstractmethod
     def encode_data(self) -> str:
-        """A measurement, with the end of its last line."""
+        """A measurement, with a final line end."""
 
     def default(self, ci: Object | None = None) -> bool:
         """Write a measurement."""
@@ -70,7 +70,7 @@ class Publisher(TextStream):
 
 
 class CSVPublisher(TextStream):
-    """A row for each measurement, the fields separated by semicolons; the first row has their names."""
+    """A row for each measurement, with fields separated by semicolons; the first row contains their names."""
 
     def header(self) -> str:
         """The names of the fields."""

@@ -1,4 +1,4 @@
-"""Values as Python writes them."""
+"""Values in Python notation."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ def _plain(value: Any) -> Any:
     if type(value) in (list, tuple):
         return type(value)(_plain(inner) for inner in value)
     if isinstance(value, (set, frozenset)):
-        return sorted(value, key=str)  # the order of a set differs from process to process
+        return sorted(value, key=str)  # the order of a set differs between processes
     return value

@@ -1,1 +1,1 @@
-"""What the middlewares have in common that are reached by WebSocket."""
+"""Common parts of the WebSocket middlewares."""

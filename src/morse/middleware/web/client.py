@@ -1,4 +1,4 @@
-"""One client: what waits to be sent to it, and how much it may send."""
+"""One client: its send queue, and its limits."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
 MOST_BYTES = 16 << 20
-"""Bytes that wait for a client; older data make room for newer data."""
+"""Maximum size of the send queue of a client, bytes; newer data replace older data."""
 
 _MOST_TOLD = 4096
-#: messages of a client that are taken in one period, and its length, s
+#: maximum number of messages of a client in one period, and its length, s
 _MOST_RECEIVED, _PERIOD = 500, 0.1
 
 
 class WebClient:
-    """A connection; everything here runs in the network thread.
+    """A connection; all functions run in the network thread.
 
-    Data that the client is too slow to read is dropped, the oldest of a topic first. Answers are never dropped: a
-    client that does not take them is disconnected.
+    If a client reads too slowly, its data are dropped, the oldest of a topic first. Responses are never dropped: a
+    client that does not read them is disconnected.
 
     Attributes:
         connection: the WebSocket.
-        peer: address and port of the other side.
+        peer: address and port of the client.
     """
 
     def __init__(self, connection: ServerConnection) -> None:
@@ -42,23 +42,23 @@ class WebClient:
 
     @property
     def is_behind(self) -> bool:
-        """Whether something waits to be sent."""
+        """Whether messages are queued."""
         return bool(self._waiting)
 
     def begin(self) -> None:
-        """The connection is open: say what the protocol begins with."""
+        """The connection is open: send the first messages of the protocol."""
 
     def received(self, frame: str | bytes) -> None:
         """A message has arrived."""
         raise NotImplementedError
 
     def ended(self) -> None:
-        """The connection has ended."""
+        """The connection is closed."""
 
-    # -- what is sent ------------------------------------------------------------------------
+    # -- sending -----------------------------------------------------------------------------
 
     def tell(self, frame: str | bytes) -> None:
-        """Have an answer sent."""
+        """Queue a response."""
         self._told += 1
         if self._told > _MOST_TOLD or self._size > 4 * MOST_BYTES:
             self.connection.transport.abort()
@@ -66,12 +66,12 @@ class WebClient:
         self._add(None, frame)
 
     def offer(self, key: object, frame: str | bytes, depth: int) -> bool:
-        """Have data sent, if the client is fast enough.
+        """Queue data if the client is fast enough.
 
         Args:
-            key: what the data are of.
+            key: identifies the topic of the data.
             frame: the message.
-            depth: messages of that key that may wait.
+            depth: maximum number of queued messages with that key.
 
         Returns:
             False if older data were dropped.
@@ -104,7 +104,7 @@ class WebClient:
         return True
 
     async def send_forever(self) -> None:
-        """Send what waits, until the connection ends."""
+        """Send queued messages until the connection is closed."""
         try:
             while True:
                 await self._wake.wait()
@@ -119,12 +119,12 @@ class WebClient:
                         self._of_key[key].popleft()
                     await self.connection.send(frame)
         except ConnectionClosed:
-            pass  # the task that receives notices the end, too
+            pass  # the receiving task handles the end
 
-    # -- what arrives ------------------------------------------------------------------------
+    # -- receiving ---------------------------------------------------------------------------
 
     async def receive_forever(self) -> None:
-        """Take what arrives, until the connection ends; who sends too fast has to wait."""
+        """Receive messages until the connection is closed; a client that sends too fast is throttled."""
         loop = asyncio.get_running_loop()
         async for frame in self.connection:
             self.received(frame)

@@ -1,4 +1,4 @@
-"""What the topics and the services of one simulation share: a server, and its clients."""
+"""The shared part of the topics and services of one simulation: a server, and its clients."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
 
 
 class HubClient(WebClient):
-    """A client that knows its hub."""
+    """A client with a reference to its hub."""
 
     def __init__(self, hub: Hub, connection: ServerConnection) -> None:
         super().__init__(connection)
         self.hub = hub
-        #: calls of services that go on
+        #: active service calls
         self.calls = 0
 
     def show(self, topic: WebTopic, frame: Any) -> None:
-        """A message of a topic that the client reads."""
+        """A message of a topic to which the client has subscribed."""
         raise NotImplementedError
 
     def topic_added(self, topic: WebTopic) -> None:
-        """There is a new topic."""
+        """A topic was added."""
 
     def topic_removed(self, topic: WebTopic) -> None:
-        """A topic is not there any more."""
+        """A topic was removed."""
 
     def services_changed(self) -> None:
-        """Services have come or gone."""
+        """Services were added or removed."""
 
     def tick(self, stamp: int) -> None:
         """Simulated time is now ``stamp`` ns."""
@@ -49,14 +49,14 @@ class HubClient(WebClient):
         """A call of a service has ended.
 
         Args:
-            call: what the client has given with the call.
+            call: the value that the client passed with the call.
             error: why it failed, or None.
             value: the result as JSON; empty if it failed.
         """
         raise NotImplementedError
 
     def ended(self) -> None:
-        """Nothing is sent to it any more."""
+        """The connection is closed: send nothing more."""
         if self.hub.topics is not None:
             for topic in self.hub.topics.offered.values():
                 topic.readers.pop(self, None)
@@ -65,17 +65,17 @@ class HubClient(WebClient):
 
 
 class Hub:
-    """One for each middleware of a simulation.
+    """There is one hub for each WebSocket middleware of a simulation.
 
     Attributes:
         server: see `WebServer`.
-        topics: carries data; None if no component of the scene streams data.
-        requests: offers services; None if no component of the scene offers them.
+        topics: the topics; None if no component of the scene streams data.
+        requests: the services; None if no component of the scene offers services.
     """
 
     #: name of the middleware
     name: ClassVar[str]
-    #: class path of its stream manager, whose options count
+    #: class path of its stream manager, whose options apply
     manager: ClassVar[str]
     options: ClassVar[Mapping[str, Option]]
     client: ClassVar[type[HubClient]]
@@ -98,7 +98,7 @@ class Hub:
         raise NotImplementedError
 
     def join(self) -> None:
-        """Somebody uses the server; the first one starts it.
+        """Add a user of the server; the first user starts it.
 
         Raises:
             MorseMiddlewareError: no port is free.
@@ -108,7 +108,7 @@ class Hub:
         self._users += 1
 
     def leave(self) -> None:
-        """The last one stops the server."""
+        """Remove a user; the last one stops the server."""
         self._users -= 1
         if not self._users:
             self.server.stop()
@@ -119,7 +119,7 @@ _hubs: weakref.WeakKeyDictionary[Context, dict[type[Hub], Hub]] = weakref.WeakKe
 
 
 def hub_of(context: Context, cls: type[Hub]) -> Hub:
-    """The hub of a simulation; it is made when first asked for."""
+    """The hub of a simulation; created on first use."""
     hubs = _hubs.setdefault(context, {})
     if cls not in hubs:
         hubs[cls] = cls(context)

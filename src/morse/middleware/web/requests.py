@@ -1,4 +1,4 @@
-"""Services that clients of a WebSocket server call."""
+"""Services for clients of a WebSocket server."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.middleware.web.hub import Hub, HubClient
 
-    #: client, what it has given with the call, why the call failed, result as JSON
+    #: client, value that the client passed with the call, error, result as JSON
     _Answer = tuple[HubClient, Any, str | None, bytes]
 
 logger = logging.getLogger(__name__)
 
 MOST_CALLS = 256
-"""Calls of one client that go on, or wait."""
+"""Maximum number of active or waiting calls of one client."""
 
-#: a tick takes no more than this from its clients, s; the rest waits for the next one
+#: time that a tick takes for its clients, s; the rest waits for the next tick
 _LONGEST = 0.005
 
 _encoder = msgspec.json.Encoder(enc_hook=plain)
@@ -54,7 +54,7 @@ class WebRequestManager(RequestManager):
         self._context = context
         self._hub = hub_of(context, self.hub_class)
         self.title = self._hub.name
-        #: component and service by name; replaced, never changed: the network thread reads it
+        #: component and service by name; replaced, never modified, because the network thread reads it
         self.paths: dict[str, tuple[str, str]] = {}
         self._inbox: deque[tuple[HubClient, Any, str, Any]] = deque()
         self._gone: deque[HubClient] = deque()
@@ -64,13 +64,13 @@ class WebRequestManager(RequestManager):
         self._complaints = Complaints(logger)
 
     def initialization(self) -> bool:
-        """Open the server, if the topics have not done so."""
+        """Start the server, unless the topics have started it."""
         self._hub.join()
         self._hub.requests = self
         return True
 
     def finalization(self) -> bool:
-        """Send the last answers."""
+        """Send the last responses."""
         self._hand_over()
         self._hub.requests = None
         self._hub.leave()
@@ -95,28 +95,28 @@ class WebRequestManager(RequestManager):
             client.services_changed()
 
     def call(self, client: HubClient, call: Any, path: str, arguments: Any) -> None:
-        """A client calls a service; `HubClient.answer` will be called.
+        """Call a service for a client; `HubClient.answer` will be called.
 
         Args:
-            client: who calls.
-            call: what the client wants to get back with the answer.
+            client: the caller.
+            call: a value that is returned to the client with the response.
             path: name of the service.
             arguments: a list, or an object with names.
         """
         if client.calls >= MOST_CALLS:
-            client.answer(call, f"{MOST_CALLS} calls of this client go on: wait for their end", b"")
+            client.answer(call, f"{MOST_CALLS} calls of this client are active: wait until they end", b"")
             return
         client.calls += 1
         self._inbox.append((client, call, path, arguments))
         self._context.wake()
 
     def cancel(self, client: HubClient, call: Any) -> None:
-        """A client wants a call to end."""
+        """Cancel a call of a client."""
         self._cancelled.append((client, call))
         self._context.wake()
 
     def gone(self, client: HubClient) -> None:
-        """A client has left."""
+        """Remove a disconnected client."""
         self._gone.append(client)
 
     @staticmethod
@@ -133,7 +133,7 @@ class WebRequestManager(RequestManager):
         self._hand_over()
 
     def main(self) -> None:
-        """Process the requests that have arrived, for a few milliseconds at most."""
+        """Process the received requests, for a few milliseconds at most."""
         begin = perf_counter()
         while self._inbox:
             self._handle(*self._inbox.popleft())
@@ -160,7 +160,7 @@ class WebRequestManager(RequestManager):
             done, outcome = self.on_incoming_request(component, service, values)
         except MorseError as error:
             self._outbox.append((client, call, str(error), b""))
-        except Exception as error:  # of the service, which may be the user's
+        except Exception as error:  # the service may be user code
             self._outbox.append((client, call, self._report(path, error), b""))
         else:
             if done:
@@ -169,7 +169,7 @@ class WebRequestManager(RequestManager):
                 self._calls[outcome] = (client, call)
 
     def _listed(self, component: str, service: str, arguments: Any) -> list[Any]:
-        """The arguments in their order."""
+        """The arguments in the order of the service."""
         if arguments is None:
             return []
         if isinstance(arguments, list):

@@ -1,4 +1,4 @@
-"""A WebSocket server, as the simulation sees it."""
+"""A WebSocket server of a simulation."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _C = TypeVar("_C", bound=WebClient)
 logger = logging.getLogger(__name__)
 
 MAX_MESSAGE = 4 << 20
-"""Bytes of a message of a client."""
+"""Maximum size of a message of a client, bytes."""
 
 _TRIES = 10
-#: addresses that mean all networks
+#: addresses of all networks
 _ALL = ("0.0.0.0", "::", "")
-#: s: for the handshake, for an answer to a ping, for a farewell
+#: timeouts for the handshake, for the response to a ping, and for closing, s
 _PATIENCE, _SILENCE, _FAREWELL = 20.0, 120.0, 1.0
 
 
@@ -45,15 +45,15 @@ class WebServer(Generic[_C]):
 
     Args:
         context: the simulation.
-        name: how messages call it.
+        name: its name in messages.
         options: see `morse.middleware.web.options.server_options`.
-        make: makes the client of a connection.
-        subprotocols: of which a client has to know one; empty for none.
+        make: creates the client of a connection.
+        subprotocols: a client has to support one of them; empty for none.
 
     Attributes:
-        clients: those that are connected; changed in the network thread.
-        port: where it listens; set by `start`.
-        complaints: about what clients do.
+        clients: the connected clients; changed in the network thread.
+        port: the port on which it listens; set by `start`.
+        complaints: warnings about clients.
     """
 
     def __init__(
@@ -78,7 +78,9 @@ class WebServer(Generic[_C]):
         self.port = 0
         self.complaints = Complaints(logger)
         self._server: Server | None = None
-        self._quiet = logging.Logger("morse.middleware.web.connections", logging.CRITICAL + 1)  # garbage is no news
+        self._quiet = logging.Logger(
+            "morse.middleware.web.connections", logging.CRITICAL + 1
+        )  # no log of invalid requests
 
     def start(self) -> None:
         """Listen.
@@ -92,12 +94,12 @@ class WebServer(Generic[_C]):
         logger.info("%s: %s", self._name, self.address)
 
     def stop(self) -> None:
-        """Send what waits, and close."""
+        """Send the queued messages, and close."""
         self._context.network.call(self._close())
 
     @property
     def address(self) -> str:
-        """What clients connect to, with the token if there is one."""
+        """The address for clients, with the token if there is one."""
         host = self._context.host
         if host in _ALL:
             host = socket.gethostname()
@@ -131,8 +133,8 @@ class WebServer(Generic[_C]):
             self.port = int(next(iter(self._server.sockets)).getsockname()[1])
             return
         raise MorseMiddlewareError(
-            f"{self._name}: no port from {self._wanted} on can be had on {self._context.host}: {failure}; "
-            f"say another: env.configure_stream_manager('{self._name}', port=0)"
+            f"{self._name}: no port from {self._wanted} on is free on {self._context.host}: {failure}; "
+            f"set another one: env.configure_stream_manager('{self._name}', port=0)"
         )
 
     async def _close(self) -> None:
@@ -154,7 +156,7 @@ class WebServer(Generic[_C]):
         try:
             refusal = self._access.refusal(request.path, request.headers, secret=True, cookie="")
         except LookupError:
-            return connection.respond(HTTPStatus.BAD_REQUEST, "A header that may come once came twice.\n")
+            return connection.respond(HTTPStatus.BAD_REQUEST, "A header that must be unique is repeated.\n")
         if refusal is not None:
             self.complaints.warn("refused", f"{self._name}: {refusal}")
             return connection.respond(HTTPStatus.FORBIDDEN, refusal + "\n")
@@ -172,8 +174,8 @@ class WebServer(Generic[_C]):
             client.begin()
             await client.receive_forever()
         except ConnectionClosed:
-            pass  # a client may leave at any time
-        except Exception as error:  # whatever a client sends, the others are served
+            pass  # a client may disconnect at any time
+        except Exception as error:  # an error of one client must not affect the others
             self.complaints.warn("failed", f"{self._name}: {client.peer}: {type(error).__name__}: {error}")
         finally:
             sender.cancel()
@@ -181,7 +183,7 @@ class WebServer(Generic[_C]):
             client.ended()
 
     def complain(self, client: WebClient, kind: str, text: str) -> None:
-        """Say in the log what a client does wrong."""
+        """Log an error of a client."""
         self.complaints.warn(kind, f"{self._name}: {client.peer}: {text}")
 
 

@@ -1,4 +1,4 @@
-"""Topics that clients of a WebSocket server read and write, as a backend of the topics of ROS 2."""
+"""Topics of a WebSocket server, as a backend of the topics of ROS 2."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: messages of a topic, and their bytes, that wait for the next action of an actuator
+#: limits of the messages of a topic that wait for the next action of an actuator: number and bytes
 _MOST_ARRIVED, _MOST_BYTES = 64, 8 << 20
-#: ticks whose messages wait for the network thread
+#: maximum number of ticks whose messages wait for the network thread
 _MOST_TICKS = 32
 
 
@@ -44,10 +44,10 @@ class WebTopic(Publisher):
     """A topic that the simulation publishes.
 
     Attributes:
-        topic, type, qos: as it was offered.
-        number: never that of another topic.
-        readers: the clients that have subscribed, with what they asked for; changed in the network thread.
-        kept: stamp and data of the last messages, for those who come later; empty unless the topic is latched.
+        topic, type, qos: as offered.
+        number: unique id of the topic.
+        readers: the clients that have subscribed, with their options; changed in the network thread.
+        kept: stamp and data of the last messages, for later subscribers; empty unless the topic is latched.
     """
 
     def __init__(self, topics: WebTopics, number: int, topic: str, type_name: str, qos: Qos) -> None:
@@ -74,7 +74,7 @@ class WebTopic(Publisher):
 
 
 class WebInlet(Subscription):
-    """A topic that a component hears."""
+    """A topic to which a component has subscribed."""
 
     def __init__(self, topics: WebTopics, topic: str) -> None:
         self._topics, self._topic = topics, topic
@@ -83,7 +83,7 @@ class WebInlet(Subscription):
         self._size = 0
 
     def put(self, data: bytes) -> None:
-        """A message has arrived; older ones are dropped if there are too many. In the network thread."""
+        """A message has arrived; the oldest messages are dropped if there are too many. In the network thread."""
         with self._lock:
             self._arrived.append(data)
             self._size += len(data)
@@ -106,11 +106,11 @@ class WebInlet(Subscription):
 
 
 class Heard(NamedTuple):
-    """A topic by which components are commanded.
+    """A topic for commands.
 
     Attributes:
-        type: of its messages.
-        inlets: who hears it.
+        type: type of its messages.
+        inlets: its subscribers.
     """
 
     type: str
@@ -118,12 +118,12 @@ class Heard(NamedTuple):
 
 
 class WebTopics(Backend):
-    """The topics of one middleware. Methods are called from the simulation thread unless they say otherwise.
+    """The topics of one middleware. Methods are called in the simulation thread unless stated otherwise.
 
     Attributes:
-        offered: what the simulation publishes, by name. A table is replaced, never changed, so that the network thread
-            may read it at any time.
-        heard: by which topics components are commanded.
+        offered: the published topics by name. The table is replaced, never modified, so that the network thread
+            can read it at any time.
+        heard: the command topics.
     """
 
     def __init__(self, hub: TopicHub) -> None:
@@ -148,7 +148,7 @@ class WebTopics(Backend):
         return made
 
     def withdraw(self, topic: WebTopic) -> None:
-        """A topic is not published any more."""
+        """Remove a published topic."""
         self.offered = {name: one for name, one in self.offered.items() if one is not topic}
         self._hub.context.network.post(self._tell_removed, topic)
 
@@ -161,7 +161,7 @@ class WebTopics(Backend):
         return inlet
 
     def stop_hearing(self, topic: str, inlet: WebInlet) -> None:
-        """A component hears a topic no more."""
+        """End the subscription of a component."""
         known = self.heard.get(topic)
         if known is not None:
             left = tuple(one for one in known.inlets if one is not inlet)
@@ -175,11 +175,11 @@ class WebTopics(Backend):
         return self._hub.context.clock.stamp()
 
     def put(self, topic: WebTopic, stamp: int, data: bytes) -> None:
-        """Have a message sent at the end of the tick."""
+        """Queue a message for the end of the tick."""
         self._outbox.append((topic, stamp, data))
 
     def flush(self) -> None:
-        """A tick ends: hand over what was published."""
+        """The end of a tick: pass the messages to the network thread."""
         if not self._outbox and not self._hub.server.clients:
             return
         if len(self._parcels) == _MOST_TICKS:

@@ -1,1 +1,1 @@
-"""What carries the bytes of messages: `morse.middleware.ros2.backends.choice` says which backends there are."""
+"""Backends that transport messages: `morse.middleware.ros2.backends.choice` lists them."""

@@ -1,4 +1,4 @@
-"""What a backend offers; everything else of ROS 2 is made by MORSE itself and is the same on all backends."""
+"""The interface of backends; all other parts of ROS 2 are implemented by MORSE and independent of the backend."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Publisher(ABC):
 
     @abstractmethod
     def publish(self, data: bytes) -> bool:
-        """Send a message, as `Backend.encode` makes it.
+        """Send a message that `Backend.encode` has encoded.
 
         Returns:
-            False if it is lost, since readers are too slow.
+            False if it is lost because readers are too slow.
         """
 
     @abstractmethod
@@ -42,31 +42,31 @@ class Publisher(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """End the topic."""
+        """Close the topic."""
 
 
 class Subscription(ABC):
-    """Takes the messages of a topic."""
+    """Receives the messages of a topic."""
 
     @abstractmethod
     def take(self) -> list[bytes]:
-        """What has arrived, oldest first; never waits."""
+        """The received messages, oldest first; non-blocking."""
 
     def other_types(self) -> set[str]:
-        """Types such as ``geometry_msgs/msg/Twist`` that others publish on the topic, and that do not arrive."""
+        """Types such as ``geometry_msgs/msg/Twist`` that others publish on the topic, and that are not received."""
         return set()
 
     @abstractmethod
     def close(self) -> None:
-        """Take nothing more."""
+        """End the subscription."""
 
 
 class ServiceServer(ABC):
-    """Takes the calls of a service."""
+    """Receives the calls of a service."""
 
     @abstractmethod
     def take(self, most: int) -> list[tuple[Any, dict[str, Any]]]:
-        """Calls that have arrived, oldest first, at most so many: who calls, and the request; never waits."""
+        """The received calls, oldest first, up to a maximum number: the caller, and the request; non-blocking."""
 
     @abstractmethod
     def answer(self, caller: Any, response: Mapping[str, Any]) -> None:
@@ -78,29 +78,29 @@ class ServiceServer(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Take nothing more."""
+        """Remove the service."""
 
 
 class Backend(ABC):
-    """A participant of a ROS 2 domain. All calls come from the simulation thread, and none of them waits.
+    """A participant of a ROS 2 domain. All methods are called in the simulation thread and are non-blocking.
 
     Attributes:
-        name: as ``env.configure_stream_manager('ros2', backend=...)`` says it.
+        name: the value of ``backend`` in ``env.configure_stream_manager('ros2', backend=...)``.
         opens: what it opens on which interface, for the log.
-        has_services: whether it carries services, too.
-        users: how many share it.
+        has_services: whether it supports services.
+        users: number of users.
     """
 
     has_services = False
     users = 1
-    #: whether the log says what it opens
+    #: whether the log reports what it opens
     announced = False
 
     name: str
     opens: str
 
     def encode(self, type_name: str, message: Mapping[str, Any]) -> bytes:
-        """A message as publishers take it: CDR, unless the backend has another form.
+        """Encode a message for publishers: CDR, unless the backend has another format.
 
         Raises:
             ValueError, TypeError, OverflowError, struct.error: a value does not fit its field.
@@ -108,7 +108,7 @@ class Backend(ABC):
         return cdr.encode(type_name, message)
 
     def decode(self, type_name: str, data: bytes) -> dict[str, Any]:
-        """A message from what a subscription gives, with all its fields.
+        """Decode data of a subscription into a message with all its fields.
 
         Raises:
             ValueError: the data is not a message of that type.
@@ -143,11 +143,11 @@ class Backend(ABC):
         return None
 
     def typed_service(self, name: str, kind: Any) -> Any:
-        """Offer a service of a class of ROS, whose messages are objects; None if this backend has no services."""
+        """Offer a service with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
     def typed_publisher(self, topic: str, kind: Any, qos: Qos) -> Any:
-        """Offer a topic of a class of ROS, whose messages are objects; None if this backend has no services."""
+        """Offer a topic with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
     def release(self) -> None:

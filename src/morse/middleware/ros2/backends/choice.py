@@ -1,4 +1,4 @@
-"""Which backend there is."""
+"""Selection of the backend."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _CLASSES = {
 
 
 def available() -> list[str]:
-    """The backends whose packages are installed, the preferred one first; none is imported."""
+    """The backends whose packages are installed, in order of preference; none is imported."""
     return [name for name in BACKENDS if find_spec(name) is not None]
 
 
@@ -29,7 +29,7 @@ def make_backend(options: Mapping[str, Any]) -> Backend:
     """Join the domain.
 
     Args:
-        options: ``backend`` (None for the first that works), ``domain_id``, ``interface``.
+        options: ``backend`` (None for the first usable one), ``domain_id``, ``interface``.
 
     Raises:
         MorseMiddlewareError: no backend is installed, or it cannot join.
@@ -48,5 +48,5 @@ def make_backend(options: Mapping[str, Any]) -> Backend:
     said = "; ".join(failures) or "neither rclpy nor cyclonedds is installed"
     raise MorseMiddlewareError(
         f"ros2: {said}. Source the set-up file of a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or install "
-        f"what needs none: {INSTALL}"
+        f"the backend without ROS: {INSTALL}"
     )

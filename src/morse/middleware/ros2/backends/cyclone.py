@@ -1,7 +1,7 @@
-"""ROS 2 without ROS: topics over Cyclone DDS, under the names that ROS nodes give them.
+"""ROS 2 without ROS: topics over Cyclone DDS, with the names that ROS nodes use.
 
-There is no node in the graph of ROS, and no services, actions or parameters: tools list the topics as those of a bare
-DDS application.
+There is no node in the graph of ROS, and no services, actions or parameters: tools list the topics as those of a DDS
+application without a node.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from morse.middleware.ros2.backends.loopback import Confined, confined, describe
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: how long a reliable writer waits for a reader whose queue is full; the simulation must not
+#: time for which a reliable writer waits for a reader with a full queue; the simulation must not wait
 _NO_TIME = 0.0
-#: messages that are taken in one tick
+#: maximum number of messages that are read in one tick
 _MOST = 64
-#: publishers of a domain that are looked at
+#: maximum number of publishers of a domain that are inspected
 _ENDPOINTS = 1000
 _LOOPBACK = """<CycloneDDS><Domain><General>
 <Interfaces><NetworkInterface address="127.0.0.1" multicast="false"/></Interfaces><AllowMulticast>false</AllowMulticast>
@@ -48,7 +48,7 @@ _INTERFACE = """<CycloneDDS><Domain><General>
 
 @dataclass
 class _Joined:
-    """A domain that participants of this process are in: Cyclone DDS has one configuration for all of them."""
+    """A domain with participants of this process: Cyclone DDS has one configuration for all of them."""
 
     domain: Domain
     settings: str
@@ -59,9 +59,9 @@ _domains: dict[int, _Joined] = {}
 
 
 def _configuration(interface: str) -> tuple[str, str]:
-    """The settings for an interface, and how the log calls it."""
+    """The configuration for an interface, and its name in the log."""
     if os.environ.get("CYCLONEDDS_URI"):
-        return "", "as CYCLONEDDS_URI says"
+        return "", "as set by CYCLONEDDS_URI"
     if interface in ("", "lo", "127.0.0.1", "localhost"):
         return _LOOPBACK, "127.0.0.1"
     attribute = "autodetermine='true'" if interface == "any" else f"name={quoteattr(interface)}"
@@ -79,7 +79,7 @@ def _join(domain: int, interface: str) -> tuple[DomainParticipant, str]:
         if known is not None and known.settings != settings:
             raise MorseMiddlewareError(
                 f"ros2: another simulation of this process uses the domain {domain} on another interface; "
-                "give this one its own domain_id"
+                "set another domain_id for this one"
             )
         with confined() if settings == _LOOPBACK else nullcontext(Confined()) as sockets:
             joined = known or _Joined(Domain(domain, settings), settings)
@@ -121,7 +121,7 @@ class _Writer(Publisher):
         sample.data = data
         try:
             self._writer.write(sample)
-        except DDSException:  # readers that want all messages have not taken the former ones
+        except DDSException:  # reliable readers have not received the previous messages
             return False
         return True
 
@@ -142,7 +142,7 @@ class _Reader(Subscription):
         return {name.replace("::msg::dds_::", "/msg/").removesuffix("_") for name in names}
 
     def take(self) -> list[bytes]:
-        # a writer that ends leaves a sample without data
+        # a writer that is deleted leaves a sample without data
         return [sample.data for sample in self._reader.take(_MOST) if sample.sample_info.valid_data]
 
     def close(self) -> None:
@@ -168,7 +168,7 @@ class CycloneBackend(Backend):
         return self._topics[key]
 
     def published(self, topic: str) -> set[str]:
-        """Types with which a topic, as DDS calls it, is published by anybody."""
+        """The types with which a topic, by its DDS name, is published."""
         if self._endpoints is None:
             self._endpoints = BuiltinDataReader(self.participant, BuiltinTopicDcpsPublication)
         found = [one for one in self._endpoints.read(_ENDPOINTS) if one.sample_info.valid_data]

@@ -1,6 +1,6 @@
-"""Types of messages as Cyclone DDS knows them.
+"""Types of messages for Cyclone DDS.
 
-They carry bytes that are encoded already: encoding an image field by field takes some hundred times as long.
+Samples contain bytes that are already encoded: encoding an image field by field is some hundred times slower.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from morse.middleware.ros2.definitions import SEQUENCE, SINGLE, fields_of
 
 @cache
 def sample_type(type_name: str) -> type[Any]:
-    """The type of the samples of a topic: `data` holds a message with its header.
+    """The type of the samples of a topic: `data` contains an encoded message with its header.
 
-    The description of the type, which other participants may compare with theirs, has all its fields.
+    The description of the type, which other participants may compare with their own, has all fields.
     """
     described = _described(type_name)
 
@@ -29,7 +29,7 @@ def sample_type(type_name: str) -> type[Any]:
         data: bytes
 
         def __init__(self) -> None:
-            """Nothing is set: see `data`."""
+            """Leave all fields unset: see `data`."""
 
         def serialize(self, *_args: Any, **_options: Any) -> bytes:
             return self.data

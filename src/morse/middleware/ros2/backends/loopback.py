@@ -1,7 +1,7 @@
-"""Keeps the sockets of DDS on the loopback interface.
+"""Restricts the sockets of DDS to the loopback interface.
 
-DDS libraries send through the interface that they are told, but receive on all of them: a stranger could find the
-ports. Linux lets a socket take packets of one interface alone.
+DDS libraries send over the configured interface, but receive on all interfaces: other machines could find the ports.
+Linux can restrict a socket to the packets of one interface.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _DESCRIPTORS = "/proc/self/fd"
 
 
 def _udp_sockets() -> dict[str, int]:
-    """The UDP sockets of this process: what the system calls them, and their file descriptors; Linux only."""
+    """The UDP sockets of this process: their inode and their file descriptors; Linux only."""
     found = {}
     for name in os.listdir(_DESCRIPTORS) if os.path.isdir(_DESCRIPTORS) else ():
         try:
@@ -28,16 +28,16 @@ def _udp_sockets() -> dict[str, int]:
                 with socket.socket(fileno=os.dup(int(name))) as one:
                     if one.type == socket.SOCK_DGRAM and one.family in (socket.AF_INET, socket.AF_INET6):
                         found[target] = int(name)
-        except OSError:  # it was closed meanwhile
+        except OSError:  # closed in the meantime
             continue
     return found
 
 
 class Confined:
-    """What came of it.
+    """The result.
 
     Attributes:
-        is_certain: nothing from other machines is received.
+        is_certain: whether nothing from other machines is received.
     """
 
     is_certain = False
@@ -45,7 +45,7 @@ class Confined:
 
 @contextmanager
 def confined() -> Iterator[Confined]:
-    """UDP sockets that are opened in the block take packets of this machine alone, where the system can do that."""
+    """UDP sockets that are opened in the block accept only packets of this machine, if the system supports it."""
     before = _udp_sockets()
     result = Confined()
     yield result
@@ -57,13 +57,13 @@ def _confine(descriptor: int) -> bool:
     try:
         with socket.socket(fileno=os.dup(descriptor)) as one:
             one.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, _LOOPBACK)
-    except (OSError, AttributeError):  # before Linux 5.7 for the administrator alone; other systems have no such option
+    except (OSError, AttributeError):  # before Linux 5.7 for root only; other systems have no such option
         return False
     return True
 
 
 def described(result: Confined) -> str:
-    """What the log says."""
+    """The text for the log."""
     if result.is_certain:
-        return "on 127.0.0.1, packets of this machine alone"
-    return "on 127.0.0.1; this system cannot keep packets of other machines out: use a firewall"
+        return "on 127.0.0.1, packets of this machine only"
+    return "on 127.0.0.1; this system cannot block packets of other machines: use a firewall"

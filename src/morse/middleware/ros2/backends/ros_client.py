@@ -1,7 +1,7 @@
-"""Topics by rclpy, the client library of a ROS 2 installation.
+"""Topics over rclpy, the client library of a ROS 2 installation.
 
-Messages stay bytes, as on the other backend: rclpy sends and gives them as they are. Nothing is spun: what has
-arrived is taken from the subscriptions when the simulation asks for it.
+Messages are bytes, as on the other backend: rclpy sends and returns them unchanged. Nothing is spun: received
+messages are taken from the subscriptions when the simulation polls.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 _LOOPBACK = ("", "lo", "127.0.0.1", "localhost")
-#: variables by which the user has said how far ROS reaches
+#: variables by which the user can set the network range of ROS
 _REACH = ("ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
 #: distributions with another variable for it
 _BEFORE_IRON = ("foxy", "galactic", "humble")
-#: messages that are taken in one tick
+#: maximum number of messages that are taken in one tick
 _MOST = 64
 
 
@@ -36,7 +36,7 @@ def _limited(interface: str) -> Iterator[str]:
     """Within the block, restrict ROS to this machine, unless its environment variables are set.
 
     Yields:
-        What the log says of it; nothing if it is to stay.
+        A text for the log; empty if nothing is restricted.
     """
     said = [f"{name}={os.environ[name]}" for name in _REACH if os.environ.get(name)]
     if said:
@@ -47,7 +47,7 @@ def _limited(interface: str) -> Iterator[str]:
         os.environ[name] = value
         try:
             yield ""
-        finally:  # other simulations of this process, and programs that it starts, are not meant
+        finally:  # do not affect other simulations of this process, or child processes
             del os.environ[name]
     elif interface == "any":
         yield "all interfaces"
@@ -57,8 +57,8 @@ def _limited(interface: str) -> Iterator[str]:
 
 def _refuse(interface: str) -> NoReturn:
     raise MorseMiddlewareError(
-        f"ros2: rclpy cannot be told the interface {interface!r}; say interface='any' and choose it by the settings of "
-        "your RMW, or say backend='cyclonedds'"
+        f"ros2: rclpy cannot select the interface {interface!r}; set interface='any' and select it in the settings of "
+        "your RMW, or set backend='cyclonedds'"
     )
 
 
@@ -125,7 +125,7 @@ class _Service(ServiceServer):
         return [(caller, plain(request)) for caller, request in self.take_messages(most)]
 
     def take_messages(self, most: int) -> list[tuple[Any, Any]]:
-        """As `take`, with requests as objects of rclpy."""
+        """Like `take`, with requests as objects of rclpy."""
         service = self._service
         found: list[tuple[Any, Any]] = []
         with service.handle:
@@ -140,12 +140,12 @@ class _Service(ServiceServer):
         self.answer_message(caller, fill(self.new_response(), response))
 
     def answer_message(self, caller: Any, response: Any) -> None:
-        """As `answer`, with an object of rclpy."""
+        """Like `answer`, with an object of rclpy."""
         with self._service.handle:
             self._service.handle.service_send_response(response, caller)
 
     def new_response(self) -> Any:
-        """An answer without content."""
+        """An empty response."""
         return self._service.srv_type.Response()
 
     def close(self) -> None:
@@ -178,7 +178,7 @@ def fill(message: Any, fields: Mapping[str, Any]) -> Any:
                 setattr(message, name, [fill(item(), one) for one in value])
             else:
                 setattr(message, name, value)
-        except AssertionError as error:  # what rclpy raises for a value of another type
+        except AssertionError as error:  # raised by rclpy for a value of a wrong type
             raise TypeError(f"field '{name}': {error}") from None
     return message
 
@@ -202,11 +202,11 @@ class RclpyBackend(Backend):
         with _limited(options["interface"]) as reach, nullcontext(Confined()) if reach else confined() as sockets:
             try:
                 rclpy.init(args=[], context=self._context, domain_id=options["domain_id"])
-                # services of parameters would need a thread, and a simulation has no parameters
+                # parameter services would need a thread, and a simulation has no parameters
                 self._node = rclpy.create_node(
                     "morse", context=self._context, start_parameter_services=False, enable_rosout=False
                 )
-            except Exception as error:  # rclpy has no common class for what can fail in an RMW
+            except Exception as error:  # rclpy has no common class for errors of an RMW
                 raise MorseMiddlewareError(
                     f"ros2: rclpy cannot join the domain {options['domain_id']}: {error}"
                 ) from None

@@ -1,1 +1,1 @@
-"""Which messages carry which kind; each module is a part of the stream manager."""
+"""The messages of each kind; each module is a part of the stream manager."""

@@ -1,4 +1,4 @@
-"""Things that were recognised, and pictures as files."""
+"""Detections, and compressed images."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 #: constants of visualization_msgs/Marker
 _CUBE, _TEXT, _ADD, _DELETE_ALL = 1, 9, 0, 3
-#: of a thing whose size is not known, m
+#: size of an object with unknown size, m
 _SIZE = (0.3, 0.3, 0.3)
 _GREEN = {"r": 0.2, "g": 0.9, "b": 0.3, "a": 0.5}
 _WHITE = {"r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
-#: of JPEG, 0 to 100
+#: JPEG quality, 0 to 100
 _QUALITY = 85
-#: encodings of images that are compressed, and what Pillow calls them
+#: encodings of images that are compressed, and their modes in Pillow
 _MODES = {"rgb8": "RGB", "rgba8": "RGBA", "mono8": "L"}
 
 
@@ -32,7 +32,7 @@ class DetectingKinds:
 
     @maps("detections")
     def detections(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Boxes with names, or JSON if the backend does not have vision_msgs; and markers for viewers."""
+        """Boxes with names, or JSON if the backend does not have vision_msgs; also markers for viewers."""
         frame = "optical" if getattr(bound.component, "relative", False) else "world"
         text = Outlet("std_msgs/msg/String", lambda m, f: {"data": as_json(list(m.records))})
         return [
@@ -74,10 +74,10 @@ def _markers(message: Message, frame: str) -> dict[str, Any]:
 
 
 def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
-    """An image as JPEG, on ``image/compressed``; of depths and others that JPEG cannot hold nothing is sent.
+    """An image as JPEG, on ``image/compressed``; depth images and others without a JPEG format are not sent.
 
     Args:
-        capturing: whether the camera takes pictures.
+        capturing: whether the camera captures images.
     """
     return Outlet(
         "sensor_msgs/msg/CompressedImage",

@@ -28,7 +28,7 @@ class SensingKinds:
 
     @maps("imu")
     def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """On ``data``, as REP 145 says."""
+        """On ``data``, as in REP 145."""
         return [Outlet("sensor_msgs/msg/Imu", _imu, "data")]
 
     @maps("magnetic_field")
@@ -39,7 +39,7 @@ class SensingKinds:
 
     @maps("fix")
     def fix(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Of the antenna; velocity and universal time on topics of their own."""
+        """Of the antenna; velocity and universal time have their own topics."""
         outlets = [Outlet("sensor_msgs/msg/NavSatFix", _fix, frame="own")]
         if bound.has("velocity"):
             outlets.append(Outlet("geometry_msgs/msg/TwistStamped", _ground_velocity, "vel", frame="enu"))
@@ -49,12 +49,12 @@ class SensingKinds:
 
     @maps("fix", direction="IN")
     def take_fix(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """A place to go to."""
+        """A target position."""
         return [Inlet("sensor_msgs/msg/NavSatFix", lambda m: {name: m[name] for name in _PLACE})]
 
     @maps("pressure")
     def pressure(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """A ``FluidPressure`` is an absolute one: the differential one is a number."""
+        """A ``FluidPressure`` is absolute: the differential pressure is a number."""
         outlets = []
         if bound.has("absolute"):
             outlets.append(Outlet("sensor_msgs/msg/FluidPressure", _pressure))
@@ -74,12 +74,12 @@ class SensingKinds:
 
     @maps("battery")
     def battery(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """What is not measured is NaN."""
+        """Quantities that are not measured are NaN."""
         return [Outlet("sensor_msgs/msg/BatteryState", _battery)]
 
     @maps("range")
     def range(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Along the X axis of the frame: that of an altimeter points down, however the robot is tilted."""
+        """Along the X axis of the frame: the frame of an altimeter points down, however the robot is tilted."""
         bundle = getattr(bound.component, "rays", None)
         return [Outlet("sensor_msgs/msg/Range", _range, frame="down" if getattr(bundle, "upright", False) else "")]
 
@@ -133,7 +133,7 @@ def _time_reference(message: Message, frame: str) -> dict[str, Any] | None:
     try:
         moment = datetime.fromisoformat(message.utc)
     except (TypeError, ValueError):
-        return None  # no satellite has told the time
+        return None  # no time from satellites
     moment = moment.replace(tzinfo=moment.tzinfo or UTC)
     seconds = math.floor(moment.timestamp())
     reference = {"sec": seconds, "nanosec": moment.microsecond * 1000}

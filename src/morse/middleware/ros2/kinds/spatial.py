@@ -56,7 +56,7 @@ class SpatialKinds:
 
     @maps("accel")
     def accel(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Without gravity: it is not a message of an IMU."""
+        """Without gravity, therefore not an IMU message."""
         return [
             Outlet(
                 "geometry_msgs/msg/AccelWithCovarianceStamped",
@@ -66,12 +66,12 @@ class SpatialKinds:
 
     @maps("attitude")
     def attitude(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """A message of an IMU that says what it has not."""
+        """An IMU message that marks the missing quantities."""
         return [Outlet("sensor_msgs/msg/Imu", _attitude, frame="own")]
 
     @maps("odometry")
     def odometry(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """That of the robot, wherever the sensor is; the transform from odom to base_link follows from it."""
+        """Odometry of the robot, wherever the sensor is mounted; the transform of base_link is derived from it."""
         return [Outlet("nav_msgs/msg/Odometry", stream.odometry)]
 
     @maps("wrench")
@@ -88,7 +88,7 @@ class SpatialKinds:
 
     @maps("pose", direction="IN")
     def take_pose(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """A goal, as rviz and nav2 send it; an orientation has no effect where the actuator takes none."""
+        """A goal from rviz or nav2; an orientation has no effect if the actuator does not use it."""
         turns = bound.has("orientation")
 
         def take(message: Mapping[str, Any]) -> dict[str, Any]:
@@ -103,7 +103,7 @@ class SpatialKinds:
 
     @maps("twist", direction="IN")
     def take_twist(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer one."""
+        """A topic has one type: that of nav2 up to Jazzy, or with ``stamped=True`` the newer type."""
         if stream.kwargs["stamped"]:
             return [Inlet("geometry_msgs/msg/TwistStamped", lambda m: _from_twist(m["twist"]), also="cmd_vel")]
         return [Inlet("geometry_msgs/msg/Twist", _from_twist, also="cmd_vel")]
@@ -153,7 +153,7 @@ def _from_stick(message: Mapping[str, Any], *, by_rate: bool) -> dict[str, Any]:
         raise ValueError(f"{len(message['data'])} numbers, expected {', '.join(_STICK)}")
     roll, pitch, yaw, thrust = (float(number) for number in message["data"])
     if not all(map(math.isfinite, (roll, pitch, yaw))):
-        raise ValueError("angles that are not finite")
+        raise ValueError("angles have to be finite")
     if by_rate:
         return {"orientation": quaternion_of(roll, pitch, 0.0), "rates": (0.0, 0.0, yaw), "thrust": thrust}
     return {"orientation": quaternion_of(roll, pitch, yaw), "thrust": thrust}

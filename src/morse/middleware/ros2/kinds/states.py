@@ -25,7 +25,7 @@ class StateKinds:
 
     @maps("contact")
     def contact(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Whether, what, and with which force."""
+        """Whether there is a contact, the names, and the force."""
         outlets = [Outlet(_BOOL, lambda m, f: {"data": m.touching})]
         if bound.has("names"):
             outlets.append(Outlet(_STRING, lambda m, f: {"data": ",".join(m.names or ())}, "names"))
@@ -52,7 +52,7 @@ class StateKinds:
 
     @maps("clock")
     def clock_sensor(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """Nothing of its own: the time of the simulation is on /clock, once."""
+        """No topic: the time of the simulation is published once, on /clock."""
         return []
 
     @maps("general")
@@ -64,7 +64,7 @@ class StateKinds:
 
     @maps("joints", direction="IN")
     def take_joints(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """Some of the joints are enough; the others keep their commands."""
+        """A subset of the joints is allowed; the others keep their commands."""
         return [Inlet("sensor_msgs/msg/JointState", lambda m: _from_joints(m, bound))]
 
     @maps("actuators", direction="IN")
@@ -86,7 +86,7 @@ class StateKinds:
 
 
 def clock(stamp: int) -> dict[str, Any]:
-    """``rosgraph_msgs/Clock`` of whole ns."""
+    """``rosgraph_msgs/Clock`` from whole ns."""
     return {"clock": time(stamp)}
 
 

@@ -1,4 +1,4 @@
-"""Scans, point clouds, images, and what is recognized in them."""
+"""Scans, point clouds and images."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from morse.core.kinds import BoundKind, Message
 
-#: numbers of the types in sensor_msgs/PointField
+#: constants of sensor_msgs/PointField
 _UINT16, _UINT32, _FLOAT32 = 4, 6, 7
-#: encodings of images: type of a number and how many a pixel has (sensor_msgs/image_encodings.hpp)
+#: encodings of images: type of a channel and number of channels (sensor_msgs/image_encodings.hpp)
 _ENCODINGS = {
     "rgb8": ("u1", 3), "rgba8": ("u1", 4), "bgr8": ("u1", 3), "bgra8": ("u1", 4), "mono8": ("u1", 1),
     "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1), "32FC2": ("f4", 2), "32FC3": ("f4", 3),
@@ -30,13 +30,13 @@ class VisionKinds:
 
     @maps("scan")
     def scan(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """From the right to the left; all rays at the same time."""
+        """From right to left; all rays have the same time."""
         period = 1.0 / bound.component.frequency
         return [Outlet("sensor_msgs/msg/LaserScan", lambda m, f: _scan(m, f, period))]
 
     @maps("cloud")
     def cloud(self, stream: Any, bound: BoundKind) -> list[Outlet]:
-        """With all that is known of each point."""
+        """With all fields of each point."""
         return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE)]
 
     @maps("image")
@@ -67,7 +67,7 @@ class VisionKinds:
 
     @maps("image", direction="IN")
     def take_image(self, stream: Any, bound: BoundKind) -> list[Inlet]:
-        """Any publisher of images can drive an array of lamps."""
+        """Any image publisher can control an array of lamps."""
         return [Inlet("sensor_msgs/msg/Image", _from_image)]
 
 
@@ -76,7 +76,7 @@ def _scan(message: Message, frame: str, period: float) -> dict[str, Any]:
     return {
         "header": header(message, frame),
         "angle_min": first,
-        # readers count the rays by the angles: what the fan declares may not be a multiple of the step
+        # readers compute the number of rays from the angles: the declared fan may not be a multiple of the step
         "angle_max": first + max(count - 1, 0) * step,
         "angle_increment": step,
         "scan_time": period,
@@ -119,7 +119,7 @@ def _cloud(message: Message, frame: str) -> dict[str, Any]:
 
 
 def _packed(color: Any) -> Any:
-    """Red, green and blue in the bits of a number, as rviz reads them."""
+    """Red, green and blue in the bits of a number, as in rviz."""
     red, green, blue = (color[..., i].astype(np.uint32) for i in range(3))
     return red << 16 | green << 8 | blue
 
