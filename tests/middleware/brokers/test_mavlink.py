@@ -361,7 +361,7 @@ def test_axes_there_and_back(frame: str) -> None:
     [
         ("serial:/dev/ttyS0", "", "", "expected udpout"),
         ("udpout:127.0.0.1:0", "", "", "expected udpout"),
-        ("udpin:192.0.2.1:14550", "", "", "cannot be had"),
+        ("udpin:192.0.2.1:14550", "", "", "cannot be opened"),
         ("udpout:127.0.0.1:9", "", ", world='ned'", "world"),
         ("udpout:127.0.0.1:9", "pose2 = Pose(); robot.append(pose2); pose2.add_stream('mavlink', system_id=7)", "",
          "has the system_id"),
