@@ -91,10 +91,10 @@ def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypat
 @pytest.mark.parametrize(
     ("words", "said", "status"),
     [
-        (["replay", "scene.py", "--resimulate"], "this is no recording", 1),
+        (["replay", "scene.py", "--resimulate"], "this is not a recording", 1),
         (["replay", "missing.mcap", "--resimulate"], "missing.mcap", 1),
-        (["export", "scene.py", "--csv"], "this is no recording", 1),
-        (["replay", "scene.py"], "this is no recording", 1),
+        (["export", "scene.py", "--csv"], "this is not a recording", 1),
+        (["replay", "scene.py"], "this is not a recording", 1),
         (["replay", "scene.py", "--record", "new.mcap"], "--record belongs to --resimulate", 2),
         (["export", "scene.py"], "--csv or --parquet", 2),
         (["export", "scene.py", "--csv", "--parquet"], "--csv or --parquet", 2),

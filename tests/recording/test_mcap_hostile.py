@@ -51,7 +51,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def test_random_bytes_are_no_recording(tmp_path: Path, size: int) -> None:
     path = tmp_path / "random.mcap"
     path.write_bytes(random.Random(size).randbytes(size))
-    with pytest.raises(RecordingError, match=r"random\.mcap: this is no recording"):
+    with pytest.raises(RecordingError, match=r"random\.mcap: this is not a recording"):
         read_all(path)
 
 

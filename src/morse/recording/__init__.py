@@ -1,1 +1,1 @@
-"""Recordings of runs in MCAP files: written while a simulation runs, read again, turned into tables."""
+"""Recordings of runs in MCAP files: written while a simulation runs, read, and exported as tables."""

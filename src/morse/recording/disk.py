@@ -1,4 +1,4 @@
-"""Takes a recording to the disk, in a thread of its own."""
+"""Writes a recording to the disk in its own thread."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ if TYPE_CHECKING:
 
     _Item = Message | Callable[[McapWriter], object]
 
-#: wall-clock seconds between two chunks: what a killed process loses at most, with room for the writing itself
+#: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
-#: bytes of a chunk, about
+#: approximate size of a chunk, bytes
 _CHUNK = 4 << 20
-#: bytes that wait for the disk at most; then the simulation waits
+#: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: bytes that a message takes beside its data, about
+#: approximate overhead of a message, bytes
 _OVERHEAD = 64
 
 
 class Disk:
-    """Writes what it is given, in that order, at least twice a second.
+    """Writes messages in order, at least twice per second.
 
-    Nothing is lost while the disk is slow: whoever gives more than it takes waits. When it takes nothing any more, as
-    it is full, all that comes later is dropped, and `error` says why.
+    No data are lost while the disk is slow: the caller waits. After an error of the disk, for example if it is full,
+    all later data are dropped, and `error` contains the reason.
 
     Args:
         file: opened for writing without a buffer; closed at the end.
 
     Attributes:
-        error: what the operating system has refused, or None.
+        error: the error of the operating system, or None.
         waits: number of times that a writer had to wait.
 
     Raises:
@@ -48,14 +48,14 @@ class Disk:
         self.waits = 0
         self._writer = McapWriter(file)
         self._items: deque[_Item] = deque()
-        self._given = self._taken = 0  # bytes; each is written by one thread alone
+        self._given = self._taken = 0  # bytes; each is written by one thread only
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="morse-recording", daemon=True)
         self._thread.start()
 
     def message(self, one: Message) -> None:
-        """Write a message, soon."""
+        """Queue a message."""
         self._items.append(one)
         self._given += len(one.data) + _OVERHEAD
         if self._given - self._taken > _CHUNK:
@@ -64,7 +64,7 @@ class Disk:
                 self._wait()
 
     def other(self, write: Callable[[McapWriter], object]) -> None:
-        """Write something else, after all that was given before."""
+        """Queue another operation, after all previous messages."""
         self._items.append(write)
 
     def _wait(self) -> None:
@@ -74,7 +74,7 @@ class Disk:
             self._room.clear()
 
     def close(self) -> None:
-        """Write what is left, and the index; wait until that is done."""
+        """Write the remaining data and the index; wait until that is done."""
         self._ending = True
         self._wake.set()
         self._thread.join()
@@ -93,7 +93,7 @@ class Disk:
             self._file.close()
 
     def _drain(self) -> None:
-        """Write all that is there, or a chunk of it after the other."""
+        """Write all queued messages, chunk by chunk."""
         messages: list[Message] = []
         size = 0
         while self._items:
@@ -123,7 +123,7 @@ class Disk:
             self._end_well()
 
     def _end_well(self) -> None:
-        """The index may still fit."""
+        """Try to write the index: it may still fit."""
         try:
             self._writer.finish()
         except OSError:

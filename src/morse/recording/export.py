@@ -1,4 +1,4 @@
-"""Turns the topics of a recording into files that others read: CSV and Parquet."""
+"""Exports the topics of a recording as CSV and Parquet files."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from morse.recording.mcap.reader import Channel, McapFile
 
 INSTALL = "pip install 'morse-simulator[parquet]'"
-#: rows that are held in memory
+#: maximum number of rows in memory
 _ROWS = 1000
-#: bytes of messages that are held in memory
+#: maximum size of messages in memory, bytes
 _BYTES = 64 << 20
-#: files that are open at the same time; a recording with more topics is read several times
+#: maximum number of open files; a recording with more topics is read several times
 _FILES = 100
 _LONGEST_NAME = 120
 
 
 class Written(NamedTuple):
-    """One file that was written.
+    """One written file.
 
     Attributes:
         path: of the file.
-        topic: whose messages are in it.
+        topic: the topic of its messages.
         rows: number of rows.
-        left_out: fields of bytes that CSV does not hold.
+        left_out: fields of bytes, which CSV does not contain.
     """
 
     path: Path
@@ -50,7 +50,7 @@ class _Sink(Protocol):
 
 
 class _Csv:
-    """RFC 4180, numbers with all their digits; lists in JSON."""
+    """RFC 4180, numbers with all their digits; lists as JSON."""
 
     def __init__(self, path: Path, table: Table) -> None:
         self._file = path.open("x", newline="", encoding="utf-8", errors="backslashreplace")
@@ -118,7 +118,7 @@ class _Parquet:
 
 
 class _Writing:
-    """The file of one topic, while it is written."""
+    """The file of one topic during the export."""
 
     def __init__(self, folder: Path, channel: Channel, form: str, used: set[str]) -> None:
         self.table = Table(channel.type, without_data=form == "csv")
@@ -151,7 +151,7 @@ class _Writing:
 
 
 def _file_name(topic: str, used: set[str]) -> str:
-    """``robot.pose`` for ``/robot/pose``; whatever a file says, it stays in the folder."""
+    """``robot.pose`` for ``/robot/pose``; the path stays in the folder for any name in a file."""
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", topic.strip("/").replace("/", "."))[:_LONGEST_NAME].lstrip(".") or "topic"
     found, number = name, 1
     while found.lower() in used:
@@ -168,16 +168,16 @@ def export(
 
     Args:
         file: a recording.
-        folder: is made; it must not exist, or be empty.
+        folder: is created; it must not exist, or be empty.
         form: ``csv`` or ``parquet``.
-        topics: that are wanted; none for all.
+        topics: the selected topics; none for all.
 
     Returns:
         The files, and remarks about topics that have none.
 
     Raises:
         RecordingError: the recording is damaged, there is no such topic, or the folder is in use; or a package is
-            missing. What was written before stays.
+            missing. Files that were written before remain.
         OSError: a file cannot be written.
     """
     wanted = _wanted(file, topics)

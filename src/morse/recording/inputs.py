@@ -28,8 +28,8 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
     """The message of the topic for an entry.
 
     Args:
-        entry: of the journal.
-        pack: an entry as bytes; raises ValueError for what bytes cannot hold.
+        entry: an entry of the journal.
+        pack: encodes an entry as bytes; raises ValueError for values without a representation.
     """
     exact: str | None = None
     try:
@@ -48,12 +48,12 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
 
 
 class Inputs:
-    """Writes everything that comes in.
+    """Records all inputs.
 
     Args:
-        journal: of the simulation.
-        tape: takes the messages.
-        pack: an entry as bytes; raises ValueError for what bytes cannot hold.
+        journal: the journal of the simulation.
+        tape: receives the messages.
+        pack: encodes an entry as bytes; raises ValueError for values without a representation.
     """
 
     def __init__(self, journal: Journal, tape: Tape, pack: Callable[[Entry], bytes]) -> None:
@@ -65,7 +65,7 @@ class Inputs:
         self._topic.publish(as_message(entry, self._pack))
 
     def close(self) -> None:
-        """Take no more."""
+        """Stop recording."""
         if self._take in self._journal.sinks:
             self._journal.sinks.remove(self._take)
 

@@ -24,19 +24,19 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: names of tables of metadata
+#: names of metadata tables
 BEGINNING, END = "morse", "morse end"
 MEDIA_TYPE = "application/octet-stream"
 
 
 class Beginning(NamedTuple):
-    """What determines a run, beside its inputs.
+    """The data that determine a run, in addition to its inputs.
 
     Attributes:
         facts: versions, seed, script, ...
-        files: by name: the scene script, modules of the project, the state when the recording began.
-        pack: an entry of the journal as bytes.
-        ending: facts about the end, asked for when the recording stops.
+        files: by name: the scene script, modules of the project, the state at the beginning of the recording.
+        pack: encodes an entry of the journal as bytes.
+        ending: returns facts about the end, called when the recording stops.
     """
 
     facts: Mapping[str, str]
@@ -46,20 +46,20 @@ class Beginning(NamedTuple):
 
 
 class Recorder(Observer):
-    """Writes the messages of the sensors, the frames, the log and all inputs until `stop` or the end of the run.
+    """Records the messages of the sensors, the frames, the log and all inputs until `stop` or the end of the run.
 
-    It is an observer: the simulation goes on as it would without it, to the bit. When the disk is full or fails, the
+    It is an observer: the simulation is bit-identical with and without it. When the disk is full or fails, the
     recording ends, and the simulation continues. While the disk is slow, the simulation waits.
 
     Args:
         context: of the simulation.
         path: of the file, which must not exist.
         beginning: see `Beginning`.
-        sensors: names of those that are recorded; None for all, empty for inputs and the log alone.
+        sensors: names of the recorded sensors; None for all, empty for only inputs and the log.
 
     Attributes:
         path: of the file.
-        error: why the recording ended before it was told to; None if it did not.
+        error: the reason for an early end of the recording; None if there was none.
 
     Raises:
         RecordingError: the file exists or cannot be written.
@@ -72,7 +72,7 @@ class Recorder(Observer):
         self.error: str | None = None
         self._context = context
         self._ending = beginning.ending
-        #: called when the recording is over, however it ends
+        #: called when the recording ends, for any reason
         self.on_end: Callable[[], object] = _nothing
         try:
             self._disk = Disk(_created(self.path))
@@ -99,7 +99,7 @@ class Recorder(Observer):
 
     @property
     def running(self) -> bool:
-        """Whether it still records."""
+        """Whether it is recording."""
         return self._open
 
     @property
@@ -108,11 +108,11 @@ class Recorder(Observer):
         return self._ticks
 
     def after_tick(self) -> None:
-        """Write what belongs to the tick as a whole."""
+        """Write the data of the tick as a whole."""
         if not self._open:
             return
         tick = self._context.clock.tick
-        if tick != self._flushed:  # while the simulation is paused no tick ends
+        if tick != self._flushed:  # no tick ends while the simulation is paused
             self._flushed = tick
             self._ticks += 1
             self._streams.flush()
@@ -123,17 +123,17 @@ class Recorder(Observer):
             self._fail(self._disk.error)
 
     def restarted(self) -> None:
-        """The components are new ones."""
+        """The components were created again."""
         self._flushed = self._context.clock.tick
         self._streams.follow()
 
     def rearranged(self) -> None:
-        """Components have come or gone, or another state was restored."""
+        """Components were added or removed, or another state was restored."""
         self._flushed = self._context.clock.tick
         self._streams.follow()
 
     def stop(self) -> None:
-        """Record no longer: write what is left and the index, and close the file.
+        """Stop recording: write the remaining data and the index, and close the file.
 
         Raises:
             RecordingError: the end could not be written.
@@ -149,7 +149,7 @@ class Recorder(Observer):
             raise RecordingError(self.error)
 
     def close(self) -> None:
-        """The simulation ends."""
+        """The end of the simulation."""
         with contextlib.suppress(RecordingError):
             self.stop()
         if self.error is not None:
@@ -158,7 +158,7 @@ class Recorder(Observer):
     def _refusal(self, error: OSError) -> str:
         return (
             f"the recording {self.path} ends at {self._context.clock.time:.3f} s: {error.strerror or error}; "
-            "the file holds what was written before"
+            "the file contains the data written before"
         )
 
     def _fail(self, error: OSError) -> None:
@@ -181,13 +181,13 @@ class Recorder(Observer):
 
 
 def _created(path: str) -> FileIO:
-    """A new file.
+    """Create a new file.
 
     Raises:
-        RecordingError: there is one of that name already.
-        OSError: it cannot be made.
+        RecordingError: a file of that name exists.
+        OSError: the file cannot be created.
     """
-    # devices and pipes may be there already
+    # devices and pipes may exist
     is_device = os.path.exists(path) and not os.path.isfile(path)
     try:
         return open(path, "wb", buffering=0) if is_device else open(path, "xb", buffering=0)
@@ -198,4 +198,4 @@ def _created(path: str) -> FileIO:
 
 
 def _nothing() -> None:
-    """Nobody wants to know."""
+    """Ignore the notification."""

@@ -15,16 +15,16 @@ from morse.recording.recorder import BEGINNING, END
 if TYPE_CHECKING:
     import os
 
-#: seeds, ticks and rates are shorter
+#: maximum number of digits of seeds, ticks and rates
 _LONGEST_NUMBER = 30
 
 
 class Recording(McapFile):
-    """A recording of MORSE: what an MCAP file of any origin has, and what determines the run.
+    """A recording of MORSE: an MCAP file with the data that determine the run.
 
     Attributes:
         facts: version, seed, script, ...; see ``docs/recording.md``.
-        end: the last tick and the hash of the state there; empty if the recording breaks off.
+        end: the last tick and the hash of the state there; empty if the recording is incomplete.
 
     Raises:
         OSError: the file cannot be read.
@@ -40,10 +40,10 @@ class Recording(McapFile):
         self.end = self.metadata.get(END, {})
 
     def number(self, name: str) -> int:
-        """A fact that is a whole number of 0 or more.
+        """A fact that is an integer of 0 or more.
 
         Raises:
-            RecordingError: it is none.
+            RecordingError: it is not an integer.
         """
         text = self.facts.get(name, "")
         if not text.isdecimal() or len(text) > _LONGEST_NUMBER:
@@ -54,7 +54,7 @@ class Recording(McapFile):
         """A fact that is a list of strings.
 
         Raises:
-            RecordingError: it is none.
+            RecordingError: it is not a list of strings.
         """
         try:
             found: Any = json.loads(self.facts.get(name, "[]"))
@@ -65,7 +65,7 @@ class Recording(McapFile):
         return found
 
     def sensors(self) -> list[str] | None:
-        """The sensors that were recorded; None for all.
+        """The recorded sensors; None for all.
 
         Raises:
             RecordingError: the fact is damaged.
@@ -73,7 +73,7 @@ class Recording(McapFile):
         return None if self.facts.get("sensors", "all") == "all" else self.texts("sensors")
 
     def length(self) -> int:
-        """Ticks of the whole recording; resets do not set them back.
+        """Number of ticks of the whole recording, which resets do not set back.
 
         Raises:
             RecordingError: the number is damaged.
@@ -92,12 +92,12 @@ class Recording(McapFile):
         """The entries of the journal, as bytes.
 
         Raises:
-            RecordingError: one is damaged.
+            RecordingError: an entry is damaged.
         """
         return [exact_entry(one.data) for one in self.messages(self.topic_numbers(INPUTS))]
 
     def last_tick(self) -> int:
-        """Number of the last tick, counted since the last reset; of a recording that breaks off, the last one in it.
+        """Number of the last tick, counted since the last reset; for an incomplete recording, the last tick in it.
 
         Raises:
             RecordingError: the number is damaged.

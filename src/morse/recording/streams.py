@@ -1,4 +1,4 @@
-"""All sensors as topics of ROS 2 that go into a recording."""
+"""All sensors as topics of ROS 2 in a recording."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ logger = logging.getLogger(__name__)
 
 _STREAM = "morse.middleware.ros2.stream.Ros2Stream"
 _ROS2 = Ros2DatastreamManager.classpath
-#: options of ros2 that hold for recordings, whatever the scene says for topics
+#: options of ros2 for recordings, independent of the options of the scene
 _ALWAYS = {"clock": True, "tf": True, "rosout": True}
-#: pictures are recorded as they are; a second, compressed form of them would be a loss and take time
+#: images are recorded uncompressed; a second, lossy copy would only take time
 LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
 
 
@@ -42,15 +42,15 @@ class _Topic(Publisher):
         return True
 
     def close(self) -> None:
-        """A topic of a file stays."""
+        """A topic of a file cannot be closed."""
 
 
 class Tape(Backend):
-    """Topics that end in a file, with the time of the simulation.
+    """Topics that are written to a file, with the time of the simulation.
 
     Args:
         context: of the simulation.
-        disk: takes the messages.
+        disk: receives the messages.
     """
 
     name, opens = "recording", "a file"
@@ -63,7 +63,7 @@ class Tape(Backend):
         self._back = 0
 
     def now(self) -> tuple[int, int, int]:
-        """Number of ticks (32 bits), log time, simulated time, both in ns; log time never falls."""
+        """Number of ticks (32 bits), log time and simulated time, both in ns; log time never decreases."""
         stamp = self._clock.stamp()
         if stamp != self._stamp:
             if stamp < self._stamp:  # after a restart or a restored state, time continues from the last value
@@ -88,15 +88,15 @@ class Tape(Backend):
         return self._topics[key]
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
-        """Nothing comes in from a file."""
+        """Return None: a file has no commands."""
         return None
 
     def close(self) -> None:
-        """Do nothing, because the file is closed by its owner."""
+        """Do nothing, because the owner closes the file."""
 
 
 def _profile(qos: Qos) -> str:
-    """The quality of service as ROS 2 bags hold it, in YAML."""
+    """The quality of service in the format of ROS 2 bags, YAML."""
     return "\n".join(
         (
             "- history: 1",
@@ -114,14 +114,14 @@ def _profile(qos: Qos) -> str:
 
 
 class RecordedStreams(Ros2DatastreamManager):
-    """The messages of all sensors, simulated time and the tree of frames, as the middleware ros2 publishes them.
+    """The messages of all sensors, simulated time and the tree of frames, as published by the middleware ros2.
 
-    A sensor that has a stream of ros2 in the scene has its topic in the recording as well.
+    A sensor with a stream of ros2 in the scene has the same topic in the recording.
 
     Args:
         context: of the simulation.
-        tape: takes the messages.
-        names: of the sensors that are recorded; None for all, empty for inputs and the log alone.
+        tape: receives the messages.
+        names: names of the recorded sensors; None for all, empty for only inputs and the log.
     """
 
     classpath = "morse.recording.streams.RecordedStreams"
@@ -138,7 +138,7 @@ class RecordedStreams(Ros2DatastreamManager):
         return self._tape
 
     def follow(self) -> None:
-        """Record the sensors that are there now, and no others."""
+        """Record the present sensors, and no others."""
         sensors = {
             declared.name: declared
             for declared in self.context.scene.components
@@ -157,7 +157,7 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def _add(self, component: Any, options: dict[str, Any]) -> None:
         refusal: MorseError | None = None
-        # of two sensors that could move a robot in the tree of frames, one does
+        # of two sensors that could move a robot in the tree of frames, only one does
         for more in ({}, {"tf": False}):
             before = len(component.output_functions)
             try:
@@ -167,27 +167,27 @@ class RecordedStreams(Ros2DatastreamManager):
                 refusal = error
                 del component.output_functions[before:]
                 for stream in self.streams.pop(component.name(), ()):
-                    if hasattr(stream, "robot"):  # it was refused after it had taken topics
+                    if hasattr(stream, "robot"):  # it was refused after it had reserved topics
                         self.closed(stream)
         if component.name() not in self._refused:
             self._refused.add(component.name())
             logger.warning("%s is not recorded: %s", component.name(), refusal)
 
     def flush(self) -> None:
-        """A tick ends; without any sensor, inputs and the log are all that is recorded."""
+        """The end of a tick; without sensors, only inputs and the log are recorded."""
         if self._names is None or self._names:
             super().flush()
         else:
             self.write_log()
 
     def write_log(self) -> None:
-        """Write what was logged since the last tick."""
+        """Write the lines logged since the last tick."""
         if self._log is not None:
             while self._log.waiting:
                 self._log.publish(self.context.clock.stamp())
 
     def finalize(self) -> None:
-        """Let go of the sensors."""
+        """Release the sensors."""
         for streams in self.streams.values():
             for stream in streams:
                 functions = stream.component_instance.output_functions

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.middleware.ros2.definitions import MessageField
     from morse.recording.mcap.records import Message
 
-#: arrays of a fixed length up to this one have a column for each item
+#: maximum length of fixed arrays with one column for each item
 _MOST_ITEMS = 36
 #: the columns before those of the message: simulated time (s), the same without the jumps of restarts, number of ticks
 FIRST = ("time", "log_time", "tick")
@@ -24,17 +24,17 @@ FIRST = ("time", "log_time", "tick")
 class Table:
     """The messages of one type as rows.
 
-    A column has the name of its field: ``pose.position.x``, ``header.frame_id``. A message that holds nothing but a
-    list of others, such as ``tf2_msgs/TFMessage``, gives a row for each of them.
+    A column has the name of its field: ``pose.position.x``, ``header.frame_id``. A message that only contains a list of
+    others, such as ``tf2_msgs/TFMessage``, gives a row for each of them.
 
     Args:
         type_name: of the messages, ``geometry_msgs/msg/PoseStamped``.
-        without_data: leave out fields of bytes (pictures, point clouds).
+        without_data: leave out fields of bytes (images, point clouds).
 
     Attributes:
         columns: name and type, of `PRIMITIVES` or ``string``, with ``[]`` at the end for a list; a list of messages
             has the type ``json``.
-        left_out: fields that have no column.
+        left_out: fields without a column.
 
     Raises:
         RecordingError: the type is not known.

@@ -54,9 +54,9 @@ class Contents:
 
     Attributes:
         drawing: their triangles and surfaces.
-        nodes: of each instance; the image of ids holds their indices.
+        nodes: the node of each instance; the id image contains their indices.
         moving: (P,) whether each part of the drawing may move.
-        placed: (I, 3, 4) mesh to world, where the scene has them.
+        placed: (I, 3, 4) mesh to world, at the poses of the scene.
     """
 
     def __init__(self, world: World, meshes: MeshStore, textures: TextureStore) -> None:
@@ -104,7 +104,7 @@ class Contents:
     # -- contents --------------------------------------------------------------------------
 
     def _clusters(self, cut: Clusters) -> list[int]:
-        """The numbers of the clusters of a mesh in the drawing."""
+        """The indices of the clusters of a mesh in the drawing."""
         if id(cut) not in self._cut:
             first = self._counts[2]
             self._cut[id(cut)] = list(range(first, first + len(cut.clusters)))
@@ -152,7 +152,7 @@ class Contents:
         )
 
     def _follow(self) -> None:
-        """Take the places of parts that move within their groups."""
+        """Update the poses of parts that move within their groups."""
         world = self._world
         if self._layout != world.layout:
             self._layout = world.layout

@@ -29,15 +29,15 @@ _STEPS, _PRECISE = 30, 1e-9
 #: angle beyond which an undistorted image has no pixels
 _WIDEST_RADIUS = 20.0
 _MOST_COEFFICIENT = 1e6
-#: each takes 300 bytes while the lens is made
+#: maximum number of pixels: the lens takes 300 bytes for each while it is created
 _MOST_PIXELS = 1 << 22
 
 
 def coefficients(text: str, model: str) -> tuple[float, ...]:
-    """The numbers of a text such as ``'[-0.3, 0.1, 0, 0]'``, filled up with zeros.
+    """Parse a text such as ``'[-0.3, 0.1, 0, 0]'``; missing numbers are zeros.
 
     Raises:
-        ValueError: not such a list, too many numbers, or an unknown model.
+        ValueError: it is not such a list, has too many numbers, or the model is unknown.
     """
     if model not in MODELS:
         raise ValueError(f"a lens is one of {', '.join(map(repr, MODELS))}, got {model!r:.40}")
@@ -82,7 +82,7 @@ class DistortedLens(Lens):
         """Return the fisheye lens with a horizontal field of view, rad, up to a full turn.
 
         Raises:
-            ValueError: no such lens.
+            ValueError: the parameters are not valid.
         """
         half = angle / 2
         bent = half * _fisheye(np.array(half * half), numbers)[0]
@@ -102,7 +102,7 @@ class DistortedLens(Lens):
             return _of_plumb_bob(x, y, self.coefficients)
 
     def rays(self) -> NDArray[np.float32]:
-        """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; zeros where there is none."""
+        """(H, W, 3) float32: the point that each pixel shows at a depth of 1 m; zeros for invalid pixels."""
         found, shows = self.directions
         ahead = shows & (found[..., 2] > 1e-6)
         depth = np.where(ahead, found[..., 2], 1.0)[..., None]
@@ -166,7 +166,7 @@ def _of_plumb_bob(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Flo
 
 
 def _fisheye(square: Floats, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
-    """Of the square of an angle: by what the angle grows, and the slope of the angle in the picture."""
+    """For the square of an angle: the factor of the angle, and the slope of the angle in the image."""
     k1, k2, k3, k4 = numbers
     grows = 1 + square * (k1 + square * (k2 + square * (k3 + square * k4)))
     slope = 1 + square * (3 * k1 + square * (5 * k2 + square * (7 * k3 + square * 9 * k4)))
@@ -193,7 +193,7 @@ def _of_fisheye(x: Floats, y: Floats, numbers: tuple[float, ...]) -> tuple[Float
 
 
 def _sine_and_cosine(angle: Floats) -> tuple[Floats, Floats]:
-    """Of 0 to pi, by their series: those of the system's library differ in the last bit from machine to machine."""
+    """Sine and cosine from 0 to pi, by their series: those of the C library differ in the last bit between machines."""
     square = angle * angle
     sine, cosine = np.ones_like(angle), np.ones_like(angle)
     for n in range(13, 0, -1):
@@ -212,15 +212,15 @@ def lens_of(
     model: str = "plumb_bob",
     distortion: str = "",
 ) -> Lens:
-    """The lens that a camera with such properties has.
+    """The lens of a camera with such properties.
 
     Args:
         millimetres: focal length, for a sensor 32 mm wide.
-        degrees: angle of view from left to right, of ``plumb_bob`` without its distortion; replaces the focal length.
+        degrees: horizontal angle of view, of ``plumb_bob`` without its distortion; replaces the focal length.
         distortion: coefficients as text, see `coefficients`.
 
     Raises:
-        ValueError: there is no such lens.
+        ValueError: the parameters are not valid.
     """
     numbers = coefficients(distortion, model)
     if model == "equidistant" and degrees is not None:

@@ -21,7 +21,7 @@ class Moment(NamedTuple):
     """The poses at the time of an image.
 
     Attributes:
-        names: of the nodes.
+        names: names of the nodes.
         models, eye, axes: as in `Picture`.
     """
 
@@ -32,7 +32,7 @@ class Moment(NamedTuple):
 
 
 def moment_of(picture: Picture) -> Moment:
-    """The moment of a picture."""
+    """The moment of an image."""
     return Moment([node.name for node in picture.nodes], picture.models, picture.eye, picture.axes)
 
 
@@ -64,7 +64,7 @@ def optical_flow(picture: Picture, lens: Lens, before: Moment) -> NDArray[np.flo
 
 
 def _product(matrix: Floats, vectors: Floats) -> Floats:
-    """(..., 3) of matrices (..., 3, 3) and vectors (..., 3), in one order on every machine."""
+    """Products (..., 3) of matrices (..., 3, 3) and vectors (..., 3), with the same order of sums on all machines."""
     return np.asarray(
         matrix[..., :, 0] * vectors[..., 0:1]
         + matrix[..., :, 1] * vectors[..., 1:2]
@@ -73,7 +73,7 @@ def _product(matrix: Floats, vectors: Floats) -> Floats:
 
 
 def _moves(picture: Picture, before: Moment) -> tuple[Floats, NDArray[np.bool_]]:
-    """(I, 3, 4) from where each node is to where it was, in the frame of the world; and whether it was anywhere."""
+    """(I, 3, 4) present poses of nodes to their former poses, in the world frame; and whether each node existed."""
     if not picture.nodes:
         return np.zeros((1, 3, 4)), np.ones(1, bool)
     numbers = {name: number for number, name in enumerate(before.names)}

@@ -11,9 +11,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: mm, of the sensor on which a focal length makes its picture
+#: width of the sensor for a focal length, mm
 SENSOR_WIDTH = 32.0
-#: pixels along one side, and of a picture
+#: maximum number of pixels along one side, and of an image
 MOST_PIXELS_ASIDE, MOST_PIXELS = 8192, 1 << 24
 _MOST_FOCAL = 1e7
 
@@ -29,7 +29,7 @@ class Lens:
         near, far: clipping distances along the axis, m.
 
     Raises:
-        ValueError: numbers that make no picture.
+        ValueError: the parameters are not valid.
     """
 
     width: int
@@ -74,7 +74,7 @@ class Lens:
         if not 0.0 < angle < math.pi:
             raise ValueError(
                 f"a field of view is between 0 and 180 degrees, got {math.degrees(angle):g}: "
-                "no flat picture shows half of the world"
+                "a flat image cannot show half of the world"
             )
         f = width / 2 / math.tan(angle / 2)
         return cls(width, height, f, f, width / 2, height / 2, near, far)

@@ -52,7 +52,7 @@ def light_nodes(scene: Scene) -> list[Node]:
 
 
 def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
-    """The lamps of a world, where they are now."""
+    """The lamps of a world at their present poses."""
     view = world.scene.settings.view
     nodes = [node for node in all_nodes if world.object_of(node).visible]
     suns = [node for node in nodes if node.light is not None and node.light.type == "SUN"]
@@ -134,7 +134,7 @@ def _lamp(
     shape: tuple[float, float] = (0.0, 0.0),
     ground: ArrayLike = (0.0, 0.0, 0.0),
 ) -> tuple[object, ...]:
-    """A row; of a sun, ``shape`` says whether it casts shadows, of a spot, where its edge begins and ends."""
+    """A row of `LAMP`; for a sun, ``shape`` is whether it casts shadows, for a spot, the range of its edge."""
     return (
         kind,
         tuple(np.asarray(place)),

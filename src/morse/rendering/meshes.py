@@ -20,11 +20,11 @@ _FARTHEST_UV = 1e4
 
 
 class Clusters(NamedTuple):
-    """A mesh cut into clusters; the numbers count from the first vertex and triangle of the mesh.
+    """A mesh divided into clusters; indices are relative to the mesh.
 
     Attributes:
         vertices: (V,) `VERTEX`.
-        triangles: (T, 4) int32, three vertices, counted from the first of the cluster, and the material slot.
+        triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
     """
@@ -36,9 +36,9 @@ class Clusters(NamedTuple):
 
 
 def clusters_of(mesh: Mesh, slots: int) -> Clusters:
-    """Cut a mesh into clusters, with corners that agree joined.
+    """Divide a mesh into clusters, and merge equal corners.
 
-    Triangles with corners that are not places, or that the mesh does not have, are left out.
+    Triangles with corners that are not finite or do not exist are left out.
 
     Args:
         slots: number of material slots; triangles of other slots get the last one.
@@ -57,7 +57,7 @@ def clusters_of(mesh: Mesh, slots: int) -> Clusters:
     if mesh.uvs is not None and len(mesh.uvs) == len(index):
         uvs = np.asarray(mesh.uvs, dtype=np.float32).reshape(-1, 3, 2)[fine]
         rows[..., 6:] = np.clip(np.nan_to_num(uvs), -_FARTHEST_UV, _FARTHEST_UV)
-    rows += np.float32(0.0)  # the sum makes -0 and 0 one
+    rows += np.float32(0.0)  # the sum converts -0 to 0
     order = _along_curve(corners.mean(axis=1, dtype=np.float64)) if len(corners) else np.zeros(0, np.int64)
     return _joined(rows[order], slot[order])
 
@@ -81,12 +81,12 @@ def _normals(mesh: Mesh, fine: NDArray[np.bool_], corners: NDArray[np.float32]) 
 
 
 def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
-    """Clusters of rows (T, 3, 8) that are neighbours; of each, equal corners become one vertex."""
+    """Divide rows (T, 3, 8) into clusters of neighbours; equal corners in a cluster become one vertex."""
     count = len(rows)
     cluster = np.arange(count) // CLUSTER
     owner = np.repeat(cluster, 3)
     flat = np.ascontiguousarray(rows.reshape(-1, 8))
-    # one number for each corner, so that sorting is quick; rows that share a number are compared below
+    # one number for each corner, so that sorting is fast; rows with equal numbers are compared below
     words = flat.view(np.uint32).astype(np.uint64)
     factors = np.random.default_rng(1).integers(1, 2**63, size=9, dtype=np.uint64) | np.uint64(1)
     mixed = words * factors[:8]
@@ -107,9 +107,9 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
 
 
 def _grouped(key: NDArray[np.uint64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """One member of each group of equal keys, and the number of the group of each member.
+    """One member of each group of equal keys, and the index of the group of each member.
 
-    ``np.unique`` does the same by sorts that keep the order of members, which take three times as long.
+    ``np.unique`` does the same with stable sorts, which take three times as long.
     """
     order = np.argsort(key)
     ordered = key[order]

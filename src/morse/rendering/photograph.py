@@ -27,20 +27,20 @@ def photograph(
     rotation: Sequence[float] | None = None,
     focal_length: float | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw a world as it is now.
+    """Render a world at its present state.
 
     Args:
         width: pixels.
         height: pixels.
-        location: of the camera, m; None for where the live view begins.
+        location: of the camera, m; None for the initial viewpoint of the live view.
         rotation: Euler angles about X, Y, Z, rad: ``[0, 0, 0]`` looks straight down; None for that of the live view.
-        focal_length: mm, of a sensor 32 mm wide; None for that of the live view.
+        focal_length: mm, for a sensor 32 mm wide; None for that of the live view.
 
     Returns:
         (height, width, 3) uint8, red, green and blue.
 
     Raises:
-        ValueError: numbers that make no picture.
+        ValueError: the parameters are not valid.
     """
     view = world.scene.settings.view
     focal = view.camera_focal_length if focal_length is None else focal_length

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: files that Pillow writes
+#: image formats that Pillow writes
 PICTURES = (".png", ".jpg", ".jpeg", ".webp", ".bmp", ".tif", ".tiff")
-#: films that Pillow writes, and those that take ffmpeg
+#: film formats that Pillow writes, and those that need ffmpeg
 ANIMATIONS, VIDEOS = (".gif", ".webp"), (".mp4", ".webm", ".mkv")
 _QUALITY = 92
-#: for ffmpeg: what browsers and papers show
+#: options of ffmpeg for browsers and papers
 _CODECS = {".webm": ("libvpx-vp9", "-crf", "30", "-b:v", "0"), ".mp4": ("libx264", "-crf", "18"), ".mkv": ("ffv1",)}
 
 
@@ -30,14 +30,14 @@ class Film(Protocol):
         """Add a frame (H, W, 3)."""
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write the remaining frames."""
 
 
 def check(path: Path, *, film: bool) -> None:
-    """See whether a file of that name can be written, before anything is drawn.
+    """Check whether a file of that name can be written, before anything is rendered.
 
     Raises:
-        ValueError: an unknown kind of file, no folder, or ffmpeg is missing.
+        ValueError: the format is unknown, the folder does not exist, or ffmpeg is missing.
     """
     suffix = path.suffix.lower()
     if not path.parent.is_dir():
@@ -52,7 +52,7 @@ def check(path: Path, *, film: bool) -> None:
         raise ValueError(f"{what} is a file that ends in {', '.join(known)}{more}, not {path.name!r}")
     if film and suffix in VIDEOS and shutil.which("ffmpeg") is None:
         raise ValueError(
-            f"{path.name} takes ffmpeg, which is not installed (Debian: apt install ffmpeg); "
+            f"{path.name} needs ffmpeg, which is not installed (Debian: apt install ffmpeg); "
             f"without it there are {', '.join(ANIMATIONS)} and frames such as 'frame_%04d.png'"
         )
 
@@ -65,12 +65,12 @@ def save_picture(path: Path, pixels: NDArray[np.uint8]) -> None:
     """
     from PIL import Image
 
-    # files without loss have no quality, and ignore it
+    # lossless formats ignore the quality
     Image.fromarray(np.ascontiguousarray(pixels)).save(path, quality=_QUALITY)
 
 
 def film(path: Path, size: tuple[int, int], rate: float) -> Film:
-    """A film of frames ``size``, width and height, so many a second."""
+    """A film of frames of a ``size``, width and height, at a rate."""
     if "%" in path.name:
         return _Frames(path)
     if path.suffix.lower() in VIDEOS:
@@ -97,11 +97,11 @@ class _Frames:
         self._count += 1
 
     def close(self) -> None:
-        """There is nothing left to write."""
+        """Nothing is left to write."""
 
 
 class _Animation:
-    """Frames go into the file at once, as Pillow asks for them; they are kept until then."""
+    """Frames are kept in memory, because Pillow writes all of them at once."""
 
     def __init__(self, path: Path, rate: float) -> None:
         self._path, self._rate = path, rate
@@ -124,7 +124,7 @@ class _Video:
         codec, *options = _CODECS[path.suffix.lower()]
         shape = f"{size[0]}x{size[1]}"
         source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", shape, "-r", f"{rate:g}", "-i", "-"]
-        # the usual players want even sizes and this format
+        # common players need even sizes and this format
         form = [] if codec == "ffv1" else ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]
         command = ["ffmpeg", "-v", "error", "-y", *source, "-c:v", codec, *options, *form, str(path)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -141,7 +141,7 @@ class _Video:
         """Wait for ffmpeg.
 
         Raises:
-            OSError: it could not write the film.
+            OSError: the film could not be written.
         """
         _, said = self._process.communicate()
         if self._process.returncode:

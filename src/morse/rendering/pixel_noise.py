@@ -37,8 +37,8 @@ def exposed(
     """Return an image (H, W, 3) with sensor noise.
 
     Args:
-        random: for this picture.
-        flaws: for the pixels that are stuck; the same for all pictures of a camera.
+        random: generator for this image.
+        flaws: generator for the stuck pixels; the same for all images of a camera.
     """
     if chip.full_well or chip.read_noise:
         light = LIGHT[rgb]

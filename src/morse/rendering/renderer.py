@@ -119,7 +119,7 @@ class Renderer:
         return self._colors != [node.color for node in self.contents.nodes]
 
     def _lit(self) -> Light:
-        """The lamps as they are now, with the shadows of the sun."""
+        """The present lamps, with the shadows of the sun."""
         lamps, sunny = lamps_of(self._light_nodes, self._world)
         if self._shadows is None or not np.array_equal(self._shadows.sunny, sunny):
             self._shadows = Shadows(self.contents, self._drawer, sunny, self._light)
@@ -129,11 +129,11 @@ class Renderer:
 
 
 class _View(NamedTuple):
-    """A flat picture for a camera.
+    """An undistorted image for a camera.
 
     Attributes:
-        request: of the camera.
-        lens: of the flat picture.
+        request: the request of the camera.
+        lens: the lens of the undistorted image.
         turn: (3, 3) its axes in the frame of the camera, in columns.
     """
 
@@ -163,7 +163,7 @@ def _fill(row: Any, view: _View) -> None:
 
 
 def _cut(made: Pictures, row: Any, color: bool) -> Drawn:
-    """One of the pictures that were drawn."""
+    """One of the rendered images."""
     shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
     part = slice(first, first + shape[0] * shape[1])
     return Drawn(

@@ -26,13 +26,13 @@ class Picture(NamedTuple):
     """An image of a camera; its arrays are not shared.
 
     Attributes:
-        rgb: (H, W, 3) uint8, or None if it was not asked for.
-        depth: (H, W) float32, metres along the axis of the camera, 0 where nothing is.
-        ids: (H, W) int32, index in `nodes`, -1 where nothing is.
-        nodes: what the ids mean.
-        models: (I, 12) float32, where each of them was, mesh to world, 3x4 row by row; zeros for what is not visible.
-        eye: (3,) float32, where the camera was, frame of the world.
-        axes: (3, 3) float32, its right, down and forward, in rows.
+        rgb: (H, W, 3) uint8, or None if it was not requested.
+        depth: (H, W) float32, metres along the axis of the camera, 0 without a surface.
+        ids: (H, W) int32, index in `nodes`, -1 without a surface.
+        nodes: the nodes of the ids.
+        models: (I, 12) float32, mesh to world of each node, 3x4 row by row; zeros for invisible nodes.
+        eye: (3,) float32, position of the camera in the world frame.
+        axes: (3, 3) float32, its right, down and forward axes, in rows.
     """
 
     rgb: NDArray[np.uint8] | None
@@ -49,11 +49,11 @@ class CameraRequest:
 
     Attributes:
         obj: the object.
-        lens: may be replaced between pictures.
-        color: whether the picture has colours, not only depth and ids.
+        lens: may be replaced between images.
+        color: whether the image has colours, not only depth and ids.
         exposure: factor of the light.
-        wanted: tells whether a picture is wanted now.
-        picture: the last one; None before the first.
+        wanted: returns whether an image is requested now.
+        picture: the last image; None before the first.
     """
 
     def __init__(self, server: Renderer, obj: Placed, lens: Lens, *, color: bool, wanted: Callable[[], bool]) -> None:

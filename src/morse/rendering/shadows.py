@@ -37,7 +37,7 @@ _MANY = 256
 
 
 class Shadows:
-    """The shadows of the sun: a map of the whole scene, and in large scenes a finer one of where robots begin.
+    """The shadows of the sun: a map of the whole scene, and in large scenes a finer one around the initial robot poses.
 
     The maps are computed from the poses in the scene, so that they do not depend on the time of their creation.
 
@@ -67,20 +67,20 @@ class Shadows:
             self.light = self.light._replace(near_sun=finer.sun, near_shadow=finer.shadow)
 
     def update(self, poses: Poses) -> None:
-        """Move the shadows of what moved."""
+        """Update the shadows of moved objects."""
         for one in self._maps:
             one.update(poses)
 
 
 class ShadowMap:
-    """How near to the sun the nearest surface is; only what has moved is drawn again.
+    """The distances of the nearest surfaces from the sun; only moved objects are rendered again.
 
     Args:
         frame: (16,) see `Light.sun`.
         shape: rows and columns of texels.
 
     Attributes:
-        light: with this map alone.
+        light: the light with only this map.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class ShadowMap:
         self._touched = np.zeros((0, 4), np.int32)
 
     def update(self, poses: Poses) -> None:
-        """Move the shadows of what moved."""
+        """Update the shadows of moved objects."""
         shadow = self.light.shadow
         assert shadow is not None
         stands, now = poses.models[self._still_instances], poses.models[self._instances]
@@ -124,7 +124,7 @@ class ShadowMap:
 
 
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3, 3) rows: two directions across the light, and the one to the sun."""
+    """(3, 3) rows: two directions perpendicular to the light, and the direction to the sun."""
     right = np.cross(sunny, (0.0, 1.0, 0.0) if abs(sunny[1]) < 0.9 else (1.0, 0.0, 0.0))
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(sunny, right), sunny])
@@ -133,7 +133,7 @@ def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:
 def _extent(
     contents: Contents, axes: NDArray[np.float64], chosen: NDArray[np.bool_], around: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lower and upper corner, along the axes, of a box around some parts where the scene has them."""
+    """Lower and upper corner, along the axes, of a box around some parts at the poses of the scene."""
     parts, spheres = contents.drawing.parts[chosen], contents.drawing.spheres
     low, high = np.zeros(3), np.zeros(3)
     shape = contents.placed[parts[:, 1]]

@@ -27,16 +27,16 @@ _MOST_ASIDE = 2048
 #: maximum number of pixels of a file, which limits the memory
 _MOST_PIXELS = 1 << 27
 _codes = np.arange(256) / 255
-#: (256,) linear light of the codes of sRGB
+#: (256,) linear light of sRGB codes
 LINEAR = linear_light(_codes)
-#: the same in single precision, and as texels hold it; opacity as texels hold it
+#: the same in single precision, and in the format of texels; opacity in the format of texels
 _LINEAR = LINEAR.astype(np.float32)
 _ROOTS = (np.sqrt(LINEAR) * 1023 + 0.5).astype(np.uint32)
 _ALPHAS = (_codes * 3 + 0.5).astype(np.uint32) << np.uint32(30)
 
 
 class TextureStore:
-    """Textures by picture, decoded once."""
+    """Textures by image, decoded once."""
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
@@ -56,7 +56,7 @@ class TextureStore:
             pool.shutdown(wait=False)
 
     def number(self, image: Image) -> int:
-        """The number of the texture of a picture."""
+        """The index of the texture of an image."""
         found = self._numbers.get(id(image))
         if found is None:
             found = self._numbers[id(image)] = len(self._images)
@@ -67,7 +67,7 @@ class TextureStore:
         return found
 
     def has_holes(self, number: int) -> bool:
-        """Whether some of a texture is transparent."""
+        """Whether a part of a texture is transparent."""
         return self._masked[number]
 
     def arrays(self) -> tuple[NDArray[np.int32], NDArray[np.void]]:
@@ -92,18 +92,18 @@ class TextureStore:
         self._rows.append((pixels.shape[1], pixels.shape[0], *firsts))
 
     def _keep(self, texels: NDArray[np.uint32]) -> int:
-        """Append a level of a texture; returns the number of its first texel."""
+        """Append a level of a texture; returns the index of its first texel."""
         first = self._size
         self._texels.append(texels.view(np.int32).ravel())
         self._size += texels.size
         return first
 
 
-# Texels are square roots of linear light, 10 bits each, and 2 bits of alpha on top: precise in the dark, quick to read.
+# Texels are square roots of linear light, 10 bits each, and 2 bits of alpha: precise in the dark, fast to decode.
 
 
 def _coded(pixels: NDArray[np.uint8]) -> NDArray[np.uint32]:
-    """The texels of a picture."""
+    """The texels of an image."""
     r, g, b = (_ROOTS[pixels[..., channel]] for channel in range(3))
     return _joined(r, g, b, _ALPHAS[pixels[..., 3]])
 
@@ -121,7 +121,7 @@ def _joined(
 
 
 def _pixels(image: Image) -> NDArray[np.uint8]:
-    """(H, W, 4) RGBA, the lowest row first, sizes powers of two; a checkered stand-in for what cannot be read."""
+    """(H, W, 4) RGBA, bottom row first, sizes powers of two; a chequered pattern for unreadable images."""
     from PIL import Image as Picture
 
     try:

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class Box(NamedTuple):
-    """A box around a thing, along the axes of the thing.
+    """A box around an object, along the axes of the object.
 
     Attributes:
-        position: (3,) its middle, m, frame of the world.
-        rotation: (3, 3) thing to world.
+        position: (3,) its centre, m, world frame.
+        rotation: (3, 3) object to world.
         size: (3,) lengths of its edges, m.
     """
 
@@ -32,19 +32,19 @@ class Box(NamedTuple):
 
 
 class Things:
-    """The things that the meshes of a picture belong to.
+    """The objects that the meshes of an image belong to.
 
-    A mesh belongs to the nearest of the nodes above it, or itself, that has the property ``tag`` or is a robot; where
-    there is none, to the root of its tree.
+    A mesh belongs to its nearest ancestor, or to itself, that has the property ``tag`` or is a robot; without such a
+    node, to the root of its tree.
 
     Args:
-        nodes: of the meshes, as in `Picture.nodes`.
+        nodes: nodes of the meshes, as in `Picture.nodes`.
         robots: the nodes of the robots.
         tag: name of the property.
 
     Attributes:
-        nodes: of the things, in the order of their first meshes.
-        numbers: (I,) the thing of each mesh, index in ``nodes``.
+        nodes: nodes of the objects, in the order of their first meshes.
+        numbers: (I,) the object of each mesh, index in ``nodes``.
     """
 
     def __init__(self, world: World, nodes: Sequence[Node], robots: Collection[Node], tag: str) -> None:
@@ -67,7 +67,7 @@ class Things:
         return top
 
     def box(self, number: int) -> Box | None:
-        """The smallest box along the axes of a thing that holds all its visible meshes; None if it has none."""
+        """The smallest box along the axes of an object that contains all its visible meshes; None if it has none."""
         thing = self._world.find_object(self.nodes[number])
         if thing is None:
             return None
@@ -85,7 +85,7 @@ class Things:
     def _extent(
         self, node: Node, obj: GameObject, thing: GameObject, place: NDArray[np.float64], turn: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Lower and upper corner of a mesh in the frame of its thing."""
+        """Lower and upper corner of a mesh in the frame of its object."""
         if obj.slot != thing.slot:
             here, own = _as_arrays(obj.world_pose())
             return _reach(node, turn.T @ own, turn.T @ (here - place))
@@ -114,11 +114,11 @@ def _as_arrays(pose: tuple[Any, Any]) -> tuple[NDArray[np.float64], NDArray[np.f
 
 
 class Patch(NamedTuple):
-    """What a picture shows of a thing.
+    """The visible part of an object in an image.
 
     Attributes:
-        number: as in the picture.
-        pixels: how many show it.
+        number: id in the image.
+        pixels: number of its pixels.
         box: x0, y0, x1, y1, pixels from the upper left corner; x1 and y1 are one past the last pixel.
     """
 
@@ -128,7 +128,7 @@ class Patch(NamedTuple):
 
 
 def patches(image: NDArray[np.integer]) -> list[Patch]:
-    """What a picture of numbers (H, W) shows of each thing, 0 left out, in the order of the numbers."""
+    """The visible objects in an image of ids (H, W), without 0, in the order of the ids."""
     height, width = image.shape
     counts = np.bincount(image.ravel())
     shown = np.flatnonzero(counts)

@@ -24,7 +24,7 @@ class Viewpoint:
 
     Attributes:
         position: (3,) m.
-        axes: (3, 3) right, down, forward, in columns, frame of the world.
+        axes: (3, 3) right, down, forward, in columns, world frame.
     """
 
     position: NDArray[np.float64]
@@ -36,15 +36,15 @@ class Viewpoint:
 
     @classmethod
     def looking_at(cls, position: Sequence[float], target: Sequence[float]) -> Viewpoint:
-        """At a place, upright; straight down or up, the Y axis of the world is up.
+        """At a position, upright; for a view straight down or up, the Y axis of the world is up.
 
         Raises:
-            ValueError: numbers that are not finite, or both places are one.
+            ValueError: numbers are not finite, or both positions are equal.
         """
         here, there = np.array(_three(position, "location")), np.array(_three(target, "target"))
         forward = there - here
         if not np.linalg.norm(forward) > 1e-9:
-            raise ValueError(f"the viewpoint and the place that it looks at are both {tuple(here.tolist())}")
+            raise ValueError(f"the viewpoint and the point at which it looks are both {tuple(here.tolist())}")
         forward /= np.linalg.norm(forward)
         up = (0.0, 0.0, 1.0) if abs(forward[2]) < 0.9999 else (0.0, 1.0, 0.0)
         right = np.cross(forward, up)
@@ -53,14 +53,14 @@ class Viewpoint:
 
     @classmethod
     def turned(cls, location: Sequence[float], rotation: Sequence[float]) -> Viewpoint:
-        """At a place, turned as a camera of Blender and of ``env.set_camera_rotation``: along -Z, with Y up.
+        """At a position, with the rotation of a camera of Blender and of ``env.set_camera_rotation``: along -Z, Y up.
 
         Args:
-            location: m, frame of the world.
+            location: m, world frame.
             rotation: Euler angles about X, Y and Z, radians; zeros look straight down.
 
         Raises:
-            ValueError: numbers that are not finite, or not three.
+            ValueError: numbers are not finite, or not three.
         """
         turn = np.array([list(row) for row in Euler(_three(rotation, "rotation")).to_matrix()])
         return cls(np.array(_three(location, "location")), turn * (1.0, -1.0, -1.0))

@@ -1,8 +1,8 @@
 """Images with lens distortion, sampled from undistorted images.
 
-Flat pictures are drawn in up to six directions, and looked up where the pixels of the picture look: colours from
-four neighbours, depths from four neighbours that show one plane, ids from the nearest one. The near plane of a camera
-is that of each of its flat pictures.
+Undistorted images are rendered in up to six directions, and sampled at the directions of the pixels: colours from four
+neighbours, depths from four neighbours on one plane, ids from the nearest neighbour. The near plane of a camera is that
+of each of its undistorted images.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 #: number of pixels of undistorted images per pixel of the distorted image
 _DENSITY = 1.25
-#: one flat picture is enough if nothing is farther than 60 degrees from the axis
+#: one undistorted image is enough if no pixel is farther than 60 degrees from the axis
 _ONE_IS_ENOUGH = 0.5
 #: right, down, forward of the faces of a cube around the camera, in columns
 _FACES = tuple(
@@ -37,23 +37,23 @@ _FACES = tuple(
         ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
     )
 )
-#: of a pixel, in which places are given: differences in the last bit of a number do not matter
+#: unit of positions, as a share of a pixel: rounding makes differences in the last bit irrelevant
 _FRACTIONS = 256
-#: 1 / depth at the corners of a square on a plane differs by no more than this share from a linear function
+#: maximum relative deviation of 1 / depth at the corners of a square on a plane from a linear function
 _FLAT = np.float32(1e-3)
 
 
 class Flat(NamedTuple):
-    """One of the flat pictures.
+    """One of the undistorted images.
 
     Attributes:
-        lens: how it is drawn.
+        lens: its lens.
         turn: (3, 3) its axes in the frame of the camera, in columns.
-        pixels: (N,) numbers of the pixels that look into it.
+        pixels: (N,) indices of the pixels that are sampled from it.
         left, top: (N,) the upper left one of the four neighbours.
-        across, down: (N,) float32, how far towards the others, 0 to 1.
-        nearest: (N,) number of the nearest neighbour.
-        stretch: (N,) float32, from depths along its axis to depths along that of the camera; 0 where there is none.
+        across, down: (N,) float32, interpolation weights of the other neighbours, 0 to 1.
+        nearest: (N,) index of the nearest neighbour.
+        stretch: (N,) float32, factor from depths along its axis to depths along that of the camera; 0 if invalid.
     """
 
     lens: Lens
@@ -68,7 +68,7 @@ class Flat(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """What was drawn of a flat picture; see `morse.rendering.Picture`."""
+    """The rendered undistorted image; see `morse.rendering.Picture`."""
 
     rgb: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
@@ -76,10 +76,10 @@ class Drawn(NamedTuple):
 
 
 class Warp:
-    """The flat pictures that the picture of a lens is made of.
+    """The undistorted images for the image of a lens.
 
     Attributes:
-        flats: one to six, or none if no pixel shows anything.
+        flats: one to six, or none if no pixel is valid.
     """
 
     def __init__(self, lens: DistortedLens) -> None:
@@ -96,7 +96,7 @@ class Warp:
         ]
 
     def gather(self, drawn: Sequence[Drawn]) -> Drawn:
-        """The bent picture of the flat ones."""
+        """The distorted image from the undistorted ones."""
         size = self._lens.height * self._lens.width
         color = bool(drawn) and drawn[0].rgb is not None
         rgb = np.zeros((size, 3), np.uint8)
@@ -119,7 +119,7 @@ def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.int
     low, high = (x.min(), y.min()), (x.max(), y.max())
     f = _DENSITY * max(lens.fx, lens.fy)
     wide, tall = high[0] - low[0], high[1] - low[1]
-    # a part of the picture as large as allowed is less sharp
+    # an image limited to the maximum size is less sharp
     f = min(f, np.sqrt(MOST_PIXELS / 4 / max(wide * tall, 1e-12)), 4000 / max(wide, tall, 1e-9))
     # a margin of a pixel, so that all have four neighbours
     width, height = int(np.ceil(wide * f)) + 4, int(np.ceil(tall * f)) + 4
@@ -144,7 +144,7 @@ def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.int
 
 
 def _neighbours(flat: Flat) -> list[tuple[NDArray[np.intp], NDArray[np.float32]]]:
-    """The numbers of the four neighbours, and their weights."""
+    """The indices of the four neighbours, and their weights."""
     first, one = flat.top * flat.lens.width + flat.left, np.float32(1)
     return [
         (first, (one - flat.across) * (one - flat.down)),
@@ -155,7 +155,7 @@ def _neighbours(flat: Flat) -> list[tuple[NDArray[np.intp], NDArray[np.float32]]
 
 
 def _colors(flat: Flat, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """(N, 3) mixed as light, not as codes of sRGB."""
+    """(N, 3) interpolated as linear light, not as sRGB codes."""
     pixels = rgb.reshape(-1, 3)
     light = np.zeros((len(flat.pixels), 3), np.float32)
     for at, share in _neighbours(flat):
@@ -164,7 +164,7 @@ def _colors(flat: Flat, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _depths(flat: Flat, picture: Drawn, numbers: NDArray[np.int32]) -> NDArray[np.float32]:
-    """(N,) 1 / depth is linear along a plane: mixed where the neighbours show one plane of one thing."""
+    """(N,) 1 / depth is linear on a plane: interpolated if the neighbours are on one plane of one object."""
     depth, ids = picture.depth.ravel(), picture.ids.ravel()
     inverse, bend, same = np.zeros(len(numbers), np.float32), np.zeros(len(numbers), np.float32), numbers >= 0
     for (at, share), sign in zip(_neighbours(flat), (1, -1, -1, 1), strict=True):

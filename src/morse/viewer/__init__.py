@@ -6,7 +6,7 @@ __all__ = ["MovingNode", "Snapshot", "ViewServer"]
 
 
 def __getattr__(name: str) -> object:
-    # the command line imports this room for the names alone: the server with its libraries comes when asked for
+    # the command line only needs the names of this package: the server is imported on first use
     if name == "ViewServer":
         from morse.viewer.server import ViewServer
 

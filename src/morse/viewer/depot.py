@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Depot:
-    """Caches described content, so that only new content of a changed scene is processed."""
+    """Caches of described content, so that only new content of a changed scene is processed."""
 
     def __init__(self) -> None:
         self._new: dict[str, tuple[str, bytes]] = {}
@@ -26,7 +26,7 @@ class Depot:
         self._images: dict[int, tuple[Image, str]] = {}
 
     def add_meshes(self, meshes: Iterable[Mesh]) -> None:
-        """Pack the meshes that are new, into one file."""
+        """Pack the new meshes into one file."""
         new = {id(mesh): mesh for mesh in meshes if id(mesh) not in self._meshes}
         digests: list[tuple[Mesh, bytes]] = []
         unknown: dict[bytes, PackedMesh] = {}
@@ -50,13 +50,13 @@ class Depot:
         return self._meshes[id(mesh)][1]
 
     def image(self, image: Image) -> str:
-        """The address of a picture."""
+        """The address of an image."""
         if id(image) not in self._images:
             self._images[id(image)] = (image, self._store(image.mime, image.data))
         return self._images[id(image)][1]
 
     def take_new(self) -> dict[str, tuple[str, bytes]]:
-        """Content type and bytes of what was added since the last call, by address."""
+        """Content type and bytes of the content added since the last call, by address."""
         new, self._new = self._new, {}
         return new
 

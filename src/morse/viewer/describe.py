@@ -1,4 +1,4 @@
-"""From a scene to the description that pages fetch."""
+"""Conversion of a scene to the description that pages fetch."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 def describe(
     scene: Scene, moving: Sequence[MovingNode], revision: int, depot: Depot, key: str | None = None
 ) -> d.SceneDescription:
-    """Describe a scene; its geometry and pictures go to the depot.
+    """Describe a scene; its geometry and images are added to the depot.
 
     Args:
-        key: by which pages know the world again; `world_key` if not given.
+        key: identifies the world for pages; default: `world_key`.
     """
     nodes = list(scene.nodes())
     index = {id(node): i for i, node in enumerate(nodes)}
@@ -123,7 +123,7 @@ def _view(scene: Scene) -> d.ViewDescription:
 
 
 def world_key(scene: Scene) -> str:
-    """Stays the same when the same script runs again."""
+    """A key that is the same whenever the same script runs."""
     view = scene.settings.view
     parts: Mapping[str, object] = {
         "environment": scene.environment,

@@ -1,4 +1,4 @@
-"""The description of a world that a page fetches once: everything that does not change by the tick."""
+"""The description of a world that a page fetches once: everything that does not change with the ticks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 class MeshDescription(Struct, frozen=True):
-    """Where the geometry is found: `morse.viewer.geometry.PackedMesh` at an offset (bytes) of a file."""
+    """Location of a geometry: `morse.viewer.geometry.PackedMesh` at an offset (bytes) of a file."""
 
     url: str
     offset: int
@@ -20,7 +20,7 @@ class MeshDescription(Struct, frozen=True):
 
 
 class MaterialDescription(Struct, frozen=True):
-    """As `morse.scene.Material`; ``image`` is the address of its picture."""
+    """Like `morse.scene.Material`; ``image`` is the address of its texture."""
 
     name: str
     color: tuple[float, float, float, float]
@@ -68,11 +68,11 @@ class NodeDescription(Struct, frozen=True):
         parent: index of its parent in the list of nodes, or -1.
         position: in the rigid frame of the parent, metres.
         quaternion: w, x, y, z, in the rigid frame of the parent.
-        frame: of its poses in the snapshots, ``world`` or ``parent``; empty if it has none.
-        stretch: row-major 3x3 that the vertices of the mesh get, or None for none.
+        frame: frame of its poses in the snapshots, ``world`` or ``parent``; empty if it has none.
+        stretch: row-major 3x3 matrix for the vertices of the mesh, or None.
         mesh: index, or -1.
         materials: indices, by slot.
-        kind: of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
+        kind: kind of the component that the node belongs to: ``robot``, ``sensor``, ...; empty if none.
     """
 
     name: str
@@ -101,7 +101,7 @@ class MistDescription(Struct, frozen=True):
 
 
 class ViewDescription(Struct, frozen=True):
-    """What the script asked of the view: see `morse.scene.ViewSettings`."""
+    """The view settings of the script: see `morse.scene.ViewSettings`."""
 
     camera_location: Vector3
     camera_rotation: Vector3
@@ -121,8 +121,8 @@ class SceneDescription(Struct, frozen=True):
     """A world.
 
     Attributes:
-        moving: indices of the nodes that move, in the order of the poses.
-        key: tells worlds apart, so that the page can remember the camera for each.
+        moving: indices of the moving nodes, in the order of the poses.
+        key: identifies the world, so that the page can store the camera pose for each.
     """
 
     revision: int

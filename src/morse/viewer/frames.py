@@ -1,4 +1,4 @@
-"""The rigid frames of many nodes at once: the same as `morse.scene.frames`, in arrays."""
+"""The rigid frames of many nodes at once: `morse.scene.frames` in arrays."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class RigidFrames:
     Attributes:
         positions: (N, 3) metres, in the rigid frame of the parent.
         quaternions: (N, 4) w, x, y, z, from the rigid frame of the node to that of the parent.
-        stretches: (N, 3, 3) scale, shear and mirroring of the meshes; exactly the identity where there is none.
+        stretches: (N, 3, 3) scale, shear and mirroring of the meshes; exactly the identity if there is none.
     """
 
     positions: Floats
@@ -33,7 +33,7 @@ class RigidFrames:
 
 
 def rigid_frames(nodes: Sequence[Node]) -> RigidFrames:
-    """The rigid frames of nodes, which must list parents before their children, and all parents."""
+    """The rigid frames of nodes. The list must contain all parents, before their children."""
     index = {id(node): i for i, node in enumerate(nodes)}
     parents = np.array([-1 if node.parent is None else index[id(node.parent)] for node in nodes], dtype=int)
     world = _world_matrices(nodes, parents)
@@ -41,7 +41,7 @@ def rigid_frames(nodes: Sequence[Node]) -> RigidFrames:
     stretches = rotations.transpose(0, 2, 1) @ world[:, :3, :3]
     plain = np.abs(stretches - np.eye(3)).max(axis=(1, 2), initial=0.0) < 1e-9
     stretches[plain] = np.eye(3)
-    # relative to the parent; the world for nodes without one
+    # relative to the parent; to the world for nodes without a parent
     base = np.where((parents < 0)[:, None, None], np.eye(3), rotations[parents]).transpose(0, 2, 1)
     origins = np.where((parents < 0)[:, None], 0.0, world[parents, :3, 3])
     positions = np.einsum("nij,nj->ni", base, world[:, :3, 3] - origins)
@@ -63,7 +63,7 @@ def _world_matrices(nodes: Sequence[Node], parents: NDArray[np.int_]) -> Floats:
 
 
 def _basis_matrices(nodes: Sequence[Node]) -> Floats:
-    """(N, 4, 4) of location, rotation (``Rz @ Ry @ Rx``) and scale alone."""
+    """(N, 4, 4) from location, rotation (``Rz @ Ry @ Rx``) and scale only."""
     angles = np.array([list(node.rotation_euler) for node in nodes], dtype=float).reshape(-1, 3)
     (cx, cy, cz), (sx, sy, sz) = np.cos(angles).T, np.sin(angles).T
     rows = [
@@ -80,7 +80,7 @@ def _basis_matrices(nodes: Sequence[Node]) -> Floats:
 
 
 def _orthonormal(matrices: Floats) -> Floats:
-    """Proper rotations: X along the first column, Y in the plane of the first two."""
+    """Proper rotations: X along the first column, Y in the plane of the first two columns."""
     x = _unit(matrices[:, :, 0], np.array([1.0, 0.0, 0.0]))
     along = matrices[:, :, 1]
     spare = np.where(np.abs(x[:, 1:2]) < 0.9, np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]))
@@ -100,12 +100,12 @@ def _unit(vectors: Floats, fallback: Floats) -> Floats:
 
 
 def _quaternions(rotations: Floats) -> Floats:
-    """(N, 4) w, x, y, z of rotation matrices, by whichever component is largest (Shepperd, 1978)."""
+    """(N, 4) w, x, y, z of rotation matrices, from the largest component (Shepperd, 1978)."""
     diagonal = np.diagonal(rotations, axis1=1, axis2=2)
     squares = np.concatenate(
         [diagonal.sum(axis=1, keepdims=True), 2 * diagonal - diagonal.sum(axis=1, keepdims=True)], 1
     )
-    # outer products of the quaternion with itself, times four
+    # outer product of the quaternion with itself, times four
     products = np.zeros((len(rotations), 4, 4))
     products[:, range(4), range(4)] = 1.0 + squares
     r = rotations

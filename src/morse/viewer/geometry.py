@@ -1,4 +1,4 @@
-"""Meshes as the graphics card wants them."""
+"""Meshes in the format of graphics cards."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class PackedMesh:
     """An indexed mesh as bytes, little-endian.
 
     Attributes:
-        data: positions (V, 3) float32, normals (V, 3) float32, texture coordinates (V, 2) float32 if it has any,
+        data: positions (V, 3) float32, normals (V, 3) float32, texture coordinates (V, 2) float32 if present,
             indices (I,) uint32.
         vertices: V.
         indices: I.
-        textured: has texture coordinates.
+        textured: whether it has texture coordinates.
         groups: (first index, number of indices, material slot), in the order of the indices.
     """
 
@@ -34,7 +34,7 @@ class PackedMesh:
 
 
 def pack_mesh(mesh: Mesh) -> PackedMesh:
-    """Join corners that agree in position, normal and texture coordinates, and sort triangles by material."""
+    """Merge corners with equal position, normal and texture coordinates, and sort triangles by material."""
     order = np.argsort(mesh.material_index, kind="stable")
     triangles = mesh.triangles[order]
     corners = mesh.vertices[triangles].astype(np.float32)
@@ -42,7 +42,7 @@ def pack_mesh(mesh: Mesh) -> PackedMesh:
     parts = [corners.reshape(-1, 3), normals.reshape(-1, 3)]
     if mesh.uvs is not None:
         parts.append(mesh.uvs[order].astype(np.float32).reshape(-1, 2))
-    rows = np.nan_to_num(np.concatenate(parts, axis=1)) + np.float32(0.0)  # the sum makes -0 and 0 one
+    rows = np.nan_to_num(np.concatenate(parts, axis=1)) + np.float32(0.0)  # the sum converts -0 to 0
     first, indices = _distinct(rows)
     rows = rows[first]
     columns = [rows[:, :3], rows[:, 3:6]] + ([rows[:, 6:8]] if mesh.uvs is not None else [])
@@ -57,7 +57,7 @@ def pack_mesh(mesh: Mesh) -> PackedMesh:
 
 
 def _face_normals(corners: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(T, 3, 3) the same normal for all corners of a triangle; +Z for triangles without area."""
+    """(T, 3, 3) flat normals: equal for all corners of a triangle; +Z for triangles without area."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     flat = np.where(lengths > 0.0, normals / np.where(lengths > 0.0, lengths, 1.0), np.array([0.0, 0.0, 1.0]))
@@ -65,12 +65,12 @@ def _face_normals(corners: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _distinct(rows: NDArray[np.float32]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Where each distinct row is first found, and for every row the index of its equal."""
+    """The first index of each distinct row, and for every row the index of its distinct row."""
     words = np.ascontiguousarray(rows).view(np.uint32).astype(np.uint64)
     factors = np.random.default_rng(1).integers(1, 2**63, size=words.shape[1], dtype=np.uint64) | np.uint64(1)
     mixed = words * factors
     mixed ^= mixed >> np.uint64(29)
-    # sorting one number a row is an order of magnitude quicker than sorting rows
+    # sorting one number per row is an order of magnitude faster than sorting rows
     _, first, inverse = np.unique(mixed.sum(axis=1, dtype=np.uint64), return_index=True, return_inverse=True)
     if not np.array_equal(rows[first][inverse], rows):
         _, first, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)

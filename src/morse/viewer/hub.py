@@ -1,4 +1,4 @@
-"""The connections of the live view: lives in the network thread."""
+"""The connections of the live view, in the network thread."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ if TYPE_CHECKING:
     from morse.viewer.view_messages import ServerMessage, Subject
 
 MOST_EVENTS = 1000
-"""Events that wait for the simulation, at most."""
+"""Maximum number of events that wait for the simulation."""
 
-_PATIENCE = 300.0  # s: a big scene may take this long over a slow line
+_PATIENCE = 300.0  # s: time for a large scene over a slow connection
 _FIRST_MESSAGE = 10.0  # s
 _GREETING = "/ws"
 
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
-    """What all pages together show.
+    """What all pages show together.
 
     Attributes:
-        values: components whose data is looked at.
+        values: components whose data are shown.
         overlays: components whose rays, cones or other overlays are shown, and ``contacts``.
-        images: cameras whose pictures are shown.
+        images: cameras whose images are shown.
     """
 
     values: frozenset[str] = frozenset()
@@ -57,10 +57,10 @@ class Hub:
     """All pages of one simulation.
 
     Attributes:
-        seat: says which page drives.
-        events: what the driving page asked for, oldest first.
-        wishes: what all pages together show.
-        site: what can be fetched.
+        seat: determines the page that drives.
+        events: requests of the driving page, oldest first.
+        wishes: what all pages show together.
+        site: the files for HTTP requests.
     """
 
     def __init__(self, access: Access, title: str) -> None:
@@ -77,18 +77,18 @@ class Hub:
         self._lasting: dict[Subject, str | bytes] = {}
         self._server: Server | None = None
         self._cookie = ""
-        self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # garbage is no news
+        self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # no log of invalid requests
 
     @property
     def watched(self) -> bool:
-        """Whether there is any page."""
+        """Whether any page is connected."""
         return bool(self._pages)
 
     async def open(self, host: str, ports: Iterable[int]) -> int:
-        """Bind to the first port that is free, and return it.
+        """Bind to the first free port, and return it.
 
         Raises:
-            OSError: if none is.
+            OSError: no port is free.
         """
         failure: OSError | None = None
         for port in ports:
@@ -113,7 +113,7 @@ class Hub:
         raise failure or OSError("no port was given")
 
     async def close(self) -> None:
-        """Tell the pages that it is over, and hang up."""
+        """Tell the pages that the simulation has ended, and close the connections."""
         if self._server is None:
             return
         self._server.close(reason="The simulation has ended")
@@ -146,7 +146,7 @@ class Hub:
             secret = path == _GREETING or self.site.is_secret(path)
             refusal = self.access.refusal(request.path, request.headers, secret=secret, cookie=self._cookie)
         except LookupError:
-            return refuse(HTTPStatus.BAD_REQUEST, "A header that may come once came twice.")
+            return refuse(HTTPStatus.BAD_REQUEST, "A header that must be unique is repeated.")
         if refusal is not None:
             return refuse(HTTPStatus.FORBIDDEN, refusal)
         if path == _GREETING:
@@ -167,7 +167,7 @@ class Hub:
             reason = f"Not understood: {error}".encode(errors="replace")[:120].decode(errors="ignore")  # RFC 6455: 123
             await connection.close(Close.NOT_UNDERSTOOD, reason)
         except ConnectionClosed:
-            pass  # a tab that is closed says nothing
+            pass  # a closed tab sends no close frame
         finally:
             if sender is not None:
                 sender.cancel()
@@ -179,13 +179,11 @@ class Hub:
             async with asyncio.timeout(_FIRST_MESSAGE):
                 hello = decode_page_message(await connection.recv())
         except TimeoutError:
-            raise NotUnderstood("the first message, hello, did not come") from None
+            raise NotUnderstood("the first message, hello, was not received") from None
         if not isinstance(hello, pm.Hello):
             raise NotUnderstood("the first message must be hello")
         if hello.version != VERSION:
-            reason = (
-                f"This page speaks version {hello.version} of the protocol, the simulator {VERSION}: reload the page"
-            )
+            reason = f"This page has version {hello.version} of the protocol, the simulator {VERSION}: reload the page"
             await connection.close(Close.OTHER_VERSION, reason)
             return None
         self._numbers += 1
@@ -229,21 +227,21 @@ class Hub:
                 if self.seat.hand_over(page.number, message.to, list(self._pages)):
                     self._drop_drag(page)
                 else:
-                    self._refuse(page, message, "only the page that drives can hand over, and to a page that is there")
+                    self._refuse(page, message, "only the page that drives can hand over, and only to a connected page")
                 self._seat_changed()
             case pm.KeepDriving():
                 self.seat.keep(page.number)
                 self._seat_changed()
             case pm.ViewEvent() if not drives:
-                self._refuse(page, message, "another page drives: ask it for the wheel first")
+                self._refuse(page, message, "another page drives: request control first")
             case pm.ViewEvent() if len(self.events) >= MOST_EVENTS:
-                self._refuse(page, message, "the simulation is busy with what was asked before")
+                self._refuse(page, message, "the simulation is busy with earlier requests")
             case pm.ViewEvent():
                 if isinstance(message, pm.Drag | pm.DragEnd):
                     self._dragging = page.number if isinstance(message, pm.Drag) else None
                 self.events.append(self._requests.number(page.number, message))
             case _:
-                raise NotUnderstood(f"{type(message).__name__} comes once, at the beginning")
+                raise NotUnderstood(f"{type(message).__name__} is only allowed as the first message")
 
     def _drop_drag(self, page: Page) -> None:
         if self._dragging == page.number:
@@ -251,7 +249,7 @@ class Hub:
             self.events.append(pm.DragEnd())
 
     def answer(self, answer: Answer) -> None:
-        """Give the answer to the page that asked."""
+        """Send an answer to the page that sent the request."""
         number, own = self._requests.take(answer)
         page = self._pages.get(number)
         if page is not None:

@@ -37,28 +37,28 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.viewer")
 
-#: wall-clock seconds between two snapshots, however fast the simulation runs: no screen shows more
+#: minimum wall-clock seconds between two snapshots: no screen shows more
 _SNAPSHOT_INTERVAL = 1.0 / 125.0
-#: the same for a simulation that runs as fast as possible: the view must not take the time of its ticks
+#: the same for a simulation that runs as fast as possible: the view must not slow its ticks
 _UNPACED_INTERVAL = 1.0 / 30.0
-#: ticks that take longer than that, s, are all shown: to show one takes little beside it
+#: ticks that take longer than this, s, are all shown: compared with them, a snapshot is cheap
 _LONG_TICK = 0.01
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
 
 
 class Feed(Protocol):
-    """Something that pages are sent beside the poses."""
+    """Data that are sent to pages in addition to the poses."""
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
 
 
 class View(Observer):
-    """Sends what happens to the pages, and carries out what the driving page asks for.
+    """Sends events to the pages, and executes the requests of the driving page.
 
     Attributes:
-        changeable: whether pages may change what happens, and record the run.
+        changeable: whether pages may change the simulation and record the run.
     """
 
     changeable = True
@@ -124,12 +124,12 @@ class View(Observer):
 
     @property
     def url(self) -> str:
-        """The address to open in a browser."""
+        """The address for a browser."""
         return self._url
 
     @property
     def address(self) -> tuple[int, str | None]:
-        """TCP port, and the token that a page has to show, if there is one."""
+        """TCP port, and the token that a page must present, if there is one."""
         return self._server.address
 
     def show(self, height: int) -> Frame:
@@ -137,7 +137,7 @@ class View(Observer):
         return frame(self._url, height)
 
     def announce(self) -> None:
-        """The simulation is ready: describe it, say where to look, open a browser."""
+        """The simulation is ready: describe it, log the address, open a browser."""
         self._describe()
         self._tell_components()
         ViewOverlays(self._simulation.context, self._server).announce()
@@ -154,7 +154,7 @@ class View(Observer):
         self._server.set_scene(self._simulation.scene, moving)
 
     def before_tick(self) -> None:
-        """Carry out what the driving page asked for."""
+        """Execute the requests of the driving page."""
         for event in self._server.take_events():
             handler = self._handlers.get(type(event))
             if handler is not None:
@@ -163,7 +163,7 @@ class View(Observer):
         self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
 
     def after_tick(self) -> None:
-        """Show what the tick has changed."""
+        """Show the changes of the tick."""
         self._services.update()
         self._log.update()
         if not self._server.watched:
@@ -181,7 +181,7 @@ class View(Observer):
         pacer, running = simulation.pacer, not self._is_paused()
         quick, self._ticked = now - self._ticked < _LONG_TICK, now
         interval = _UNPACED_INTERVAL if quick and math.isinf(pacer.speed) else _SNAPSHOT_INTERVAL
-        # while paused, what is left out here is shown within a tick's time, when the simulation looks again
+        # while paused, changes that are omitted here are shown within the time of a tick
         if now - self._shown < interval:
             return
         self._shown = now
@@ -233,7 +233,7 @@ class View(Observer):
         self._server.send(Pace(self._simulation.clock.strategy.human_repr, late, cause))
 
     def viewpoint_changed(self) -> None:
-        """The camera of the scene was moved by a service."""
+        """A service has moved the camera of the scene."""
         view = self._simulation.scene.settings.view
         self._server.send(Viewpoint(view.camera_location, view.camera_rotation, view.camera_clip))
 
@@ -244,11 +244,11 @@ class View(Observer):
         self._tell_components()
 
     def edited(self) -> None:
-        """A model or the class of a component was exchanged: the states that were kept do not fit any more."""
+        """A model or the class of a component was replaced: the saved states are no longer valid."""
         self._history.restarted()
 
     def rearranged(self) -> None:
-        """Components or objects have come or gone, or another state was restored."""
+        """Components or objects were added or removed, or another state was restored."""
         self._connect_components()
         if self._names() != self._told_names:
             self._tell_components()

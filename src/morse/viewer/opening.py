@@ -1,4 +1,4 @@
-"""Opens the view that the options of a run ask for."""
+"""Opens the view that the options of a run select."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 def open_view(simulation: Simulation) -> View | StudioView:
-    """Start the live view that the options ask for.
+    """Start the live view that the options select.
 
     Raises:
-        StudioMissingError: MuJoCo's viewer is asked for and not installed.
+        StudioMissingError: MuJoCo's viewer is selected, but not installed.
     """
     if simulation.options.view == "studio":
         from morse.viewer.studio import StudioView
@@ -28,5 +28,5 @@ def open_view(simulation: Simulation) -> View | StudioView:
 
 
 def has_display() -> bool:
-    """Whether a browser window could be opened here."""
+    """Whether a browser window can be opened here."""
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,4 +1,4 @@
-"""One page that watches: what waits to be sent to it."""
+"""One connected page: its send queue."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
     from morse.viewer.view_messages import Subject
 
 WINDOW = 15
-"""Frames of poses on their way to a page, at most: a quarter of a second."""
+"""Maximum number of pose frames in transit to a page: a quarter of a second."""
 
 MOST_WAITING = 5000
-"""Messages that wait for a page, at most; one that falls behind further is given up."""
+"""Maximum number of messages that wait for a page; a slower page is disconnected."""
 
 
 class Page:
     """A connected page.
 
-    A newer message replaces an older one on the same subject that is not yet sent. A slow page gets fewer messages, not
-    late ones.
+    A newer message replaces an unsent older one on the same subject. A slow page gets fewer messages, but no late
+    messages.
 
     Attributes:
-        number: by which the others know it.
+        number: its id for other pages.
         watch: what it shows.
     """
 
@@ -43,7 +43,7 @@ class Page:
         self._wake = asyncio.Event()
 
     def tell(self, subject: Subject | None, frame: str | bytes) -> None:
-        """Have a message sent."""
+        """Queue a message."""
         key: Subject | int
         if subject is None:
             self._unique += 1
@@ -55,10 +55,10 @@ class Page:
         self._wake.set()
 
     def show(self, poses: bytes) -> bool:
-        """Have the newest poses sent, instead of older ones that still wait.
+        """Queue the newest poses; they replace older ones in the queue.
 
         Returns:
-            Whether the page can take them now: then they count as sent, and are the caller's to send.
+            Whether the page can take them now: then they count as sent, and the caller has to send them.
         """
         self._poses = poses
         if self._sent - self._taken >= WINDOW:
@@ -71,18 +71,18 @@ class Page:
         return True
 
     def took(self, count: int) -> None:
-        """Note how many frames of poses the page has received."""
+        """Set the number of pose frames that the page has received."""
         self._taken = min(count, self._sent)
         if self._poses is not None:
             self._wake.set()
 
     @property
     def hopeless(self) -> bool:
-        """So far behind that it will not catch up."""
+        """Whether it is so far behind that it cannot catch up."""
         return len(self._waiting) > MOST_WAITING
 
     async def send_forever(self) -> None:
-        """Send what waits, until the connection ends."""
+        """Send queued messages until the connection is closed."""
         try:
             while True:
                 await self._wake.wait()
@@ -95,4 +95,4 @@ class Page:
                     self._sent += 1
                     await self.connection.send(poses)
         except ConnectionClosed:
-            pass  # the task that receives from the page notices the end, too
+            pass  # the receiving task handles the end

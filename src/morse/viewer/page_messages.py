@@ -1,6 +1,6 @@
-"""What a page says to the simulator.
+"""Messages from pages to the simulator.
 
-Messages that change the simulation are accepted from the driving page alone and become events (`ViewEvent`).
+Messages that change the simulation are accepted only from the driving page, and become events (`ViewEvent`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def snake_case(name: str) -> str:
 
 
 class PageMessage(Struct, frozen=True, tag_field="type", tag=snake_case):
-    """A JSON object whose ``type`` says what it is."""
+    """A JSON object with a ``type``."""
 
 
 # the connection ------------------------------------------------------------------------------------------
@@ -35,22 +35,22 @@ class Hello(PageMessage, frozen=True):
 
 
 class Alive(PageMessage, frozen=True):
-    """Sent several times a second; without it, keys are released."""
+    """A heartbeat, sent several times per second; without it, keys are released."""
 
 
 class Taken(PageMessage, frozen=True):
-    """So many binary frames of poses have arrived since the connection began."""
+    """The number of binary pose frames received since the connection began."""
 
     count: int
 
 
 class Watch(PageMessage, frozen=True):
-    """What the page shows, replacing what it showed before.
+    """What the page shows; replaces the previous message.
 
     Attributes:
-        values: components whose data it wants.
-        overlays: components whose rays, cones or other overlays the page shows, and ``contacts`` for contact points.
-        images: cameras whose pictures it wants.
+        values: components whose data are shown.
+        overlays: components whose rays, cones or other overlays are shown, and ``contacts`` for contact points.
+        images: cameras whose images are shown.
     """
 
     values: Annotated[list[Name], Meta(max_length=1000)] = []
@@ -62,27 +62,27 @@ class Watch(PageMessage, frozen=True):
 
 
 class AskToDrive(PageMessage, frozen=True):
-    """The page would like to drive."""
+    """The page requests control."""
 
 
 class HandOver(PageMessage, frozen=True):
-    """The driving page lets another one drive."""
+    """The driving page hands control over to another page."""
 
     to: int
 
 
 class KeepDriving(PageMessage, frozen=True):
-    """The driving page declines all that asked."""
+    """The driving page declines all requests for control."""
 
 
 class Keys(PageMessage, frozen=True):
-    """The keys held down now, by their place on the keyboard (``KeyboardEvent.code``)."""
+    """The pressed keys, by their position on the keyboard (``KeyboardEvent.code``)."""
 
     held: Annotated[list[Annotated[str, Meta(max_length=40)]], Meta(max_length=32)]
 
 
 class Gamepad(PageMessage, frozen=True):
-    """The sticks and buttons of the gamepad that drives."""
+    """The axes and buttons of the gamepad."""
 
     axes: Annotated[list[Annotated[float, Meta(ge=-1.0, le=1.0)]], Meta(max_length=32)]
     buttons: Annotated[list[bool], Meta(max_length=64)] = []
@@ -92,11 +92,11 @@ class Gamepad(PageMessage, frozen=True):
 
 
 class ViewEvent(PageMessage, frozen=True):
-    """Base of what the driving page asks of the simulation."""
+    """Base of requests of the driving page to the simulation."""
 
 
 class Play(ViewEvent, frozen=True):
-    """Let time advance."""
+    """Resume the simulation."""
 
 
 class Pause(ViewEvent, frozen=True):
@@ -104,27 +104,27 @@ class Pause(ViewEvent, frozen=True):
 
 
 class Step(ViewEvent, frozen=True):
-    """While paused, advance by that many ticks."""
+    """While paused, run that many ticks."""
 
     count: Annotated[int, Meta(ge=1, le=10000)] = 1
 
 
 class Rewind(ViewEvent, frozen=True):
-    """Go to the state that is kept for a simulated time (s), or the last one before, and pause."""
+    """Restore the state saved for a simulated time (s), or the last one before, and pause."""
 
     time: Annotated[float, Meta(ge=0.0)]
 
 
 class StepBack(ViewEvent, frozen=True):
-    """Go back to the state that was kept before the present one, and pause."""
+    """Restore the state saved before the present one, and pause."""
 
 
 class PlayBackward(ViewEvent, frozen=True):
-    """Let a recorded run go backward."""
+    """Play a recorded run backward."""
 
 
 class Reset(ViewEvent, frozen=True):
-    """Put everything back where the scene script had it."""
+    """Restart: restore the initial state of the scene script."""
 
 
 class SetSpeed(ViewEvent, frozen=True):
@@ -138,13 +138,13 @@ class Quit(ViewEvent, frozen=True):
 
 
 class ListenTo(ViewEvent, frozen=True):
-    """Which robot obeys the keys; None: every one that can."""
+    """The robot that keys drive; None: all robots that can be driven."""
 
     robot: Name | None
 
 
 class SetProperty(ViewEvent, frozen=True):
-    """Change a property of a component; answered."""
+    """Change a property of a component; has an answer."""
 
     request: Request
     component: Name
@@ -153,7 +153,7 @@ class SetProperty(ViewEvent, frozen=True):
 
 
 class Command(ViewEvent, frozen=True):
-    """Set fields of the data of an actuator; answered."""
+    """Set fields of the data of an actuator; has an answer."""
 
     request: Request
     component: Name
@@ -161,7 +161,7 @@ class Command(ViewEvent, frozen=True):
 
 
 class CallService(ViewEvent, frozen=True):
-    """Call a service of a component; answered when it ends."""
+    """Call a service of a component; the answer is sent when it ends."""
 
     request: Request
     component: Name
@@ -176,7 +176,7 @@ class CancelService(ViewEvent, frozen=True):
 
 
 class Activate(ViewEvent, frozen=True):
-    """Let a component work, or stop it; answered."""
+    """Activate or deactivate a component; has an answer."""
 
     request: Request
     component: Name
@@ -184,7 +184,7 @@ class Activate(ViewEvent, frozen=True):
 
 
 class Teleport(ViewEvent, frozen=True):
-    """Put a node somewhere: world frame, metres; quaternion w, x, y, z; answered."""
+    """Set the pose of a node: world frame, metres; quaternion w, x, y, z; has an answer."""
 
     request: Request
     node: Name
@@ -193,11 +193,11 @@ class Teleport(ViewEvent, frozen=True):
 
 
 class Drag(ViewEvent, frozen=True):
-    """Pull a point of a body towards a point of the world, as if by a spring, until `DragEnd`.
+    """Pull a point of a body towards a point of the world with a virtual spring, until `DragEnd`.
 
     Attributes:
-        anchor: the point that is held, in the frame of the node, metres.
-        target: where it is pulled to, in the world frame, metres.
+        anchor: the attachment point in the frame of the node, metres.
+        target: the target in the world frame, metres.
     """
 
     node: Name
@@ -206,8 +206,8 @@ class Drag(ViewEvent, frozen=True):
 
 
 class DragEnd(ViewEvent, frozen=True):
-    """Let go. Also issued when the page that drags is gone."""
+    """Stop pulling. Also issued when the page that pulls is disconnected."""
 
 
 class ToggleCapturing(ViewEvent, frozen=True):
-    """Let all cameras take pictures, or stop them."""
+    """Let all cameras capture images, or stop them."""

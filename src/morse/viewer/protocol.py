@@ -1,9 +1,9 @@
-"""The protocol between the simulator and its pages: how messages are written and read.
+"""The protocol between the simulator and its pages: encoding and decoding of messages.
 
-One WebSocket carries everything that changes. Text frames are JSON objects with a ``type``; binary frames begin with a
-little-endian word that says what they are: 1 for poses (`morse.viewer.snapshot`), 2 for a message with a payload:
-the length of its JSON (uint32), the JSON padded with blanks to a multiple of four, the payload.
-What does not change (description of the scene, geometry, textures) comes over HTTP from the same port.
+One WebSocket carries everything that changes. Text frames are JSON objects with a ``type``. Binary frames begin with a
+little-endian word with their kind: 1 for poses (`morse.viewer.snapshot`), 2 for a message with a payload: the length of
+its JSON (uint32), the JSON padded with blanks to a multiple of four, the payload. Constant data (description of the
+scene, geometry, textures) are fetched over HTTP from the same port.
 """
 
 from __future__ import annotations
@@ -22,44 +22,44 @@ from morse.viewer.page_messages import PageMessage
 from morse.viewer.view_messages import Payload, ServerMessage
 
 VERSION = 3
-"""Raised whenever a page and a simulator of different age would misunderstand each other."""
+"""Increased whenever a page and a simulator of different versions would misunderstand each other."""
 
 PAYLOAD = 2
-"""The first word of a binary frame that holds a message with a payload."""
+"""The first word of a binary frame with a message and a payload."""
 
 MAX_MESSAGE = 256 * 1024
-"""Bytes; a longer message from a page closes its connection."""
+"""Maximum size of a message from a page, bytes; a larger one closes its connection."""
 
 
 class Close(IntEnum):
-    """Why the simulator closes a connection, besides the codes of RFC 6455."""
+    """Reasons for closing a connection, in addition to the codes of RFC 6455."""
 
     OTHER_VERSION = 4000
     NOT_UNDERSTOOD = 4001
 
 
 class NotUnderstood(ValueError):
-    """A page sent data that is not a message of the protocol."""
+    """A page has sent data that are not a message of the protocol."""
 
 
 def messages(module: object, base: type[msgspec.Struct]) -> list[type[msgspec.Struct]]:
-    """The messages that a module defines: the subclasses of ``base`` that are not bases themselves."""
+    """The messages of a module: the subclasses of ``base`` that are not bases themselves."""
     classes = [c for c in vars(module).values() if isinstance(c, type) and issubclass(c, base)]
     return [c for c in classes if not any(other is not c and issubclass(other, c) for other in classes)]
 
 
 def page_message_types() -> list[type[msgspec.Struct]]:
-    """Every message a page can send."""
+    """All messages of pages."""
     return messages(page_messages, PageMessage)
 
 
 def server_message_types() -> list[type[msgspec.Struct]]:
-    """Every message the simulator can send."""
+    """All messages of the simulator."""
     return messages(view_messages, ServerMessage)
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and vectors of other libraries as JSON has them; anything else as its text."""
+    """Numbers and vectors of other libraries as JSON values; other values as strings."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if hasattr(value, "__iter__") and hasattr(value, "__len__"):
@@ -70,13 +70,13 @@ def _plain(value: Any) -> Any:
 _decoder: msgspec.json.Decoder[PageMessage] = msgspec.json.Decoder(functools.reduce(operator.or_, page_message_types()))
 _encoder = msgspec.json.Encoder(enc_hook=_plain)
 _head = struct.Struct("<II")
-#: levels of lists and dictionaries, and parts in all, that are written of what JSON cannot hold as it is
+#: maximum depth and number of items of values that are written in place of non-JSON values
 _DEEPEST = 12
 _MOST_PARTS = 100_000
 
 
 def decode_page_message(frame: str | bytes) -> PageMessage:
-    """Read what a page sent.
+    """Decode a message of a page.
 
     Raises:
         NotUnderstood: it is not a message, or a part of the message is missing or has the wrong type.
@@ -96,12 +96,12 @@ def encode_json(value: msgspec.Struct) -> bytes:
     """
     try:
         return _encoder.encode(value)
-    except Exception:  # lone surrogates, keys of other types, circles, objects whose text cannot be made
+    except Exception:  # lone surrogates, keys of other types, cycles, objects that cannot be formatted
         return _encoder.encode(_Writable().struct(value))
 
 
 class _Writable:
-    """Makes copies that JSON can hold."""
+    """Creates copies with a JSON representation."""
 
     def __init__(self) -> None:
         self._left = _MOST_PARTS
@@ -131,7 +131,7 @@ class _Writable:
             if isinstance(plain, (list, tuple)):
                 return [self.copy(part, depth + 1) for part in plain]
             return self.copy(plain, depth + 1)
-        except Exception:  # it is the user's object
+        except Exception:  # an object of the user
             return f"a {type(value).__name__} that cannot be shown"
 
 

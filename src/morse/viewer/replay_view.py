@@ -1,4 +1,4 @@
-"""The live view of a recorded run: a time line to jump on, to drag along and to play, forward and backward."""
+"""The live view of a recorded run: a time line to jump, drag and play, forward and backward."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
     from morse.simulation.timeline import Timeline
 
-#: places of the time line at most
+#: maximum number of positions of the time line
 _PLACES = 2000
-#: wall-clock seconds for which a jump may work before the page is heard again
+#: maximum wall-clock seconds of work on a jump before messages of the page are processed
 _PATIENCE = 0.03
-#: wall-clock seconds between two pictures while it plays backward
+#: wall-clock seconds between two frames while it plays backward
 _FRAME = 1.0 / 30.0
-#: wall-clock seconds between two looks at what the page wants while nothing moves
+#: wall-clock seconds between two polls of the page while nothing moves
 _IDLE = 0.02
 
 
 class _NoHistory:
-    """The time line keeps the states of a recorded run itself."""
+    """The time line has the states of a recorded run itself."""
 
     def keep(self, *, paused: bool) -> None:
         """Keep nothing."""
@@ -37,10 +37,10 @@ class _NoHistory:
 
 
 class ReplayView(View):
-    """Shows a recorded run. Commands, keys and services of the pages are refused: the run is what it was.
+    """Shows a recorded run. Commands, keys and services of the pages are refused.
 
     Args:
-        simulation: of the scene.
+        simulation: the simulation of the scene.
         timeline: the recorded run.
     """
 
@@ -82,13 +82,13 @@ class ReplayView(View):
         self._server.send(History([self._start + position / frequency for position in positions], recorded=True))
 
     def before_tick(self) -> None:
-        """What the pages ask for is heard between two ticks, by `run`."""
+        """Requests of the pages are processed between two ticks, by `run`."""
 
     def _is_paused(self) -> bool:
         return self._direction == 0
 
     def _time(self) -> float:
-        """Along the recording: resets of the run do not set it back."""
+        """The time along the recording, which resets of the run do not set back."""
         return self._start + self._timeline.position / self._simulation.clock.frequency
 
     def _position(self, time_: float) -> int:
@@ -101,14 +101,14 @@ class ReplayView(View):
         self._simulation.pacer.restart()
 
     def _go(self, position: int) -> None:
-        """Jump, and stay there while the time line is dragged, or when it stood still before."""
+        """Jump, and stay there while the time line is dragged, or if it was paused before."""
         self._target = max(0, min(position, self._timeline.length))
 
     def _refuse(self, event: Any) -> None:
-        self._server.send(Refused(type(event).__name__, "this is a recorded run: it is what it was"))
+        self._server.send(Refused(type(event).__name__, "a recorded run cannot be changed"))
 
     def end(self) -> None:
-        """Show it no longer; may be called from signal handlers."""
+        """Stop showing it; may be called from signal handlers."""
         self._ended = True
 
     # -- the loop ----------------------------------------------------------------------------
@@ -123,7 +123,7 @@ class ReplayView(View):
             self._network.give_back()
 
     def turn(self) -> None:
-        """Hear what the driving page wants, and do a little of it."""
+        """Process requests of the driving page, in small steps."""
         for event in self._server.take_events():
             handler = self._handlers.get(type(event))
             if handler is not None:

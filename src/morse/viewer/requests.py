@@ -1,4 +1,4 @@
-"""Whose request is whose: every page counts its own from one."""
+"""Assigns requests to pages: every page numbers its own requests from one."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class Requests:
-    """Gives requests numbers that no other page uses, and answers the numbers they had."""
+    """Gives requests unique numbers, and restores the original numbers in answers."""
 
     def __init__(self) -> None:
         self._asked: dict[int, tuple[int, int]] = {}
         self._last = 0
 
     def number(self, page: int, event: ViewEvent) -> ViewEvent:
-        """The event as the simulation gets it."""
+        """The event for the simulation."""
         own = getattr(event, "request", None)
         if own is None:
             return event
@@ -33,7 +33,7 @@ class Requests:
         return msgspec.structs.replace(event, request=number)
 
     def take(self, answer: Answer) -> tuple[int, Answer]:
-        """The page that asked (0: it is gone, or has its answer already), and the answer as it gets it."""
+        """The page that sent the request (0: disconnected, or already answered), and the answer for the page."""
         page, own = self._asked.pop(answer.request, (0, 0))
         return page, msgspec.structs.replace(answer, request=own)
 

@@ -1,4 +1,4 @@
-"""The driver's seat: any number of pages watch, one drives."""
+"""Control of the simulation: any number of pages watch, one drives."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 DEAD_MAN = 0.7
-"""Seconds without a sign of life from the driving page after which nothing counts as held any more."""
+"""Seconds without a heartbeat from the driving page after which all keys count as released."""
 
 _NOTHING: frozenset[str] = frozenset()
 
 
 class Seat:
-    """The page that drives, and the keys that are held down in that page.
+    """The page that drives, and its pressed keys.
 
-    Changed in the network thread; the simulation thread reads the controls.
+    Modified in the network thread; the simulation thread reads the controls.
 
     Attributes:
         driver: number of the driving page, or None.
@@ -46,10 +46,10 @@ class Seat:
             self._give(page)
 
     def leave(self, page: int, left: Sequence[int] = ()) -> None:
-        """Remove a page. If it drove, the first page that asked for the seat gets it, or the only page that is left.
+        """Remove a page. If it drove, the first page that has requested control gets it, or the only remaining page.
 
         Args:
-            left: the pages that are still there.
+            left: the remaining pages.
         """
         self._asking = [other for other in self._asking if other != page]
         if self.driver == page:
@@ -58,7 +58,7 @@ class Seat:
             self._give(left[0])
 
     def ask(self, page: int) -> None:
-        """A page would like to drive: granted at once if the one that does shows no sign of life."""
+        """A page requests control: granted immediately if the driving page sends no heartbeat."""
         if page == self.driver:
             return
         if self.driver is None or not self.alive:
@@ -67,14 +67,14 @@ class Seat:
             self._asking.append(page)
 
     def hand_over(self, page: int, to: int, pages: Sequence[int]) -> bool:
-        """The driver ``page`` makes room for another one; False if it is not the driver or the other is gone."""
+        """The driver ``page`` hands over; False if it is not the driver, or the other page is not connected."""
         if page != self.driver or to not in pages:
             return False
         self._give(to)
         return True
 
     def keep(self, page: int) -> None:
-        """The driver declines all that asked."""
+        """The driver declines all requests."""
         if page == self.driver:
             self._asking.clear()
 
@@ -88,15 +88,15 @@ class Seat:
         self.release()
         self._heard = self._clock()
 
-    # what is held --------------------------------------------------------------------------------
+    # pressed keys --------------------------------------------------------------------------------
 
     @property
     def alive(self) -> bool:
-        """Whether the driving page has given a sign of life of late."""
+        """Whether the driving page has sent a heartbeat recently."""
         return self.driver is not None and self._clock() - self._heard < DEAD_MAN
 
     def hear(self, page: int) -> None:
-        """A sign of life; after too long a silence, what was held must be pressed again."""
+        """A heartbeat; after a timeout, keys must be pressed again."""
         if page != self.driver:
             return
         if not self.alive:
@@ -104,7 +104,7 @@ class Seat:
         self._heard = self._clock()
 
     def hold(self, page: int, keys: frozenset[str]) -> None:
-        """The keys that a page holds down now; those of a page that does not drive count for nothing."""
+        """The pressed keys of a page; only those of the driving page count."""
         if page != self.driver:
             return
         with self._lock:
@@ -119,14 +119,14 @@ class Seat:
             self._heard = self._clock()
 
     def release(self) -> None:
-        """Let go of everything."""
+        """Release all keys and the gamepad."""
         with self._lock:
             self._held = _NOTHING
             self._tapped.clear()
             self._axes, self._buttons = (), ()
 
     def begin_tick(self) -> None:
-        """Keys that were pressed and released since the last call count as held until the next one."""
+        """Keys that were pressed and released since the last call count as pressed until the next call."""
         if not self._tapped and not self._tick_taps:
             return
         with self._lock:
@@ -134,10 +134,10 @@ class Seat:
             self._tapped.clear()
 
     def held_keys(self) -> frozenset[str]:
-        """The keys held by a driver that is alive."""
+        """The pressed keys of a driver with a heartbeat."""
         held = self._held if self._held and self.alive else _NOTHING
         return held | self._tick_taps if self._tick_taps else held
 
     def gamepad(self) -> tuple[tuple[float, ...], tuple[bool, ...]]:
-        """Axes (-1..1) and buttons of a driver that is alive."""
+        """Axes (-1..1) and buttons of a driver with a heartbeat."""
         return (self._axes, self._buttons) if self._axes and self.alive else ((), ())

@@ -1,4 +1,4 @@
-"""The server of the live view, as the simulation sees it."""
+"""The interface of the simulation to the server of the live view."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 logger = logging.getLogger("morse.viewer")
 
 _SHORTEST_INTERVAL = 1.0 / 125.0
-"""Wall-clock seconds between two snapshots: no screen shows more, however fast the simulation runs."""
+"""Minimum wall-clock seconds between two snapshots: no screen shows more."""
 
 
 class ViewServer:
-    """Shows the simulation to any number of pages, and takes what the driving page asks for.
+    """Shows the simulation to any number of pages, and receives the requests of the driving page.
 
-    The methods are called from the simulation thread and never wait for a page; all traffic lives in the network
+    The methods are called in the simulation thread and never wait for a page; all connections are in the network
     thread.
     """
 
@@ -51,14 +51,14 @@ class ViewServer:
         token: str | None = None,
         title: str = "MORSE",
     ) -> None:
-        """Nothing is opened before `start`.
+        """Create the server without opening it; see `start`.
 
         Args:
-            network: the thread it lives in.
+            network: its thread.
             host: address to bind to.
-            port: TCP port; the next free one is taken if it is in use; 0 for any.
-            token: what a page has to show, any text. One is made up if other machines can reach ``host``.
-            title: shown by the browser.
+            port: TCP port; if it is in use, the next free one; 0 for any.
+            token: token that a page must present. One is generated if other machines can reach ``host``.
+            title: title of the page.
         """
         self._network = network
         self._host = host
@@ -80,7 +80,7 @@ class ViewServer:
         """Open the server and return the address to open in a browser, with the token if there is one.
 
         Raises:
-            OSError: if the address cannot be bound, with what to do about it.
+            OSError: the address cannot be bound; the message suggests a solution.
         """
         try:
             port = self._served_on = self._network.call(self._hub.open(self._host, _ports(self._port)))
@@ -98,14 +98,14 @@ class ViewServer:
 
     @property
     def address(self) -> tuple[int, str | None]:
-        """TCP port, and the token that a page has to show, if there is one."""
+        """TCP port, and the token that a page must present, if there is one."""
         return self._served_on, self._hub.access.token
 
     def stop(self) -> None:
         """Tell the pages that the simulation has ended, and close the server."""
         self._network.call(self._hub.close())
 
-    # what pages see ------------------------------------------------------------------------------
+    # data for pages ------------------------------------------------------------------------------
 
     @property
     def watched(self) -> bool:
@@ -114,21 +114,21 @@ class ViewServer:
 
     @property
     def wishes(self) -> Wishes:
-        """Which data, overlays and pictures the pages show now: nothing else need be sent."""
+        """The data, overlays and images that the pages show now: nothing else need be sent."""
         return self._hub.wishes
 
     def set_scene(self, scene: Scene, moving: Sequence[MovingNode]) -> None:
-        """Describe the world; call it again when nodes come, go or get another parent.
+        """Describe the world; call it again when nodes are added, removed or reparented.
 
         Args:
-            scene: as it is now.
-            moving: the nodes whose poses the snapshots hold, in that order.
+            scene: the present scene.
+            moving: the nodes whose poses the snapshots contain, in that order.
 
         Raises:
-            KeyError: if a moving node is not in the scene.
+            KeyError: a moving node is not in the scene.
         """
         self._revision += 1
-        if self._key is None:  # the script's camera is a part of it, and services may move that one
+        if self._key is None:  # the key contains the script's camera, which services may move
             self._key = world_key(scene)
         description = encode_json(describe(scene, moving, self._revision, self._depot, self._key))
         url = f"/worlds/{self._revision}.json"
@@ -139,10 +139,10 @@ class ViewServer:
         self.send(World(self._revision, url))
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Show a snapshot: each page gets the newest one as soon as it can take it.
+        """Show a snapshot: each page receives the newest one as soon as it can.
 
         Raises:
-            ValueError: if it does not have one pose for each moving node.
+            ValueError: it does not have one pose for each moving node.
         """
         if len(snapshot.poses) != self._moving:
             raise ValueError(f"the snapshot has {len(snapshot.poses)} poses, the scene {self._moving} moving nodes")
@@ -157,7 +157,7 @@ class ViewServer:
     def send(self, message: ServerMessage) -> None:
         """Send a message to the pages; a lasting message is also sent to pages that connect later.
 
-        An answer goes to the page that asked.
+        An answer is sent to the page of the request.
         """
         if isinstance(message, Answer):
             self._network.post(self._hub.answer, message)
@@ -182,10 +182,10 @@ class ViewServer:
         if poses is not None:
             self._hub.show(poses)
 
-    # what the driving page asks for --------------------------------------------------------------
+    # requests of the driving page ----------------------------------------------------------------
 
     def take_events(self) -> list[ViewEvent]:
-        """What the driving page asked for since the last call, oldest first; call it at the start of a tick."""
+        """The requests of the driving page since the last call, oldest first; call it at the start of a tick."""
         self._hub.seat.begin_tick()
         events = []
         while self._hub.events:
@@ -199,9 +199,9 @@ class ViewServer:
         return events
 
     def held_keys(self) -> frozenset[str]:
-        """Keys (``KeyboardEvent.code``) held on the driving page now; none once it is hidden, silent or gone.
+        """Pressed keys (``KeyboardEvent.code``) of the driving page; none if it is hidden, silent or disconnected.
 
-        A key that was pressed and released between two ticks is held for one.
+        A key that was pressed and released between two ticks counts as pressed for one tick.
         """
         return self._hub.seat.held_keys()
 

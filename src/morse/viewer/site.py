@@ -1,4 +1,4 @@
-"""The files of the page, and of the world it shows, over HTTP."""
+"""The files of the page and of its world, over HTTP."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ _SECURITY = {
 }
 _NOT_BUILT = """<!doctype html><meta charset="utf-8"><title>MORSE</title>
 <p>The live view is not part of this installation: it was built without it.
-<p>Build it with <code>pip install .</code> in MORSE's sources, on a machine that reaches the npm registry.
+<p>Build it with <code>pip install .</code> in MORSE's sources, on a machine with access to the npm registry.
 """
 _COMPRESSIBLE = ("text/", "application/javascript", "application/json", "application/octet-stream", "image/svg")
 _COMPRESS_FROM = 2048
 
 
 class File:
-    """Something to be fetched.
+    """A file for HTTP requests.
 
     Attributes:
         lasting: the content at this address never changes.
@@ -52,19 +52,19 @@ class File:
 
     @cached_property
     def tag(self) -> str:
-        """Changes with the content."""
+        """A hash of the content."""
         return f'"{hashlib.sha256(self.data).hexdigest()[:24]}"'
 
     @cached_property
     def compressed(self) -> bytes | None:
-        """The content, gzipped, if that is worth while."""
+        """The content, compressed by gzip if it saves space."""
         if not self.mime.startswith(_COMPRESSIBLE) or len(self.data) < _COMPRESS_FROM:
             return None
         return gzip.compress(self.data, compresslevel=4, mtime=0)
 
 
 class Site:
-    """All that can be fetched from one server.
+    """All files of one server.
 
     Attributes:
         files: by path.
@@ -86,7 +86,7 @@ class Site:
         return path not in self._public
 
     def respond(self, path: str, headers: Mapping[str, str], extra: Mapping[str, str]) -> Response:
-        """The answer to a request for a path (without query)."""
+        """The response to a request for a path (without query)."""
         file = self.files.get(path)
         if file is None:
             return refuse(HTTPStatus.NOT_FOUND, f"There is no {path} here.")
@@ -103,7 +103,7 @@ class Site:
 
 
 def refuse(status: HTTPStatus, why: str) -> Response:
-    """An answer that says why there is none."""
+    """An error response with a reason."""
     return _response(status, f"{why}\n".encode(), {"Content-Type": "text/plain; charset=utf-8"})
 
 

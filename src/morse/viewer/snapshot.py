@@ -1,4 +1,4 @@
-"""The data that the simulation gives to observers once a tick."""
+"""The data for observers at the end of a tick."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 POSES = 1
-"""The first word of a binary frame that holds poses."""
+"""The first word of a binary frame with poses."""
 
 _KIND = struct.Struct("<I")
 HEADER = struct.Struct("<IIIIddff")
@@ -40,11 +40,11 @@ class Snapshot:
     Attributes:
         tick: number of ticks since the start.
         time: simulated seconds.
-        layout: grows by one whenever the list of moving nodes changes.
+        layout: increased by one whenever the list of moving nodes changes.
         poses: (M, 7) float32 of x, y, z (m), qw, qx, qy, qz, in the order of the moving nodes.
         status: whether simulated time advances.
-        speed: what is asked for, simulated seconds per wall-clock second; ``inf``: as fast as possible.
-        real_time_factor: what is reached, simulated seconds per wall-clock second.
+        speed: requested simulated seconds per wall-clock second; ``inf``: as fast as possible.
+        real_time_factor: reached simulated seconds per wall-clock second.
     """
 
     tick: int

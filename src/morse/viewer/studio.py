@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.viewer")
 
-#: wall-clock seconds between two pictures
+#: wall-clock seconds between two frames
 _INTERVAL = 1.0 / 60.0
 
 
@@ -27,15 +27,15 @@ class StudioView(Observer):
 
     @property
     def url(self) -> str:
-        """The address to open in a browser."""
+        """The address for a browser."""
         return self._studio.url
 
     def announce(self) -> None:
-        """Say where to look."""
+        """Log the address."""
         logger.info("MuJoCo's viewer is at %s", self.url)
 
     def after_tick(self) -> None:
-        """Show the state, as often as a screen does."""
+        """Show the state at the rate of a screen."""
         now = time.monotonic()
         if now - self._shown >= _INTERVAL:
             self._shown = now

@@ -1,4 +1,4 @@
-"""What the simulator says to the pages."""
+"""Messages from the simulator to the pages."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ Subject = tuple[str, ...]
 
 
 class ServerMessage(Struct, frozen=True, tag_field="type", tag=snake_case):
-    """A JSON object whose ``type`` says what it is.
+    """A JSON object with a ``type``.
 
-    Of two messages with the same subject only the newer one matters: a page that is slow gets that one alone.
+    Of two messages with the same subject, only the newer one is relevant: a slow page gets only that one.
     """
 
     _about: ClassVar[tuple[str, ...] | None] = ()
-    """The fields that tell the subjects of such messages apart; None: every message counts."""
+    """The fields that distinguish the subjects of such messages; None: every message is relevant."""
 
     _lasting: ClassVar[bool] = True
 
     def subject(self) -> Subject | None:
-        """What the message is about, or None if every one counts."""
+        """The subject of the message, or None if every message is relevant."""
         return None if self._about is None else (type(self).__name__, *(getattr(self, name) for name in self._about))
 
     @property
     def lasting(self) -> bool:
-        """Told also to pages that come later."""
+        """Also sent to pages that connect later."""
         return self._lasting
 
 
 class Payload(ServerMessage, frozen=True):
-    """A message that ends with numbers or a picture: sent as a binary frame."""
+    """A message with numbers or an image at its end: sent as a binary frame."""
 
     payload: bytes
 
@@ -42,7 +42,7 @@ class Payload(ServerMessage, frozen=True):
 
 
 class Welcome(ServerMessage, frozen=True):
-    """Answers the page's `Hello`; ``page`` is the number by which the others know it."""
+    """Answers the page's `Hello`; ``page`` is its id for other pages."""
 
     version: int
     page: int
@@ -57,7 +57,7 @@ class World(ServerMessage, frozen=True):
 
 
 class Seat(ServerMessage, frozen=True):
-    """Which page drives, which pages have asked to drive, and the number of pages."""
+    """The page that drives, the pages that have requested control, and the number of pages."""
 
     driver: int | None
     asking: list[int]
@@ -65,7 +65,7 @@ class Seat(ServerMessage, frozen=True):
 
 
 class Refused(ServerMessage, frozen=True):
-    """Something that the page asked for was not done."""
+    """A request of the page was refused."""
 
     what: str
     why: str
@@ -74,16 +74,16 @@ class Refused(ServerMessage, frozen=True):
     _lasting: ClassVar[bool] = False
 
 
-# time and news -------------------------------------------------------------------------------------------
+# time and log ------------------------------------------------------------------------------------------------
 
 
 class Pace(ServerMessage, frozen=True):
-    """How well the simulation keeps up.
+    """Whether the simulation keeps up with the wall clock.
 
     Attributes:
         strategy: e.g. ``Best Effort``.
-        late: wall-clock seconds behind; 0 when it keeps up.
-        cause: what takes the time, as a clause; empty if nothing in particular does.
+        late: wall-clock seconds behind; 0 if it keeps up.
+        cause: the cause of the delay, as a clause; empty if there is no particular cause.
     """
 
     strategy: str
@@ -115,11 +115,11 @@ class Recordings(ServerMessage, frozen=True):
 
 
 class History(ServerMessage, frozen=True):
-    """The simulated times (s) of the states that can be gone back to, oldest first.
+    """The simulated times (s) of the saved states, oldest first.
 
     Attributes:
-        times: for a recorded run, times all along it, also ahead of the present one.
-        recorded: whether the run is a recorded one, which can be played backward, too.
+        times: for a recorded run, times of the whole run, also ahead of the present one.
+        recorded: whether this is a recorded run, which can also be played backward.
     """
 
     times: list[float]
@@ -132,7 +132,7 @@ class Log(ServerMessage, frozen=True):
     Attributes:
         component: the component that the line is about, or empty.
         time: simulated seconds.
-        place: counts lines modulo the number of lines that are kept for pages that connect later.
+        place: index of the line modulo the number of lines that are kept for pages that connect later.
     """
 
     level: Literal["debug", "info", "warning", "error"]
@@ -153,7 +153,7 @@ class DebugProperty(Struct, frozen=True):
 
 
 class DebugProperties(ServerMessage, frozen=True):
-    """The properties that the script asks to show; there are ``more`` than these."""
+    """The properties that the script displays; ``more`` is the number of omitted ones."""
 
     properties: list[DebugProperty]
     more: int = 0
@@ -163,7 +163,7 @@ class DebugProperties(ServerMessage, frozen=True):
 
 
 class FieldDescription(Struct, frozen=True):
-    """A data field of a component; ``low`` and ``high`` bound what it may hold."""
+    """A data field of a component with its limits ``low`` and ``high``."""
 
     name: str
     type: str = ""
@@ -174,7 +174,7 @@ class FieldDescription(Struct, frozen=True):
 
 
 class PropertyDescription(Struct, frozen=True):
-    """A property of a component, with its value now; ``choices`` are all values that it may have, if they are few."""
+    """A property of a component with its present value; ``choices`` are its allowed values, if they are few."""
 
     name: str
     type: str = ""
@@ -187,7 +187,7 @@ class PropertyDescription(Struct, frozen=True):
 
 
 class ArgumentDescription(Struct, frozen=True):
-    """An argument of a service; ``default`` is written as in Python, None if it must be given."""
+    """An argument of a service; ``default`` is in Python notation, None if the argument is required."""
 
     name: str
     type: str = ""
@@ -209,8 +209,8 @@ class ComponentDescription(Struct, frozen=True):
     Attributes:
         name: fully qualified; also the name of its node in the scene.
         kind: ``robot``, ``external_robot``, ``sensor`` or ``actuator``.
-        robot: the name of the robot that carries it.
-        title: name of its class, for people.
+        robot: the name of its robot.
+        title: name of its class, for display.
         frequency: Hz.
     """
 
@@ -228,13 +228,13 @@ class ComponentDescription(Struct, frozen=True):
 
 
 class Tree(ServerMessage, frozen=True):
-    """All components, and services that belong to none (``simulation``, ``time``)."""
+    """All components, and services that belong to no component (``simulation``, ``time``)."""
 
     components: list[ComponentDescription]
 
 
 class Listening(ServerMessage, frozen=True):
-    """The robots that can obey keys, and the one that does (None: all of them)."""
+    """The robots that keys can drive, and the selected one (None: all of them)."""
 
     robots: list[str]
     robot: str | None = None
@@ -262,7 +262,7 @@ class PropertyValue(ServerMessage, frozen=True):
 
 
 class Activity(ServerMessage, frozen=True):
-    """A component works now, or no longer."""
+    """A component was activated or deactivated."""
 
     component: str
     active: bool
@@ -286,12 +286,12 @@ class Answer(ServerMessage, frozen=True):
 
 
 class Viewpoint(ServerMessage, frozen=True):
-    """A service has moved the camera that scripts place.
+    """A service has moved the camera of scripts.
 
     Attributes:
         location: world frame, metres.
         rotation: Euler angles XYZ of a camera that looks along its -Z, radians.
-        clip: nearest and farthest distance that is drawn, metres.
+        clip: near and far clipping distance, metres.
     """
 
     location: tuple[float, float, float]
@@ -310,7 +310,7 @@ class Appearance(ServerMessage, frozen=True):
 
 
 class Rays(Payload, frozen=True):
-    """The rays of a sensor: (N, 7) float32 of origin, end (m, world frame) and 1 where something was hit."""
+    """The rays of a sensor: (N, 7) float32 of origin, end (m, world frame) and 1 for a hit."""
 
     component: str
 
@@ -319,18 +319,18 @@ class Rays(Payload, frozen=True):
 
 
 class Contacts(Payload, frozen=True):
-    """Where bodies touch: (N, 6) float32 of point (m) and force (N), both in the world frame."""
+    """Contacts: (N, 6) float32 of point (m) and force (N), both in the world frame."""
 
     _lasting: ClassVar[bool] = False
 
 
 class Cone(ServerMessage, frozen=True):
-    """The space that a sensor watches, around the X axis of its node.
+    """The field of view of a sensor, around the X axis of its node.
 
     Attributes:
         reach: metres.
         angle: full opening angle, radians; 2 pi for a sphere.
-        seen: names of what it sees now.
+        seen: names of the objects that it detects now.
     """
 
     component: str
@@ -384,7 +384,7 @@ class Sighting(Struct, frozen=True):
 
 
 class Picture(Payload, frozen=True):
-    """What a camera sees.
+    """The image of a camera.
 
     Attributes:
         mime: ``image/jpeg``, ``image/png``, ``image/x-rgba`` for bare rows of 8-bit RGBA, or ``image/x-u16`` for
@@ -411,6 +411,6 @@ class Picture(Payload, frozen=True):
 
 
 class Capturing(ServerMessage, frozen=True):
-    """Whether the cameras take pictures."""
+    """Whether the cameras capture images."""
 
     active: bool

@@ -1,4 +1,4 @@
-"""Takes the fields of a record apart; whatever the bytes are, it reads no more than there are."""
+"""Parses the fields of a record without reading beyond the end of the bytes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Fields:
 
     Args:
         data: the bytes.
-        what: the record, for errors.
+        what: name of the record, for error messages.
     """
 
     def __init__(self, data: bytes | memoryview, what: str) -> None:
@@ -26,22 +26,22 @@ class Fields:
 
     @property
     def left(self) -> int:
-        """Bytes that are not read yet."""
+        """The number of unread bytes."""
         return len(self._data) - self._at
 
     def bytes(self, count: int) -> memoryview:
-        """So many bytes.
+        """Read bytes.
 
         Raises:
-            RecordingError: there are fewer.
+            RecordingError: fewer bytes are left.
         """
         if count > self.left:
-            raise RecordingError(f"{self._what} is damaged: {count} bytes are announced, {self.left} are there")
+            raise RecordingError(f"{self._what} is damaged: {count} bytes expected, {self.left} left")
         begin, self._at = self._at, self._at + count
         return self._data[begin : self._at]
 
     def numbers(self, form: str) -> tuple[Any, ...]:
-        """Numbers, as `struct` describes them."""
+        """Numbers, in a format of `struct`."""
         made = struct.Struct(form)
         return made.unpack(self.bytes(made.size))
 
@@ -64,7 +64,7 @@ class Fields:
         return found
 
     def records(self) -> Iterator[tuple[int, memoryview]]:
-        """The records that are in these bytes: opcode and content."""
+        """The records in these bytes: opcode and content."""
         while self.left:
             opcode, size = self.numbers("<BQ")
             yield opcode, self.bytes(size)

@@ -1,4 +1,4 @@
-"""Reads MCAP files from front to back, also those that break off; hostile ones cost no memory."""
+"""Reads MCAP files from front to back, also incomplete ones, with bounded memory for malicious ones."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from morse.recording.mcap.records import Message
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-#: bytes of a record, and of a chunk without compression: more is damage
+#: maximum size of a record, and of an uncompressed chunk, bytes: larger ones are damaged
 LARGEST = 256 << 20
-#: of all schemas, channels and metadata of a file
+#: maximum size of all schemas, channels and metadata of a file
 _LARGEST_TABLES = 64 << 20
 _NAMES = {records.HEADER: "the header", records.CHUNK: "a chunk", records.ATTACHMENT: "an attachment"}
 
@@ -27,11 +27,11 @@ class Channel(NamedTuple):
     """A topic of a file.
 
     Attributes:
-        number: in the file.
+        number: id of the channel in the file.
         topic: ``/robot/pose``.
         type: name of the schema, ``geometry_msgs/msg/PoseStamped``; empty if it has none.
-        definition: of the schema.
-        encoding: of the messages, ``cdr``.
+        definition: text of the schema.
+        encoding: encoding of the messages, ``cdr``.
         schema_encoding: ``ros2msg``.
     """
 
@@ -56,9 +56,9 @@ class McapFile:
     Attributes:
         path: of the file.
         profile, library: of the header.
-        channels: by number.
-        metadata: named tables of strings; of several with one name the last.
-        complete: whether the file ends as it should; else what was written last may be missing.
+        channels: by id.
+        metadata: named tables of strings; of several with the same name, the last one.
+        complete: whether the end of the file is complete; otherwise the last messages may be missing.
 
     Raises:
         OSError: the file cannot be read.
@@ -83,7 +83,7 @@ class McapFile:
             raise
 
     def close(self) -> None:
-        """Read no more."""
+        """Close the file."""
         self._file.close()
 
     def __enter__(self) -> Self:
@@ -92,17 +92,17 @@ class McapFile:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    # -- what there is -----------------------------------------------------------------------
+    # -- index -------------------------------------------------------------------------------
 
     def _damaged(self, why: str) -> RecordingError:
         return RecordingError(f"{self.path}: {why}")
 
     def _scan(self, size: int) -> None:
-        """Find out where everything is; what is incomplete at the end counts as not there."""
+        """Locate all records; an incomplete record at the end is ignored."""
         magic = self._file.read(len(records.MAGIC))
         if magic != records.MAGIC:
             what = "it is empty" if not magic else f"it begins with {magic[:8].hex(' ')}, an MCAP file with 89 4d 43 41"
-            raise self._damaged(f"this is no recording: {what}")
+            raise self._damaged(f"this is not a recording: {what}")
         at = len(records.MAGIC)
         while at + records.PREFIX.size <= size:
             self._file.seek(at)
@@ -144,7 +144,7 @@ class McapFile:
             else:
                 self._describe(opcode, fields)
         elif opcode == records.MESSAGE:
-            raise self._damaged("its messages are not in chunks; `morse` reads files with chunks alone")
+            raise self._damaged("its messages are not in chunks; `morse` only reads files with chunks")
 
     def _describe(self, opcode: int, fields: Fields) -> None:
         if opcode == records.SCHEMA:
@@ -175,7 +175,7 @@ class McapFile:
         """Messages, in the order in which they were written.
 
         Args:
-            channels: numbers of the channels that are wanted; None for all.
+            channels: ids of the selected channels; None for all.
 
         Raises:
             RecordingError: a chunk is damaged.
@@ -199,7 +199,7 @@ class McapFile:
         (compressed,) = fields.numbers("<Q")
         data = fields.bytes(compressed)
         if size > LARGEST:
-            raise self._damaged(f"a chunk says it has {size} bytes; more than {LARGEST >> 20} MiB are not read")
+            raise self._damaged(f"a chunk declares {size} bytes; more than {LARGEST >> 20} MiB are not read")
         if compression == "zstd":
             plain = self._decompressed(data, size)
         elif compression:
@@ -211,7 +211,7 @@ class McapFile:
         return Fields(plain, f"{self.path}: the chunk at byte {place.offset}")
 
     def _decompressed(self, data: memoryview, size: int) -> bytes:
-        # the frame may lie about its size: never more than the chunk has announced is taken
+        # the declared size in the frame may be wrong: never read more than the chunk has declared
         reader = zstandard.ZstdDecompressor(max_window_size=LARGEST).stream_reader(bytes(data))
         parts, left = [], size + 1
         try:
@@ -222,15 +222,15 @@ class McapFile:
             raise self._damaged(f"a chunk cannot be decompressed: {error}") from None
         return b"".join(parts)
 
-    # -- other content -----------------------------------------------------------------------
+    # -- attachments -------------------------------------------------------------------------
 
     @property
     def attachments(self) -> list[str]:
-        """The names of the files within the file."""
+        """The names of the attached files."""
         return list(self._attachments)
 
     def attachment(self, name: str) -> bytes | None:
-        """A file within the file; None if there is none of that name.
+        """An attached file; None if there is none of that name.
 
         Raises:
             RecordingError: it is damaged.

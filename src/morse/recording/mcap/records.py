@@ -15,11 +15,11 @@ ATTACHMENT, ATTACHMENT_INDEX, STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFS
 
 #: opcode and length of the content
 PREFIX = struct.Struct("<BQ")
-#: of a message: the prefix of the record; channel, sequence, log time (ns), publish time (ns)
+#: format of a message: the prefix of the record; channel, sequence, log time (ns), publish time (ns)
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
-#: what follows the prefix of a message before its data, bytes
+#: size of a message between the prefix and its data, bytes
 MESSAGE_FIXED = MESSAGE_HEAD.size - PREFIX.size
-#: of a chunk: first and last log time (ns), size without compression, CRC-32 of that
+#: format of a chunk: first and last log time (ns), uncompressed size, CRC-32 of the uncompressed data
 CHUNK_HEAD = struct.Struct("<QQQI")
 _ENTRY = struct.Struct("<QQ")
 
@@ -28,11 +28,11 @@ class Message(NamedTuple):
     """A message of a recording.
 
     Attributes:
-        channel: number of its channel.
-        sequence: the low 32 bits of the number of ticks that were done.
-        log_time: ns, never falls.
+        channel: id of its channel.
+        sequence: the low 32 bits of the number of ticks.
+        log_time: ns, never decreases.
         publish_time: simulated time, ns; a restart sets it back.
-        data: the message itself.
+        data: the content.
     """
 
     channel: int
@@ -65,7 +65,7 @@ def header(profile: str, library: str) -> bytes:
 
 
 def schema(number: int, name: str, encoding: str, definition: bytes) -> bytes:
-    """What the messages of some channels hold."""
+    """The type of the messages of some channels."""
     return record(
         SCHEMA,
         struct.pack("<H", number) + text(name) + text(encoding) + struct.pack("<I", len(definition)) + definition,
@@ -91,7 +91,7 @@ def chunk(start: int, end: int, plain: bytes, compression: str, compressed: byte
     Args:
         start, end: first and last log time, ns.
         plain: the records.
-        compression: name of the method; empty for none.
+        compression: name of the algorithm; empty for none.
         compressed: the records after compression.
     """
     content = CHUNK_HEAD.pack(start, end, len(plain), zlib.crc32(plain)) + text(compression)
@@ -99,10 +99,10 @@ def chunk(start: int, end: int, plain: bytes, compression: str, compressed: byte
 
 
 def message_index(number: int, entries: Sequence[tuple[int, int]]) -> bytes:
-    """Where the messages of a channel are in the chunk before it.
+    """The positions of the messages of a channel in the preceding chunk.
 
     Args:
-        number: of the channel.
+        number: id of the channel.
         entries: log time (ns) and offset in the records of the chunk.
     """
     content = b"".join(_ENTRY.pack(*entry) for entry in entries)
@@ -110,15 +110,15 @@ def message_index(number: int, entries: Sequence[tuple[int, int]]) -> bytes:
 
 
 class ChunkPlace(NamedTuple):
-    """Where a chunk is, for the index at the end of the file.
+    """The position of a chunk, for the index at the end of the file.
 
     Attributes:
         start, end: first and last log time, ns.
         offset, length: of the record, bytes.
-        indexes: number of a channel to the offset of its message index.
-        index_length: of all message indexes, bytes.
-        compression: name of the method.
-        compressed, size: bytes of the records with and without compression.
+        indexes: id of a channel to the offset of its message index.
+        index_length: size of all message indexes, bytes.
+        compression: name of the algorithm.
+        compressed, size: compressed and uncompressed size of the records, bytes.
     """
 
     start: int
@@ -141,7 +141,7 @@ def chunk_index(place: ChunkPlace) -> bytes:
 
 
 def attachment(log_time: int, name: str, media_type: str, data: bytes) -> bytes:
-    """A file within the file."""
+    """An attached file."""
     content = struct.pack("<QQ", log_time, log_time) + text(name) + text(media_type)
     content += struct.pack("<Q", len(data)) + data
     return record(ATTACHMENT, content + struct.pack("<I", zlib.crc32(content)))
@@ -166,7 +166,7 @@ def metadata_index(offset: int, length: int, name: str) -> bytes:
 def statistics(
     counts: Mapping[int, int], schemas: int, attachments: int, metadata_count: int, chunks: int, start: int, end: int
 ) -> bytes:
-    """How much there is; ``counts`` are messages by number of the channel."""
+    """Statistics; ``counts`` are numbers of messages by the id of the channel."""
     numbers = struct.pack("<QHIIII", sum(counts.values()), schemas, len(counts), attachments, metadata_count, chunks)
     each = b"".join(struct.pack("<HQ", number, count) for number, count in counts.items() if count)
     return record(STATISTICS, numbers + struct.pack("<QQI", start, end, len(each)) + each)

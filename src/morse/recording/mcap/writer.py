@@ -1,4 +1,4 @@
-"""Writes MCAP files that can be read up to the last complete chunk, however the writing ends."""
+"""Writes MCAP files that can be read up to the last complete chunk, however writing ends."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
 
 _COMPRESSION = "zstd"
-#: fast: the simulation waits for a recording that cannot keep up
+#: a fast level: the simulation waits for a recording that cannot keep up
 _LEVEL = 1
 
 
@@ -32,14 +32,14 @@ class _Named(NamedTuple):
 
 
 class McapWriter:
-    """Writes one file. Each call writes whole records, and hands them to the operating system at once.
+    """Writes one file. Each call passes whole records to the operating system.
 
     Args:
         file: opened for writing without a buffer (``open(path, "wb", buffering=0)``).
         profile: of the header.
 
     Raises:
-        OSError: the file cannot be written. What was there before the call is still there, and can be read.
+        OSError: the file cannot be written. Data of previous calls remain readable.
     """
 
     def __init__(self, file: FileIO, profile: str = "ros2") -> None:
@@ -61,7 +61,7 @@ class McapWriter:
             while view:
                 view = view[self._file.write(view) :]
         except BaseException:
-            with contextlib.suppress(OSError):  # not everything that can be written can be cut
+            with contextlib.suppress(OSError):  # not every writable file can be truncated
                 self._file.seek(begin)
                 self._file.truncate()
             raise
@@ -69,7 +69,7 @@ class McapWriter:
         return begin
 
     def schema(self, name: str, definition: str) -> int:
-        """A type of message: its name, and its definition as ROS 2 writes it; returns its number."""
+        """Add a message type: its name, and its definition in the format of ROS 2; returns its id."""
         key = (name, definition)
         if key not in self._schemas:
             number = len(self._schemas) + 1
@@ -80,7 +80,7 @@ class McapWriter:
         return self._schemas[key]
 
     def channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
-        """A topic of messages in CDR; returns its number."""
+        """Add a topic of messages in CDR; returns its id."""
         number = len(self._counts) + 1
         made = records.channel(number, schema, topic, "cdr", metadata)
         self._write(made)
@@ -118,7 +118,7 @@ class McapWriter:
             self._counts[number] += len(entry)
 
     def attachment(self, name: str, media_type: str, data: bytes, log_time: int = 0) -> None:
-        """A file within the file."""
+        """Attach a file."""
         made = records.attachment(log_time, name, media_type, data)
         offset = self._write(made)
         self._attachments.append(_Named(offset, len(made), log_time, name, media_type, len(data)))
@@ -129,7 +129,7 @@ class McapWriter:
         self._metadata.append(_Named(self._write(made), len(made), 0, name, "", 0))
 
     def finish(self) -> None:
-        """Write the summary, by which readers find everything without reading all; nothing may follow."""
+        """Write the summary, by which readers find everything without reading the whole file; must be the last call."""
         start = min((place.start for place in self._chunks), default=0)
         end = max((place.end for place in self._chunks), default=0)
         counts = self._counts

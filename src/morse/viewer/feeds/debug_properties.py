@@ -1,4 +1,4 @@
-"""Shows pages the properties that ``env.show_debug_properties()`` asks for, and what profiled sensors cost."""
+"""Shows pages the properties selected by ``env.show_debug_properties()``, and the costs of profiled sensors."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
     from morse.viewer.server import ViewServer
 
-#: lines that are shown; the number of the others is shown instead of them
+#: maximum number of lines; the number of the others is shown instead
 _MOST = 100
-#: maximum number of characters of a string that are shown
+#: maximum number of characters of a string
 _LENGTH = 200
-#: wall-clock seconds between two looks at properties, and between two at costs
+#: wall-clock seconds between two updates of properties, and of costs
 _LOOKS, _COSTS = 0.2, 1.0
 
 
 class ViewDebug:
-    """Sends the properties that are marked for it, and those that were given a value while the simulation runs."""
+    """Sends the marked properties, and properties that were set while the simulation runs."""
 
     def __init__(self, simulation: Simulation, server: ViewServer) -> None:
         self._world = simulation.world
@@ -56,7 +56,7 @@ class ViewDebug:
             self._server.send(message)
 
     def _costs(self, seconds: float) -> Iterator[DebugProperty]:
-        """The share of one processor's time that each profiled sensor took of those seconds."""
+        """The share of one processor that each profiled sensor used in that time."""
         if self._profile is None:
             return
         for name in self._profiled:
@@ -71,6 +71,6 @@ def _shown(obj: GameObject) -> Iterator[DebugProperty]:
     own = obj.node.properties
     for name, value in obj.properties.items():
         if name in obj.node.debug or name not in own or own[name] is not value:
-            # of what users keep there: short, however large it is, and even if it cannot be written
+            # values of users may be of any type and size, and may be impossible to format
             text = value if isinstance(value, str) else reprlib.repr(value)
             yield DebugProperty(obj.name, str(name), text[:_LENGTH])

@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: hues that follow each other are far apart: the golden ratio
+#: the golden ratio: consecutive hues differ strongly
 _STEP = 0.6180339887
 
 
@@ -32,16 +32,16 @@ def as_colors(ids: NDArray[np.integer]) -> NDArray[np.uint8]:
 
 
 def as_directions(flow: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """(H, W, 3) of vectors (H, W, 2): the hue is the direction, and the longest are the most colourful.
+    """Colours (H, W, 3) of vectors (H, W, 2): the hue is the direction, and the saturation grows with the length.
 
-    What has no vector is black, what does not move is white.
+    Pixels without a vector are black, pixels at rest are white.
     """
     known = np.isfinite(flow).all(axis=2)
     x, y = (np.where(known, flow[..., axis], 0.0).astype(np.float64) for axis in range(2))
     length = np.hypot(x, y)
     share = length / max(float(length.max(initial=0.0)), 1e-9)
     hue = np.arctan2(y, x)
-    # three cosines, a third of a turn apart
+    # three cosines, shifted by a third of a turn
     colors = [1.0 - share * (0.5 - 0.5 * np.cos(hue - third)) for third in (0.0, 2.0944, 4.1888)]
     pixels = np.round(np.stack(colors, axis=-1) * 255).astype(np.uint8)
     pixels[~known] = 0

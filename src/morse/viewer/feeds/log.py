@@ -1,4 +1,4 @@
-"""Shows pages the lines of the log, and which component each line is about."""
+"""Shows pages the lines of the log, and the component of each line."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.viewer.server import ViewServer
 
-#: lines kept for pages that come later
+#: number of lines that are kept for later pages
 KEPT = 300
-#: characters of a line that are shown
+#: maximum number of characters of a line
 _LENGTH = 4000
 
 _Level = Literal["debug", "info", "warning", "error"]
 
 
 class LogFeed(logging.Handler):
-    """Hands the log of the simulator to the pages.
+    """Sends the log of the simulator to the pages.
 
-    Lines come from any thread; they are sent by `update`, in the thread of the simulation. Lines that another
-    simulation of this process logs from its own thread are left out.
+    Lines may come from any thread; `update` sends them in the simulation thread. Lines that another simulation of this
+    process logs in its own thread are omitted.
     """
 
     def __init__(self, context: Context, server: ViewServer) -> None:
@@ -44,13 +44,13 @@ class LogFeed(logging.Handler):
             self._lines.append(record)
 
     def update(self) -> None:
-        """Send what was logged since the last call."""
+        """Send the lines logged since the last call."""
         self._thread = threading.get_ident()
         while self._lines:
             record = self._lines.popleft()
             try:
                 text = record.getMessage()
-            except Exception:  # arguments may be anything
+            except Exception:  # arguments may be of any type
                 text = str(record.msg)
             line = self._number % KEPT
             self._number += 1
@@ -62,17 +62,17 @@ class LogFeed(logging.Handler):
         return self._context.clock.time
 
     def _component(self, record: logging.LogRecord) -> str:
-        """The component that a line names, or an empty text."""
+        """The component that a line names, or an empty string."""
         arguments = record.args if isinstance(record.args, tuple) else ()
         for argument in arguments:
-            # a message such as "robot.motion: a message is refused" names it, too
+            # messages such as "robot.motion: a message is refused" contain the name, too
             name = argument.partition(":")[0] if isinstance(argument, str) else ""
             if name in self._context.components or name in self._context.robots:
                 return name
         return ""
 
     def close(self) -> None:
-        """Listen no longer."""
+        """Stop listening."""
         self._log.removeHandler(self)
         super().close()
 
@@ -80,7 +80,7 @@ class LogFeed(logging.Handler):
 #: name of the thread that serves connections, see `morse.core.network`
 _NETWORK = "morse-network"
 
-#: characters that change the direction of what follows
+#: characters that change the text direction
 _TURNING = frozenset(chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A), 0x200E, 0x200F, 0x061C))
 
 

@@ -1,4 +1,4 @@
-"""Sends overlays to pages: contacts, centres of mass, the space that sensors observe."""
+"""Sends overlays to pages: contacts, centres of mass, fields of view of sensors."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from morse.core.watched_space import WatchedSpace
     from morse.viewer.server import ViewServer
 
-#: what a page asks for to see where bodies touch
+#: the name by which a page requests contacts
 CONTACTS = "contacts"
 
 
 class ViewOverlays:
-    """Sends overlays to the pages that asked for them."""
+    """Sends overlays to the pages that have requested them."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
@@ -26,12 +26,12 @@ class ViewOverlays:
         self._spaces: dict[str, WatchedSpace] = {}
 
     def announce(self) -> None:
-        """Tell the pages what does not change: the centres of mass."""
+        """Send the overlays that do not change: the centres of mass."""
         for name, mass, centre in self._context.world.mass_centres():
             self._server.send(MassCentre(name, mass, centre))
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
         wished = self._server.wishes.overlays
         if CONTACTS in wished or self._had_contacts:
             self._had_contacts = CONTACTS in wished

@@ -31,7 +31,7 @@ _LONGEST_NAME = 80
 
 
 class PicturesFeed:
-    """Sends the pictures of the cameras whose panels are open."""
+    """Sends the images of the cameras whose panels are open."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
@@ -39,7 +39,7 @@ class PicturesFeed:
         self._sent: dict[str, Any] = {}
 
     def update(self) -> None:
-        """Send the pictures that were taken since the last call."""
+        """Send the images captured since the last call."""
         wished = self._server.wishes.images
         for name in self._sent.keys() - wished:
             del self._sent[name]
@@ -115,10 +115,10 @@ def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
 
 
 def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
-    """Pixels (H, W) or (H, W, 3) to look at.
+    """Convert an image to pixels (H, W) or (H, W, 3) for display.
 
-    Colours stay as they are, ids (H, W) uint16 get a colour each, distances go from white, which is near, to black.
-    Vectors (H, W, 2) have colours by their directions.
+    Colours are unchanged, each id (H, W) uint16 gets a colour, depths are shown from white (near) to black. Vectors
+    (H, W, 2) are coloured by direction.
     """
     if image.dtype == np.uint8:
         return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
@@ -136,8 +136,8 @@ def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def as_jpeg(pixels: NDArray[np.uint8]) -> bytes:
-    """The bytes of a file."""
-    # imported when the first picture is shown
+    """Encode an image as a file."""
+    # imported with the first image
     from PIL import Image
 
     data = io.BytesIO()

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from morse.core.object import Object
     from morse.viewer.server import ViewServer
 
-#: if there are more rays, every second, third, ... is shown: a ray is 28 bytes, ten times a second
+#: maximum number of rays; above it, every second, third, ... ray is sent: a ray is 28 bytes, ten times per second
 _MOST_SHOWN = 4000
 
 
 class ViewRays:
-    """Sends the rays of the sensors that pages look at, and of those whose arc is to be visible."""
+    """Sends the rays of sensors that pages show, and of those with a visible arc."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
@@ -29,11 +29,11 @@ class ViewRays:
         self.restarted()
 
     def restarted(self) -> None:
-        """The components are new ones."""
+        """The components were created again."""
         self._components = [c for c in self._context.components.values() if _bundles(c)]
 
     def update(self) -> None:
-        """Send what has been cast since the last call."""
+        """Send the rays cast since the last call."""
         wished = self._server.wishes.overlays
         for component in self._components:
             name = component.name()

@@ -1,4 +1,4 @@
-"""Sends pages which components are active, and the properties of the components after every change."""
+"""Sends the activity of components, and their properties after every change."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class StatesFeed:
-    """Compares the states of components with the states that were sent to the pages."""
+    """Compares the states of components with the states that were last sent."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
@@ -30,7 +30,7 @@ class StatesFeed:
         self._values.clear()
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
         everything = {**self._context.robots, **self._context.components}
         for name, component in everything.items():
             active = component.active
@@ -52,7 +52,7 @@ class StatesFeed:
                 self._server.send(PropertyValue(name, prop.name, value))
 
     def tell_capturing(self) -> None:
-        """Say whether cameras take pictures."""
+        """Send whether cameras capture images."""
         cameras = cameras_of(self._context)
         capturing = any(camera.capturing for camera in cameras) if cameras else None
         if capturing is not None and capturing is not self._capturing:
@@ -61,7 +61,7 @@ class StatesFeed:
 
 
 def cameras_of(context: Context) -> list[Sensor]:
-    """The components that take pictures, or pause to."""
+    """The components that capture images, active or paused."""
     from morse.core.sensor import Sensor
 
     sensors = (component for component in context.components.values() if isinstance(component, Sensor))

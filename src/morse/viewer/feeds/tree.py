@@ -1,4 +1,4 @@
-"""Describes the components of a simulation for the live view, from their own declarations."""
+"""Describes the components of a simulation for the live view, from their declarations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def component_tree(context: Context) -> list[ComponentDescription]:
-    """Robots, each followed by its components; then the pseudo components with services only."""
+    """Robots, each followed by its components; then the pseudo components that only have services."""
     kinds = {d.name: d.kind for d in context.scene.components}
     tree = []
     for name, robot in context.robots.items():
@@ -35,14 +35,14 @@ def component_tree(context: Context) -> list[ComponentDescription]:
 
 
 def keyboard_robots(context: Context) -> list[str]:
-    """The robots that obey keys or a gamepad."""
+    """The robots that can be driven by keys or a gamepad."""
     components = context.components.values()
     names = [c.robot_parent.name() for c in components if isinstance(c, Actuator) and c.obeys_controls]
     return list(dict.fromkeys(names))
 
 
 def _pseudo_components(context: Context) -> list[ComponentDescription]:
-    """Describe pseudo components with services only; several objects may share a name."""
+    """Describe pseudo components that only have services; several objects may share a name."""
     parts: dict[str, list[AbstractObject]] = {}
     for obj in context.service_objects:
         parts.setdefault(obj.name(), []).append(obj)
@@ -92,7 +92,7 @@ def _component(component: Object, kind: str, robot: str) -> ComponentDescription
 
 
 def _bounds(declared: Any) -> tuple[float | None, float | None]:
-    """The least and the greatest number that a field or property may be, if they are declared."""
+    """The declared minimum and maximum of a field or property, or None."""
     low, high = getattr(declared, "low", None), getattr(declared, "high", None)
     plain = (int, float)
     return low if isinstance(low, plain) else None, high if isinstance(high, plain) else None

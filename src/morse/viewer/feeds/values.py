@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.viewer.server import ViewServer
 
-#: maximum number of values of an array that are shown: a scan, but not an image
+#: maximum number of displayed values of an array: a scan, but not an image
 _MOST = 4096
 
 
@@ -22,7 +22,7 @@ class ValuesFeed:
         self._server = server
 
     def update(self) -> None:
-        """Send what the pages look at."""
+        """Send the data that pages show."""
         now = self._context.clock.time
         for name in sorted(self._server.wishes.values):
             component = self._context.components.get(name) or self._context.robots.get(name)

@@ -1,1 +1,1 @@
-"""What the driving page asks for."""
+"""Requests of the driving page."""

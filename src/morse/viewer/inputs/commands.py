@@ -1,4 +1,4 @@
-"""The data of actuators, set on the page: taken in as the streams of clients are."""
+"""Data of actuators that the page sets: processed like the streams of clients."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ if TYPE_CHECKING:
 
 
 class Commands:
-    """Gives actuators what the driving page sets, when they next act."""
+    """Passes values of the driving page to actuators at their next action."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
         self._pending: dict[str, PendingCommands] = {}
 
     def restarted(self) -> None:
-        """The components are new ones."""
+        """The components were created again."""
         self._pending.clear()
 
     def set(self, name: str, fields: dict[str, Any]) -> None:
         """Set fields of an actuator.
 
         Raises:
-            ValueError: there is no such actuator, it has no such field, or a value does not fit.
+            ValueError: there is no such actuator, it has no such field, or a value is invalid.
         """
         component = self._context.components.get(name)
         if not isinstance(component, Actuator):

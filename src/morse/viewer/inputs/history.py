@@ -1,4 +1,4 @@
-"""Keeps states of the simulation, so that the driving page can go back to them."""
+"""Saves states of the simulation, so that the driving page can restore them."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ if TYPE_CHECKING:
 
     from morse.viewer.server import ViewServer
 
-#: simulated seconds between two states that are kept while time runs, and for which they are kept
+#: simulated seconds between two saved states while time runs, and for which they are kept
 _EVERY, _SPAN = 0.5, 60.0
-#: bytes of all states together, about; with larger states fewer are kept
+#: approximate size of all states together, bytes; of larger states fewer are kept
 _MOST_BYTES = 64 * 1024 * 1024
-#: simulated times that differ by less are the same, s
+#: simulated times that differ by less count as equal, s
 _ROUNDING = 1e-9
-#: bytes that a value takes beside its content, about
+#: approximate overhead of a value, bytes
 _OVERHEAD = 64
 
 
 class Restorable(Protocol):
-    """What the history needs of a simulation."""
+    """The part of a simulation that the history uses."""
 
     def save(self) -> Any:
         """The state, as plain data."""
 
     def restore(self, state: Any) -> None:
-        """Go on from a state."""
+        """Restore a state."""
 
     def pause(self) -> None:
         """Stop time."""
@@ -49,7 +49,7 @@ def _time_of(kept: _Kept) -> float:
 
 
 class Rewinder:
-    """A ring of states: every half second of the last minute, and every tick that is taken while paused.
+    """A ring of states: every half second of the last minute, and every single tick.
 
     Args:
         now: simulated seconds.
@@ -62,11 +62,11 @@ class Rewinder:
         self._kept: list[_Kept] = []
         self._bytes = 0
         self._told: list[float] = []
-        #: the time of the state that the simulation is in
+        #: the time of the present state of the simulation
         self._at = -1.0
 
     def keep(self, *, paused: bool) -> None:
-        """A tick has ended: keep the state if it is time for it."""
+        """A tick has ended: save the state if it is time."""
         now = self._now()
         if now == self._at:
             return
@@ -93,12 +93,12 @@ class Rewinder:
         self._bytes = sum(kept.size for kept in self._kept)
 
     def rewind(self, time: float) -> None:
-        """Go to the state kept for that time, or the last one before it, and pause."""
+        """Restore the state saved for that time, or the last one before it, and pause."""
         if self._kept:
             self._go(max(bisect.bisect_right(self._kept, time + _ROUNDING, key=_time_of) - 1, 0))
 
     def step_back(self) -> None:
-        """Go to the last state kept before the present time, and pause."""
+        """Restore the last state saved before the present time, and pause."""
         i = bisect.bisect_left(self._kept, self._now() - _ROUNDING, key=_time_of) - 1
         if i >= 0:
             self._go(i)
@@ -107,18 +107,18 @@ class Rewinder:
         self._simulation.pause()
         try:
             self._simulation.restore(self._kept[index].state)
-        except MorseError as error:  # e.g. robots have come or gone since
+        except MorseError as error:  # e.g. robots were added or removed since
             self._server.send(Refused("rewind", str(error)))
         self._at = self._now()
 
     def restarted(self) -> None:
-        """Forget all states, because the simulation has restarted."""
+        """Delete all states, because the simulation has restarted."""
         self._cut(0)
         self._at = -1.0
         self.tell()
 
     def tell(self) -> None:
-        """Tell the pages which times can be gone back to."""
+        """Tell the pages the times of the saved states."""
         times = [kept.time for kept in self._kept]
         if times != self._told:
             self._told = times
@@ -126,8 +126,8 @@ class Rewinder:
 
 
 def size_of(state: Any) -> int:
-    """Bytes that plain data take, about."""
-    state = getattr(state, "parts", state)  # of a `State`
+    """Approximate size of plain data, bytes."""
+    state = getattr(state, "parts", state)  # the parts of a `State`
     size = getattr(state, "nbytes", None)
     if isinstance(size, int):
         return size + _OVERHEAD

@@ -1,4 +1,4 @@
-"""Puts objects somewhere by the handles of the driving page, or pulls at them as if by a spring."""
+"""Moves objects with the handles of the driving page, or pulls them with a virtual spring."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ if TYPE_CHECKING:
 
 
 class Moving:
-    """Carries out what the pointer of the page does to objects, by the services that clients call for it."""
+    """Applies pointer actions of the page to objects, by the services for clients."""
 
     def __init__(self, server: ViewServer, services: ServiceCalls) -> None:
         self._server = server
         self._services = services
 
     def teleport(self, event: page.Teleport) -> None:
-        """Put an object somewhere, at rest."""
+        """Move an object to a pose, at rest."""
         place = (event.node, list(event.position), list(event.quaternion))
         if self._services.attempt(event.request, lambda: self._services.run("simulation", "set_object_pose", *place)):
             self._server.send(Answer(event.request, True))
 
     def drag(self, event: page.Drag) -> None:
-        """Pull from now on, or to another place."""
+        """Start pulling, or move the target."""
         try:
             self._services.run("simulation", "pull", event.node, list(event.anchor), list(event.target))
         except MorseError as error:
             self._server.send(Refused("drag", str(error)))
 
     def let_go(self, _event: page.DragEnd | None = None) -> None:
-        """Pull no longer."""
+        """Stop pulling."""
         self._services.run("simulation", "let_go")

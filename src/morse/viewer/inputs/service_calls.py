@@ -1,4 +1,4 @@
-"""What the driving page asks of components: the same services that clients call."""
+"""Calls of the driving page to components, by the same services that clients call."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class ServiceCalls(RequestManager):
         self.register_all()
 
     def register_all(self) -> None:
-        """Offer the services of the components as they are now."""
+        """Offer the services of the present components."""
         self._services.clear()
         context = self._context
         offered = [(obj.name(), obj) for obj in context.service_objects]
@@ -47,18 +47,18 @@ class ServiceCalls(RequestManager):
                 register(declaration.component or name, method, declaration.name)
 
     def initialization(self) -> bool:
-        """Nothing to take: the server of the view is there."""
+        """Nothing to do: the server of the view already runs."""
         return True
 
     def finalization(self) -> bool:
-        """Nothing to release."""
+        """Nothing to do."""
         return True
 
     def main(self) -> None:
-        """Requests come as events of the view."""
+        """Nothing to do: requests are events of the view."""
 
     def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
-        """Tell the page how its call ended."""
+        """Send the outcome of a call to the page."""
         request = self._pending.pop(request_id, None)
         if request is not None:
             self._answer(request, result)
@@ -71,7 +71,7 @@ class ServiceCalls(RequestManager):
             self._server.send(Answer(request, False, error=str(value or state)))
 
     def attempt(self, request: int, action: Callable[[], object]) -> bool:
-        """Do something, and tell the page if it cannot be done; whether it was done."""
+        """Execute a request, and tell the page if it fails; returns whether it succeeded."""
         try:
             action()
         except Exception as error:
@@ -81,10 +81,10 @@ class ServiceCalls(RequestManager):
         return True
 
     def run(self, component: str, service: str, *arguments: Any) -> Any:
-        """The result of a service that ends at once.
+        """The result of a synchronous service.
 
         Raises:
-            MorseRPCInvokationError: there is no such service, or it refuses.
+            MorseRPCInvokationError: there is no such service, or it refuses the call.
         """
         _, (_, value) = self.on_incoming_request(component, service, list(arguments))
         return value
@@ -125,7 +125,7 @@ class ServiceCalls(RequestManager):
             self._server.send(Answer(event.request, True))
 
     def toggle_capturing(self, _event: page.ToggleCapturing) -> None:
-        """Let all cameras take pictures, or stop them if any of them does."""
+        """Let all cameras capture images, or stop them if any of them does."""
         cameras = cameras_of(self._context)
         if not cameras:
             self._server.send(Refused("toggle_capturing", "No robot has a camera."))
@@ -139,7 +139,7 @@ class ServiceCalls(RequestManager):
                 self.run(camera.name(), "set_property", declared.name, active)
 
     def activate(self, event: page.Activate) -> None:
-        """Let a component act, or not."""
+        """Activate or deactivate a component."""
         service = "activate" if event.active else "deactivate"
         if self.attempt(event.request, lambda: self.run("simulation", service, event.component)):
             self._server.send(Answer(event.request, True))
