@@ -1,1 +1,1 @@
-"""How fast MORSE is: the same work as bare MuJoCo loops and other simulators, in the same run."""
+"""The speed of MORSE, compared with bare MuJoCo loops and other simulators in the same run."""

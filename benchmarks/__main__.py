@@ -1,4 +1,4 @@
-"""``python -m benchmarks``: measure, compare, tell."""
+"""``python -m benchmarks``: measure, compare, report."""
 
 from __future__ import annotations
 
@@ -43,16 +43,16 @@ SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
 
 def main(
     names: Annotated[list[str] | None, typer.Argument(help=f"Which of: {', '.join(SUITES)}. All by default.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Only see whether all runs and does its work.")] = False,
-    repeats: Annotated[int, typer.Option(min=1, help="Runs of each program; medians are told.")] = 3,
-    processor: Annotated[bool, typer.Option("--processor", help="Count processor time, not the wall clock's.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Only check that everything runs correctly.")] = False,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs of each program; medians are reported.")] = 3,
+    processor: Annotated[bool, typer.Option("--processor", help="Measure processor time.")] = False,
     json: Annotated[Path | None, typer.Option("--json", help="Write all figures to this file.")] = None,
     markdown: Annotated[Path | None, typer.Option("--markdown", help="Write the table to this file, too.")] = None,
     plot: Annotated[Path | None, typer.Option("--plot", help="Draw speed by number of robots: an SVG file.")] = None,
 ) -> None:
     """Measure MORSE beside bare MuJoCo loops and the simulators that are installed.
 
-    The exit status is 1 if a program broke down or did its work wrongly; a value that falls short is not a failure.
+    The exit status is 1 if a program failed or gave wrong results; a value that misses its target is not a failure.
     """
     console = Console()
     unknown = sorted(set(names or ()) - SUITES.keys())

@@ -1,4 +1,4 @@
-"""How thoroughly to measure."""
+"""The settings of a measurement."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Plan:
-    """What the command line asks for.
+    """The options of the command line.
 
     Attributes:
-        quick: only see whether everything runs and does its work.
+        quick: only check that everything runs correctly.
         repeats: runs of each program.
-        processor: count processor time, not that of the wall clock: for machines that do other work too.
+        processor: measure processor time, not wall-clock time, for loaded machines.
     """
 
     quick: bool = False
@@ -24,9 +24,9 @@ class Plan:
         return counts[:1] if self.quick else counts
 
     def seconds(self, seconds: float) -> float:
-        """Simulated seconds to run for."""
+        """Simulated seconds of a run."""
         return min(seconds, 0.5) if self.quick else seconds
 
     def clock(self, key: str) -> str:
-        """The name of a value in the reports of programs, by the clock that counts."""
+        """The name of a value in the reports of programs, for the selected clock."""
         return f"processor_{key}" if self.processor else key

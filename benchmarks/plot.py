@@ -1,4 +1,4 @@
-"""Draws what came out as an SVG picture: how the speed falls with the number of robots, ours and others'."""
+"""Plots the results as SVG: speed by the number of robots, for MORSE and other simulators."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WIDTH, _HEIGHT = 720, 440
 _LEFT, _RIGHT, _TOP, _BOTTOM = 70, 150, 40, 50
 _COLORS = ("#d1495b", "#00798c", "#edae49", "#30638e", "#6a4c93", "#7fb069", "#8d6e63")
 
-#: what programs are called in pictures
+#: labels of programs
 _NAMES = {
     "morse": "MORSE",
     "mujoco": "bare MuJoCo loop",
@@ -30,7 +30,7 @@ Lines = dict[str, list[tuple[float, float]]]
 
 
 def speed_lines(results: Iterable[Result], benchmarks: Sequence[str] = ("growth", "W1")) -> Lines:
-    """Real-time factors of robots that scan, by simulator: pairs of number of robots and factor, in ascending order."""
+    """Real-time factors of robots with scanners, by simulator: pairs of number of robots and factor, ascending."""
     points: dict[str, dict[float, float]] = defaultdict(dict)
     for result in results:
         if result.benchmark in benchmarks and result.details.get("sensors") == "scan":
@@ -40,15 +40,15 @@ def speed_lines(results: Iterable[Result], benchmarks: Sequence[str] = ("growth"
 
 
 def draw(lines: Lines) -> str:
-    """The picture: both axes are logarithmic.
+    """The plot: both axes are logarithmic.
 
     Raises:
-        ValueError: there is nothing to draw.
+        ValueError: there is nothing to plot.
     """
     xs = [x for line in lines.values() for x, _ in line]
     ys = [y for line in lines.values() for _, y in line]
     if not xs:
-        raise ValueError("no number of robots was measured: there is nothing to draw")
+        raise ValueError("no number of robots was measured: there is nothing to plot")
     across = _Axis(xs, _LEFT, _WIDTH - _RIGHT)
     up = _Axis(ys, _HEIGHT - _BOTTOM, _TOP)
     parts = [

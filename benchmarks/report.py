@@ -1,4 +1,4 @@
-"""What came out, as a table and as JSON."""
+"""The results as a table and as JSON."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ def table(results: Sequence[Result]) -> Table:
 
 
 def markdown(results: Sequence[Result], plan: Plan) -> str:
-    """The same table for a page of Markdown, and what was measured on below it."""
+    """The same table in Markdown, with a description of the machine below it."""
     rows = [_HEADS, ("---", "---", "--:", "--:", "---", "---"), *(_cells(result) for result in results)]
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
     about = machine()
-    clock = "processor time" if plan.processor else "the wall clock"
+    clock = "processor time" if plan.processor else "wall-clock time"
     lines += [
         "",
-        f"Medians of {plan.repeats}, by {clock}: {about['cores']} cores of {about['processor']}, {about['system']}, "
+        f"Medians of {plan.repeats}, {clock}: {about['cores']} cores of {about['processor']}, {about['system']}, "
         f"Python {about['python']}, MuJoCo {about['mujoco']}, numpy {about['numpy']}.",
     ]
     return "\n".join(lines) + "\n"
@@ -69,17 +69,17 @@ def _number(value: float) -> str:
 
 
 def busy() -> str:
-    """A warning if the machine does other work."""
+    """A warning if the machine is loaded."""
     if not hasattr(os, "getloadavg"):
         return ""
     load, cores = os.getloadavg()[0], os.cpu_count() or 1
     if load < 0.5 * cores:
         return ""
-    return f"This machine is busy (load {load:.1f} on {cores} cores): expect figures to scatter, or use --processor."
+    return f"This machine is busy (load {load:.1f} on {cores} cores): the results will vary, or use --processor."
 
 
 def machine() -> dict[str, Any]:
-    """What was measured on, and what."""
+    """The machine and the versions of the measurement."""
     return {
         "python": platform.python_version(),
         "system": platform.system(),

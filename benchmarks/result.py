@@ -1,4 +1,4 @@
-"""What a benchmark found out."""
+"""The result of a benchmark."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a value should be.
+    """The target of a value.
 
     Attributes:
         relation: ``>=`` or ``<=``.
@@ -19,7 +19,7 @@ class Wanted:
     bound: float
 
     def holds(self, value: float) -> bool:
-        """Whether a value is as wanted."""
+        """Whether a value reaches the target."""
         return value >= self.bound if self.relation == ">=" else value <= self.bound
 
 
@@ -29,15 +29,15 @@ class Result:
 
     Attributes:
         benchmark: its name.
-        case: what exactly was done.
-        value: what came out, or None if nothing could be measured.
+        case: the measured case.
+        value: the result, or None if nothing could be measured.
         unit: of the value.
-        wanted: or None where a value is for information only.
-        peers: the same work by others, by name, in the unit of the value unless ``details`` says more.
+        wanted: the target, or None.
+        peers: results of other simulators, by name, in the unit of the value unless ``details`` contains the unit.
         details: more numbers, for the JSON file.
-        trouble: why nothing was measured, or what was wrong.
-        left_out: others that broke down or did wrong work, by name, and why.
-        failed: the work was wrong or a program broke down, so that the whole command fails.
+        trouble: the reason for a missing or wrong result.
+        left_out: other simulators that failed or gave wrong results, by name, with the reason.
+        failed: a program failed or gave wrong results, so that the whole command fails.
     """
 
     benchmark: str
@@ -53,7 +53,7 @@ class Result:
 
     @property
     def is_good(self) -> bool | None:
-        """Whether it is as wanted; None where nothing is wanted or nothing was measured."""
+        """Whether it reaches the target; None without a target or a value."""
         if self.wanted is None or self.value is None:
             return None
         return self.wanted.holds(self.value)
@@ -64,20 +64,20 @@ class Result:
 
 
 def at_least(bound: float) -> Wanted:
-    """As much as that or more."""
+    """A target with a minimum."""
     return Wanted(">=", bound)
 
 
 def at_most(bound: float) -> Wanted:
-    """As much as that or less."""
+    """A target with a maximum."""
     return Wanted("<=", bound)
 
 
 def skipped(benchmark: str, case: str, why: str) -> Result:
-    """Nothing was measured, for a good reason."""
+    """No measurement, for a valid reason."""
     return Result(benchmark, case, None, "", trouble=why)
 
 
 def failure(benchmark: str, case: str, why: str) -> Result:
-    """Nothing was measured, as something is broken."""
+    """No measurement, because of an error."""
     return Result(benchmark, case, None, "", trouble=why, failed=True)

@@ -1,4 +1,4 @@
-"""Measures loops, and says what came out in one line of JSON."""
+"""Measures loops, and prints the results as one line of JSON."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CHUNKS = 5
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast a loop was.
+    """The speed of a loop.
 
     Attributes:
         wall: simulated seconds per wall-clock second.
@@ -35,7 +35,7 @@ def measure(tick: Callable[[], object], seconds: float) -> tuple[Pace, float]:
     """Run ticks for that many simulated seconds, in chunks of whole scans.
 
     Returns:
-        The pace of the median chunk, so that a pause of the machine does not count; and the simulated
+        The pace of the median chunk, so that interruptions of the machine do not count; and the simulated
         seconds that have passed.
     """
     scans = max(1, round(seconds * work.SCAN_RATE / _CHUNKS))
@@ -47,14 +47,14 @@ def measure(tick: Callable[[], object], seconds: float) -> tuple[Pace, float]:
 
 @dataclass(frozen=True)
 class Cost:
-    """Seconds of the wall clock, and of the processor, that a call takes."""
+    """Wall-clock time and processor time of a call, seconds."""
 
     wall: float
     processor: float
 
 
 def cost_of(action: Callable[[], object], repeats: int) -> Cost:
-    """What one call costs: medians of chunks of so many."""
+    """The time of one call: median over chunks of calls."""
     walls, processors = [], []
     for _ in range(_CHUNKS):
         wall, processor = time.perf_counter(), time.process_time()
@@ -66,7 +66,7 @@ def cost_of(action: Callable[[], object], repeats: int) -> Cost:
 
 
 def peak_memory() -> float:
-    """MB that this process has needed at most."""
+    """Maximum memory of this process, MB."""
     unit = 2**20 if sys.platform == "darwin" else 2**10
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 

@@ -1,4 +1,4 @@
-"""Runs programs, in turn, and takes medians."""
+"""Runs programs in turn, and computes medians."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Record = dict[str, Any]
 
 
 class TrialFailed(Exception):
-    """A program broke down, or its work was wrong."""
+    """A program failed, or gave wrong results."""
 
 
 def environment() -> dict[str, str]:
-    """For programs: they find these packages, and take whatever port is free."""
+    """The environment of programs: they import these packages, and use any free port."""
     paths = [str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]
     return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths)), "MORSE_SOCKET_PORT": "0"}
 
@@ -37,11 +37,11 @@ class Program:
     """A program that does the work and reports a line of JSON.
 
     Attributes:
-        name: of the simulator.
-        module: to be run with ``python -m``.
-        arguments: of the program.
-        needs: package that has to be installed; None for nothing.
-        is_optional: if it breaks down or works wrongly, it is left out.
+        name: name of the simulator.
+        module: run with ``python -m``.
+        arguments: arguments of the program.
+        needs: required package, or None.
+        is_optional: if it fails or gives wrong results, it is left out.
     """
 
     name: str
@@ -56,10 +56,10 @@ class Program:
         return self.needs is None or find_spec(self.needs) is not None
 
     def run(self) -> Record:
-        """Run it and return what it reports.
+        """Run it and return its report.
 
         Raises:
-            TrialFailed: it broke down.
+            TrialFailed: it failed.
         """
         command = [sys.executable, "-m", self.module, *self.arguments]
         try:
@@ -71,19 +71,19 @@ class Program:
         lines = done.stdout.strip().splitlines()
         if done.returncode != 0 or not lines:
             said = "\n".join((done.stderr or done.stdout).strip().splitlines()[-5:])
-            raise TrialFailed(f"{self.name} {' '.join(self.arguments)} broke down:\n{said}")
+            raise TrialFailed(f"{self.name} {' '.join(self.arguments)} failed:\n{said}")
         result: Record = json.loads(lines[-1])
         return result
 
 
 @dataclass
 class Trial:
-    """What the runs of one program came to.
+    """The results of the runs of one program.
 
     Attributes:
-        program: that was run.
-        records: one a run.
-        trouble: why an optional program is left out.
+        program: the program.
+        records: one per run.
+        trouble: the reason why an optional program is left out.
     """
 
     program: Program
@@ -91,23 +91,23 @@ class Trial:
     trouble: str = ""
 
     def median(self, key: str) -> float:
-        """Of a value over all runs."""
+        """The median of a value over all runs."""
         return statistics.median(record[key] for record in self.records)
 
 
 def interleave(
     programs: Iterable[Program], repeats: int, check: Callable[[Record], str | None] = lambda _: None
 ) -> dict[str, Trial]:
-    """Run programs in turn, so that whatever else the machine does falls on all of them.
+    """Run programs in turn, so that changes of the load affect all of them.
 
     Args:
-        check: says what is wrong with the work of a run, or None.
+        check: returns the error of a run, or None.
 
     Returns:
         Trials by the names of the programs.
 
     Raises:
-        TrialFailed: a program that is not optional broke down or did the work wrongly.
+        TrialFailed: a program that is not optional failed or gave wrong results.
     """
     trials = {program.name: Trial(program) for program in programs}
     for _ in range(repeats):
@@ -132,6 +132,6 @@ def _run(program: Program, check: Callable[[Record], str | None]) -> Record:
 
 
 def beyond(record: Record, key: str, most: float) -> str | None:
-    """What to say if a value is missing, no number, or more than allowed."""
+    """A message if a value is missing, not a number, or larger than allowed; else None."""
     value = record.get(key, math.nan)
     return None if value <= most else f"{key} is {value:.3g}, more than {most:g}"

@@ -1,4 +1,4 @@
-"""The work that every simulator does, and the analytic answers that it is held to.
+"""The work that every simulator does, and its analytic results.
 
 Units: metres, radians, seconds. Standard library only, so that the program of any simulator can import it.
 """
@@ -22,10 +22,10 @@ SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 1
 TICKS_PER_SCAN = TICK // SCAN_RATE
 PANORAMA_ROWS, PANORAMA_COLUMNS = 16, 1800
 PANORAMA_VIEW, PANORAMA_RANGE, PANORAMA_HEIGHT = math.radians(30), 100.0, 0.5
-# pictures: where a camera is, what it looks at, its focal length on a sensor 32 mm wide, and how far it sees
+# images: position and target of the camera, its focal length for a sensor 32 mm wide, and its maximum depth
 PICTURE_EYE, PICTURE_TARGET = (6.0, -7.0, 4.0), (0.0, 0.0, 0.5)
 PICTURE_FOCAL, PICTURE_NEAR, PICTURE_FAR = 25.0, 0.1, 100.0
-PICTURE_GRID = 16  # columns of depths that are compared, and 3/4 as many rows
+PICTURE_GRID = 16  # columns of compared depths, with 3/4 as many rows
 
 Block = tuple[float, float, float, float, float, float]
 Pose = tuple[float, float, float]
@@ -55,7 +55,7 @@ def boxes(scale: float = 1.0) -> list[Block]:
 
 
 def blocks(count: int = 1) -> list[Block]:
-    """Everything that stands still but the floor; more than a hundred robots need a larger place."""
+    """Everything fixed except the floor; more than a hundred robots need a larger area."""
     scale = max(1.0, math.ceil(math.sqrt(count)) / 10)
     return walls(scale) + boxes(scale)
 
@@ -64,7 +64,7 @@ def blocks(count: int = 1) -> list[Block]:
 
 
 def starts(count: int) -> list[Pose]:
-    """x, y, yaw of the robots: a grid that keeps its distances under one common command."""
+    """x, y, yaw of the robots: a grid that keeps its distances under a common command."""
     side = math.ceil(math.sqrt(count))
     return [
         ((i % side - (side - 1) / 2) * SPACING, (i // side - (side - 1) / 2) * SPACING - SPEED / RATE, 0.0)
@@ -73,14 +73,14 @@ def starts(count: int) -> list[Pose]:
 
 
 def on_circle(start: Pose, seconds: float) -> Pose:
-    """Where a robot is after that time."""
+    """The pose of a robot after that time."""
     x, y, yaw = start
     radius, turned = SPEED / RATE, yaw + RATE * seconds
     return x + radius * (math.sin(turned) - math.sin(yaw)), y - radius * (math.cos(turned) - math.cos(yaw)), turned
 
 
 def worst_position(poses: list[Pose], seconds: float) -> float:
-    """Largest distance of a robot to where it should be, m."""
+    """Maximum position error of a robot, m."""
     return max(
         math.dist(pose[:2], on_circle(start, seconds)[:2])
         for pose, start in zip(poses, starts(len(poses)), strict=True)
@@ -102,7 +102,7 @@ def scan_angles() -> list[float]:
 
 
 def scan(pose: Pose, others: list[Pose]) -> list[float]:
-    """Ranges that a laser scanner in the middle of a robot measures, analytically."""
+    """Analytic ranges of a laser scanner at the centre of a robot."""
     x, y, yaw = pose
     rectangles = [
         (cx - sx / 2, cx + sx / 2, cy - sy / 2, cy + sy / 2) for cx, cy, _, sx, sy, _ in blocks(1 + len(others))
@@ -133,7 +133,7 @@ def _slab(start: float, step: float, low: float, high: float) -> tuple[float, fl
 
 
 def scan_errors(ranges: list[float], poses: list[Pose], robot: int = 0) -> tuple[float, float]:
-    """Median error (m) of a scan, and the share of its beams that are off by more than 5 cm."""
+    """Median error (m) of a scan, and the share of its beams with an error above 5 cm."""
     truth = scan(poses[robot], [p for i, p in enumerate(poses) if i != robot])
     return _errors(ranges, truth)
 
@@ -160,7 +160,7 @@ def panorama_rays() -> list[Ray]:
 
 
 def panorama(pose: Pose, every: int = 1) -> list[float]:
-    """Ranges of every n-th ray of a panorama, analytically: floor, walls and boxes; the range itself for nothing."""
+    """Analytic ranges of every n-th ray of a panorama: floor, walls and boxes; the maximum range without a hit."""
     x, y, yaw = pose
     cos, sin = math.cos(yaw), math.sin(yaw)
     ranges = []
@@ -183,7 +183,7 @@ def panorama(pose: Pose, every: int = 1) -> list[float]:
 
 
 def panorama_errors(ranges: list[float], pose: Pose, every: int = 97) -> tuple[float, float]:
-    """Median error (m) of every n-th ray of a panorama, and the share of those that are off by more than 5 cm."""
+    """Median error (m) of every n-th ray of a panorama, and the share of those with an error above 5 cm."""
     if len(ranges) != PANORAMA_ROWS * PANORAMA_COLUMNS:
         return math.inf, 1.0
     return _errors(ranges[::every], panorama(pose, every))
@@ -193,7 +193,7 @@ def panorama_errors(ranges: list[float], pose: Pose, every: int = 97) -> tuple[f
 
 
 def depth_grid(depths: list[list[float]]) -> list[float]:
-    """Some of the depths of a picture, evenly spread; 0 for nothing, or nothing nearer than the far plane."""
+    """Some of the depths of an image, evenly distributed; 0 without a surface before the far plane."""
     rows, columns = PICTURE_GRID * 3 // 4, PICTURE_GRID
     chosen = [
         depths[(2 * j + 1) * len(depths) // (2 * rows)][(2 * i + 1) * len(depths[0]) // (2 * columns)]

@@ -1,1 +1,1 @@
-"""The same work by other simulators; each program stands on its own and needs its simulator installed."""
+"""The same work in other simulators; each program is independent and needs its simulator installed."""

@@ -1,4 +1,4 @@
-"""Fleets of robots that drive in circles (W1), whatever simulates them."""
+"""Fleets of robots that drive in circles (W1), for any simulator."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Fleet(Protocol):
-    """N robots in some simulator."""
+    """N robots in a simulator."""
 
     def tick(self) -> None:
         """Command, physics."""
@@ -25,7 +25,7 @@ class Fleet(Protocol):
 
 
 def circles(make: Callable[[int], Fleet]) -> None:
-    """W1 with the robots that ``make`` makes, given their number."""
+    """W1 with the fleet that ``make`` creates, given the number of robots."""
     parser = argparse.ArgumentParser()
     parser.add_argument("work", choices=["circles"])
     parser.add_argument("--n", type=int, default=1)

@@ -12,7 +12,7 @@ from benchmarks import work
 from benchmarks.peers.fleet import circles
 
 os.environ["MPLBACKEND"] = "Agg"
-import irsim  # looks at the variable above
+import irsim  # reads the variable above
 
 
 def _description(count: int) -> str:
@@ -36,7 +36,7 @@ def _description(count: int) -> str:
 
 
 class Fleet:
-    """N robots in ir-sim, whose sensors act when they are asked to, not in every step."""
+    """N robots in ir-sim, whose sensors measure on request, not in every step."""
 
     def __init__(self, count: int) -> None:
         with tempfile.TemporaryDirectory() as folder:

@@ -1,7 +1,7 @@
-"""The work in a bare loop around MuJoCo, without anything else: the reference.
+"""The work in a bare loop around MuJoCo: the reference.
 
-Planar robots have two slides and a hinge, and their velocity is written every tick. Wheeled robots have a free joint,
-two motors that hold a speed, ellipsoids as wheels (these touch the floor in one point) and casters without friction.
+Planar robots have two slide joints and a hinge, and their velocity is set in every tick. Wheeled robots have a free
+joint, two velocity motors, ellipsoids as wheels (with one contact point each) and casters without friction.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from benchmarks import stopwatch, work
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_STEPS = 4  # of the engine in a tick: 240 Hz
+_STEPS = 4  # engine steps per tick: 240 Hz
 
 
 def _model(count: int, drive: str) -> mujoco.MjModel:
@@ -112,7 +112,7 @@ class Loop:
         return np.column_stack([places[:, 0], places[:, 1], np.arctan2(turns[:, 3], turns[:, 0])])
 
     def settle(self) -> list[work.Pose]:
-        """x, y, yaw of the robots, exactly as they are now."""
+        """The exact present x, y, yaw of the robots."""
         mujoco.mj_kinematics(self.model, self.data)
         self.poses = self._poses()
         return [(float(x), float(y), float(yaw)) for x, y, yaw in self.poses]
@@ -193,7 +193,7 @@ def panorama(arguments: argparse.Namespace) -> None:
 
 
 def launch(_: argparse.Namespace) -> None:
-    """W4: everything is imported and made; one tick, one pose."""
+    """W4: import and load everything; one tick, one pose."""
     loop = Loop(1)
     loop.tick()
     x, y, _yaw = loop.settle()[0]
@@ -201,7 +201,7 @@ def launch(_: argparse.Namespace) -> None:
 
 
 def lockstep(_: argparse.Namespace) -> None:
-    """W6: a line with the command comes in, a tick passes, a line with the pose goes out."""
+    """W6: receive a line with the command, run a tick, send a line with the pose."""
     loop = Loop(1)
     with socket.create_server(("127.0.0.1", 0)) as server:
         print(server.getsockname()[1], flush=True)
@@ -221,7 +221,7 @@ _WORK = {"circles": circles, "panorama": panorama, "launch": launch, "lockstep":
 
 
 def main() -> None:
-    """Do one of the works."""
+    """Run one of the benchmarks."""
     parser = argparse.ArgumentParser()
     parser.add_argument("work", choices=_WORK)
     parser.add_argument("--n", type=int, default=1)

@@ -1,7 +1,7 @@
-"""Pictures of the same triangles by MuJoCo's own renderer: OpenGL, in software where there is no graphics card.
+"""Images of the same triangles by MuJoCo's own renderer: OpenGL, in software without a graphics card.
 
-``mujoco_pictures FILE``, written by ``benchmarks.programs.pictures export``. Every image is a pass of its own, as the
-renderer of MuJoCo has it; surfaces have one colour each, and no textures.
+``mujoco_pictures FILE``, with a file written by ``benchmarks.programs.pictures export``. Every image is a separate
+pass, as in the renderer of MuJoCo; surfaces have one colour each, and no textures.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _WARM = 2
 
 
 def model(path: str, samples: int, width: int) -> mujoco.MjModel:
-    """All instances as meshes that touch nothing, a sun, and the camera."""
+    """All instances as meshes without collision, a sun, and the camera."""
     spec = mujoco.MjSpec()
     spec.visual.quality.offsamples = 0 if samples == 1 else 4
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, width * 3 // 4
@@ -56,7 +56,7 @@ def model(path: str, samples: int, width: int) -> mujoco.MjModel:
 
 
 def main() -> None:
-    """Draw as fast as possible."""
+    """Render as fast as possible."""
     parser = argparse.ArgumentParser()
     parser.add_argument("file")
     parser.add_argument("--width", type=int, default=640)

@@ -1,7 +1,7 @@
-"""W1 in PyBullet: 240 Hz, the velocity of the robots is written every tick.
+"""W1 in PyBullet: 240 Hz, the velocity of the robots is set in every tick.
 
-The robots are balls at the height of the scanner: the same outline, and Bullet's rays are five times as slow against
-cylinders.
+The robots are spheres at the height of the scanner: the outline is the same, and rays of Bullet are five times slower
+for cylinders.
 """
 
 from __future__ import annotations

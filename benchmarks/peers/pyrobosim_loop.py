@@ -83,4 +83,4 @@ class Fleet:
 if __name__ == "__main__":
     circles(Fleet)
     sys.stdout.flush()
-    os._exit(0)  # its threads would not end
+    os._exit(0)  # its threads do not end

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import robox3d
-from robox3d._ffi import ffi, shim  # its casts of many rays have no other entrance
+from robox3d._ffi import ffi, shim  # the only interface for casting many rays
 
 from benchmarks import work
 from benchmarks.peers.fleet import circles

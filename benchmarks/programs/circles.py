@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def recorded(simulation: Simulation, what: str | None, folder: str) -> AbstractContextManager[object]:
-    """Record the run in a file of that folder, if asked for."""
+    """Record the run in a file of that folder, if requested."""
     if what is None:
         return nullcontext()
     return simulation.record(f"{folder}/run.mcap", None if what == "all" else [])

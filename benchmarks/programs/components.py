@@ -1,4 +1,4 @@
-"""What a component adds to a tick: ``components NAME``, ``empty`` for one that does nothing."""
+"""The cost of a component per tick: ``components NAME``, ``empty`` for one without an action."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _BY_POSE = ("Orientation", "StabilizedQuadrotor", "Teleport")
 
 
 def main() -> None:
-    """Let two robots move alike, one of them with the component, and compare their ticks one by one."""
+    """Move two robots in the same way, one of them with the component, and compare the times of their ticks."""
     name = sys.argv[1]
     robot, bare = Stand(name, carries=True), Stand(name, carries=False)
     walls, processors = [], []

@@ -1,4 +1,4 @@
-"""Many kinematic robots with a pose each."""
+"""Many kinematic robots with one pose sensor each."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def main() -> None:
 
 
 def start(simulation: Simulation) -> Callable[[], float]:
-    """Have all robots drive; what is returned tells how far at most one is from where it should be by then, m."""
+    """Drive all robots; returns a function for the maximum position error, m."""
     command_all(simulation)
     places = [sensor.local_data for sensor in sensors_with(simulation, "yaw")]
     simulation.tick()

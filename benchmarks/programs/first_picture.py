@@ -1,6 +1,6 @@
-"""How long a browser that runs already takes from the address of the live view to the first picture of the world.
+"""Time of a running browser from the address of the live view to the first frame with the world.
 
-``first_picture CHROMIUM``, the browser's program.
+``first_picture CHROMIUM``, the path of the browser.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from playwright.sync_api import Page
 
 _SCENE = Path(__file__).parents[1] / "scenes" / "sandbox.py"
-# without a graphics card, too; a browser in a container has no sandbox of its own
+# also without a graphics card; a browser in a container has no sandbox of its own
 _FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"]
 _PATIENCE = 60.0  # s
 _SIZE = 1280, 720
-# the page's object appears when its script runs; a picture counts once the world is in it
+# the page's object is created when its script runs; a frame counts once it contains the world
 _WATCH = """Object.defineProperty(window, "morse", { set(app) {
     Object.defineProperty(window, "morse", { value: app });
     app.stage.onDrawn(() => { if (app.stage.world !== null) window.pictured ??= performance.now(); });
@@ -33,10 +33,10 @@ _WATCH = """Object.defineProperty(window, "morse", { set(app) {
 
 
 def seconds(chromium: str, address: str) -> tuple[float, float]:
-    """From the address to the first picture, for a first visit and for the next one, which has the files."""
+    """Time from the address to the first frame, for a first visit and for the next one, with cached files."""
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=_FLAGS)
-        # a browser that runs has its graphics running
+        # the graphics of a running browser are initialised
         idle = browser.new_page()
         idle.set_content("<canvas></canvas><script>document.querySelector('canvas').getContext('webgl2')</script>")
         context = browser.new_context(viewport={"width": _SIZE[0], "height": _SIZE[1]})
@@ -52,7 +52,7 @@ def seconds(chromium: str, address: str) -> tuple[float, float]:
 
 
 def _pictured(page: Page) -> float:
-    # the page allows nobody to evaluate text, so that the usual way to wait for something is closed
+    # the content security policy forbids evaluating text, which the usual wait functions need
     end = time.monotonic() + _PATIENCE
     while time.monotonic() < end:
         if (milliseconds := page.evaluate("window.pictured ?? null")) is not None:
@@ -62,7 +62,7 @@ def _pictured(page: Page) -> float:
 
 
 def main() -> None:
-    """Do it once."""
+    """Run once."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         process = SimulationProcess(_SCENE, log, options=("--view-port", "0", "--no-browser"))
@@ -70,7 +70,7 @@ def main() -> None:
             process.wait_initialized()
             found = re.search(r"http://\S+", log.read_text())
             if found is None:
-                raise RuntimeError(f"the simulation does not say where it is seen:\n{log.read_text()}")
+                raise RuntimeError(f"the log does not contain the address of the live view:\n{log.read_text()}")
             first, again = seconds(sys.argv[1], found[0])
         finally:
             process.stop()

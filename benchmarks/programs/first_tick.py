@@ -1,4 +1,4 @@
-"""Runs the ``morse`` command until its simulation has done a tick: ``first_tick run --headless SCENE...``."""
+"""Runs the ``morse`` command until the first tick: ``first_tick run --headless SCENE...``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long an import takes in a fresh interpreter, or reading a model: ``imports MODULE``, ``imports NAME.blend``."""
+"""Time of an import in a fresh interpreter, or of reading a model: ``imports MODULE``, ``imports NAME.blend``."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from benchmarks import stopwatch
 
 
 def main() -> None:
-    """Do it once."""
+    """Run once."""
     what = sys.argv[1]
     if what.endswith(".blend"):
         from morse.assets import find
         from morse.assets.loader import load
 
         path = find(what.removesuffix(".blend"), "environments")
-        load(find("empty", "environments"))  # what is to be measured is reading, not the imports of the reader
+        load(find("empty", "environments"))  # measure reading, not the imports of the reader
         begin = time.perf_counter()
         load(path)
     else:

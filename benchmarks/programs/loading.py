@@ -1,4 +1,4 @@
-"""Makes simulations to be measured, exactly as ``morse run`` does."""
+"""Creates simulations for measurements, exactly as ``morse run`` does."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def prepare(scene: str, *, view: bool = False, **arguments: object) -> Simulatio
     Args:
         scene: name of a file of `benchmarks.scenes`.
         view: with the live view.
-        arguments: of the scene.
+        arguments: arguments of the scene.
     """
     logging.disable(logging.WARNING)
     simulation = morse.load(
@@ -32,25 +32,25 @@ def prepare(scene: str, *, view: bool = False, **arguments: object) -> Simulatio
         sockets=True,
         view="web" if view else None,
     )
-    # as `morse run` does: what exists now stays to the end
+    # as in `morse run`: objects that exist now are never collected
     gc.collect()
     gc.freeze()
     return simulation
 
 
 def command_all(simulation: Simulation) -> None:
-    """Give every actuator the command of the work."""
+    """Send every actuator the command of the work."""
     for component in simulation.loaded.actuators:
         component.local_data.update(v=work.SPEED, w=work.RATE)
 
 
 def sensors_with(simulation: Simulation, field: str) -> list[Object]:
-    """The sensors whose data have a field."""
+    """The sensors with a data field."""
     return [sensor for sensor in simulation.loaded.sensors if field in sensor.local_data]
 
 
 def poses(simulation: Simulation) -> list[work.Pose]:
-    """x, y, yaw of every robot, as its pose sensor says."""
+    """x, y, yaw of every robot, from its pose sensor."""
     return [_planar(sensor.local_data) for sensor in sensors_with(simulation, "yaw")]
 
 

@@ -1,4 +1,4 @@
-"""W6: a client over TCP gives a command, one tick passes, and it reads the pose: how often a second?
+"""W6: rounds per second of a TCP client that sends a command, steps one tick, and reads the pose.
 
 ``--with mujoco``: the bare loop. ``--with socket``: MORSE, plain sockets. ``--with pymorse``: MORSE, its Python client.
 """
@@ -28,7 +28,7 @@ _Pose = dict[str, Any]
 
 @contextmanager
 def _server(module: str, *arguments: str) -> Iterator[list[str]]:
-    """A program that serves, and the words of its first line."""
+    """A server process, and the words of its first line."""
     command = [sys.executable, "-m", module, *arguments]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
         assert child.stdout is not None
@@ -39,7 +39,7 @@ def _server(module: str, *arguments: str) -> Iterator[list[str]]:
 
 
 class _Line:
-    """A connection that carries lines."""
+    """A connection for lines."""
 
     def __init__(self, port: str) -> None:
         self._socket = socket.create_connection(("127.0.0.1", int(port)))
@@ -49,7 +49,7 @@ class _Line:
         self.read = self._lines.readline
 
     def has_something(self, seconds: float) -> bool:
-        """Whether something arrives in that time."""
+        """Whether data arrive within that time."""
         return bool(select.select([self._socket], [], [], seconds)[0])
 
 
@@ -83,7 +83,7 @@ def with_socket() -> Iterator[Callable[[], _Pose]]:
             step()
             return dict(json.loads(poses.read()))
 
-        # the simulation may not have noticed yet that somebody reads
+        # the simulation may not know the new reader yet
         step()
         while not poses.has_something(0.2):
             step()
@@ -93,7 +93,7 @@ def with_socket() -> Iterator[Callable[[], _Pose]]:
 
 @contextmanager
 def with_pymorse() -> Iterator[Callable[[], _Pose]]:
-    """One round as a user of pymorse would write it."""
+    """One round with pymorse, as a user would write it."""
     from pymorse import Morse
 
     with _server("benchmarks.programs.serve") as (services, *_), Morse(port=int(services)) as simu:
@@ -112,7 +112,7 @@ _SERVERS = {"mujoco": with_mujoco, "socket": with_socket, "pymorse": with_pymors
 
 
 def main() -> None:
-    """Do ``--rounds`` rounds."""
+    """Run ``--rounds`` rounds."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--with", dest="server", choices=_SERVERS, required=True)
     parser.add_argument("--rounds", type=int, default=1000)
@@ -125,7 +125,7 @@ def main() -> None:
         for _ in range(arguments.rounds - 1):
             last = once()
         wall = time.perf_counter() - begin
-    # so many ticks at constant speed along an arc: its chord is known
+    # ticks at constant speed along an arc: the chord is known
     half = work.RATE * (arguments.rounds - 1) / work.TICK / 2
     chord = 2 * work.SPEED / work.RATE * abs(math.sin(half))
     moved = ((last["x"] - first["x"]) ** 2 + (last["y"] - first["y"]) ** 2) ** 0.5

@@ -1,7 +1,7 @@
-"""Pictures of the sandbox in MORSE.
+"""Images of the sandbox in MORSE.
 
-``draw`` draws them as fast as it can; ``export FILE`` writes what is drawn, for another renderer; ``first`` takes
-the first picture after loading; ``share`` compares a simulation with a camera at 30 Hz with one without.
+``draw`` renders them as fast as possible; ``export FILE`` writes the triangles for another renderer; ``first`` captures
+the first image after loading; ``share`` compares a simulation with a camera at 30 Hz with one without.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _WARM = 3
 
 
 class Tripod:
-    """Something to put a camera on, that looks at the middle of the sandbox: X to the right, Y down."""
+    """A mount for a camera that looks at the centre of the sandbox: X to the right, Y down."""
 
     def __init__(self) -> None:
         eye, target = np.array(work.PICTURE_EYE), np.array(work.PICTURE_TARGET)
@@ -41,7 +41,7 @@ class Tripod:
 
 
 def draw(width: int, height: int, cameras: int, samples: int, color: bool) -> None:
-    """Draw as fast as possible."""
+    """Render as fast as possible."""
     renderer = Renderer(_world(), samples)
     requests = [_request(renderer, width, height, color) for _ in range(cameras)]
     for _ in range(_WARM):
@@ -55,7 +55,7 @@ def draw(width: int, height: int, cameras: int, samples: int, color: bool) -> No
 
 
 def export(path: Path) -> None:
-    """Write all triangles in the frame of the world, one mesh for each instance, and their colours."""
+    """Write all triangles in the world frame, one mesh for each instance, and their colours."""
     renderer = Renderer(_world())
     renderer.serve([_request(renderer, 8, 8, False)])
     poses, drawing = renderer.contents.poses(), renderer.contents.drawing
@@ -76,18 +76,18 @@ def export(path: Path) -> None:
 
 
 def first() -> None:
-    """The first picture of a camera."""
+    """The first image of a camera."""
     simulation = prepare("pictures")
     wall, processor = time.perf_counter(), time.process_time()
     simulation.tick()
     wall, processor = time.perf_counter() - wall, time.process_time() - processor
     if not simulation.robot.camera.data["image"].any():
-        raise RuntimeError("the camera took no picture")
+        raise RuntimeError("the camera captured no image")
     stopwatch.report(s=wall, processor_s=processor)
 
 
 def share(secs: float) -> None:
-    """How much of real time a camera takes."""
+    """The share of real time that a camera takes."""
     costs = []
     for rate in (30, 0):
         simulation = prepare("pictures", rate=rate)
@@ -111,7 +111,7 @@ def _request(renderer: Renderer, width: int, height: int, color: bool) -> Camera
 
 
 def main() -> None:
-    """Do what the first argument says."""
+    """Run the measurement that the first argument names."""
     parser = argparse.ArgumentParser()
     parser.add_argument("what", choices=["draw", "export", "first", "share"])
     parser.add_argument("file", nargs="?")

@@ -1,6 +1,6 @@
-"""Pages that take in all that the live view sends: ``read_pages ADDRESS``, with their number in lines of the input.
+"""Pages that receive all data of the live view: ``read_pages ADDRESS``, with their number in lines of the input.
 
-They say what a page in a browser says while nobody touches it, and as often: see ``viewer/src/connection/worker.ts``.
+They send the same messages as an idle page in a browser, at the same rate: see ``viewer/src/connection/worker.ts``.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ async def _live(connection: ClientConnection) -> None:
 
 
 async def main() -> None:
-    """Have as many pages as the last line says, and confirm it, until the input ends."""
+    """Keep the number of pages of the last line, and confirm it, until the input ends."""
     address = sys.argv[1].replace("http://", "ws://").rstrip("/") + "/ws"
     pages: list[asyncio.Task[None]] = []
     while line := await asyncio.to_thread(sys.stdin.readline):

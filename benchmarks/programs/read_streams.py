@@ -1,4 +1,4 @@
-"""Connects several times to every given port and reads what comes: ``read_streams CLIENTS PORT...``."""
+"""Connects several times to every given port and reads the data: ``read_streams CLIENTS PORT...``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clients that read all that a simulation sends, in processes of their own."""
+"""Clients in separate processes that read all data of a simulation."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _manager(simulation: Simulation) -> SocketRequestManager:
 
 @contextmanager
 def read_streams(simulation: Simulation, clients: int) -> Iterator[None]:
-    """While this lasts, that many clients read the streams of all sensors."""
+    """A context in which that many clients read the streams of all sensors."""
     every = stream_ports(simulation)
     ports = [str(every[sensor.name()]) for sensor in simulation.loaded.sensors]
     with _running("benchmarks.programs.read_streams", [str(clients), *ports]) if clients else nullcontext() as child:
@@ -45,7 +45,7 @@ def read_streams(simulation: Simulation, clients: int) -> Iterator[None]:
 
 @contextmanager
 def read_pages(simulation: Simulation, pages: int = 0) -> Iterator[Callable[[int], None]]:
-    """While this lasts, that many pages show the live view; what it gives changes their number."""
+    """A context in which that many pages show the live view; its value changes the number."""
     if simulation.view is None:
         yield lambda _: None
         return

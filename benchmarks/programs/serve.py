@@ -1,4 +1,4 @@
-"""One robot that does nothing until a client steps it; prints the ports of its services, motion and pose."""
+"""One robot that waits for steps of a client; prints the ports of its services, motion and pose."""
 
 from __future__ import annotations
 

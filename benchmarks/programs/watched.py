@@ -1,7 +1,7 @@
-"""What the live view costs at the pace of the wall clock, while many things move.
+"""The cost of the live view in real time, while many objects move.
 
-Pages come and go while one simulation runs: their cost is a tenth of that of the tick, less than the difference between
-two processes, or between two seconds of a machine that does other work too.
+Pages connect and disconnect while one simulation runs: their cost is a tenth of that of the tick, less than the
+difference between two processes, or between two seconds of a loaded machine.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from benchmarks.programs.loading import prepare
 from benchmarks.programs.readers import read_pages
 
 _TICKS = 12
-"""With one number of pages: so short, that the machine is hardly another."""
+"""Duration with one number of pages: short, so that the load of the machine hardly changes."""
 _SETTLING = 4
-"""Ticks until pages that came or went are no news."""
+"""Number of ticks after which a change of the number of pages has no more effect."""
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Robots on the ground of the empty environment between walls and boxes, each with a pose and, if asked, with more.
+"""Robots on the ground of the empty environment between walls and boxes, each with a pose and optional sensors.
 
 Arguments: ``count=10``; ``drive=planar`` or ``wheels``; ``sensors=pose``, ``scan`` or ``panorama``;
 ``port=60000`` for the pose of the first robot.

@@ -1,4 +1,4 @@
-"""Robots without bodies that are moved by their speed, each with a pose, or boxes that move in the view.
+"""Robots without bodies that are moved by velocities, each with a pose; or boxes that move in the view.
 
 Argument: ``count=1000``; ``visible=yes`` for a box on each.
 """

@@ -1,4 +1,4 @@
-"""A sensor that measures nothing: what every component costs."""
+"""A sensor that measures nothing: the minimum cost of a component."""
 
 from morse.core.sensor import Sensor
 

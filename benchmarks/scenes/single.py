@@ -1,4 +1,4 @@
-"""The robot for one component, ``class=Pose``, with it or without; the class ``empty`` does nothing."""
+"""The robot for one component, ``class=Pose``, with the component or without; the class ``empty`` does nothing."""
 
 import sys
 

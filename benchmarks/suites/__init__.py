@@ -1,4 +1,4 @@
-"""The benchmarks: what is run, what is wanted of it.
+"""The benchmarks and their targets.
 
-Each is a function from a `Plan` to lines of the table.
+Each is a function from a `Plan` to rows of the table.
 """

@@ -1,4 +1,4 @@
-"""W1: N robots drive in circles with a pose at 60 Hz and a scan at 10 Hz, beside the bare loop and other simulators."""
+"""W1: N robots drive in circles with a pose at 60 Hz and a scan at 10 Hz; compared with other simulators."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from benchmarks.result import Wanted
     from benchmarks.trial import Record
 
-#: least ratio to the bare loop, by the number of robots
+#: minimum ratio to the bare loop, by the number of robots
 _WANTED = {1: 1.3, 10: 2.5, 100: 5.0}
 _WANTED_WHEELS = {1: 0.5, 10: 1.2, 100: 2.5}
 _WANTED_POSE = {1000: 4.0}
-#: simulated seconds: about as long for each number of robots
+#: simulated seconds: about the same time for each number of robots
 _SECONDS = {1: 100.0, 3: 60.0, 10: 40.0, 30: 10.0, 100: 4.0, 300: 1.5, 1000: 1.0}
 #: packages and programs of simulators that may be installed
 PEERS = {
@@ -29,17 +29,17 @@ PEERS = {
     "irsim": "irsim_loop",
     "pyrobosim": "pyrobosim_loop",
 }
-#: simulators that would take minutes for more robots than that
+#: maximum number of robots of slow simulators, which would take minutes for more
 _MOST = {"irsim": 10, "pyrobosim": 1}
 _PLANAR_ERROR = 0.02  # m
-_WHEEL_ERROR = 0.02  # of the way driven, and
+_WHEEL_ERROR = 0.02  # share of the distance, and
 _WHEEL_START = 0.06  # m while the wheels begin to turn
 _SCAN_ERROR = 1e-3  # m, in the median
-_SCAN_BAD = 0.02  # share of beams that just miss an edge
+_SCAN_BAD = 0.02  # share of beams near an edge
 
 
 def check_planar(record: Record) -> str | None:
-    """What is wrong with a run of robots that are moved by their velocity."""
+    """Errors of a run of robots that are moved by their velocity."""
     wrong = beyond(record, "position_error_m", _PLANAR_ERROR)
     if wrong is None and record["scan_error_m"] is not None:
         wrong = beyond(record, "scan_error_m", _SCAN_ERROR) or beyond(record, "scan_bad_share", _SCAN_BAD)
@@ -47,12 +47,12 @@ def check_planar(record: Record) -> str | None:
 
 
 def check_wheels(record: Record) -> str | None:
-    """What is wrong with a run of robots on wheels, which slip a little."""
+    """Errors of a run of wheeled robots, which slip a little."""
     return beyond(record, "position_error_m", _WHEEL_START + _WHEEL_ERROR * work.SPEED * record["seconds"])
 
 
 def circles(plan: Plan) -> Iterator[Result]:
-    """W1: robots moved by their velocity, and robots on wheels."""
+    """W1: robots moved by their velocity, and wheeled robots."""
     for count in plan.counts(1, 10, 100):
         yield _compare(plan, "W1", count, "planar", "scan", at_least(_WANTED[count]))
     for count in plan.counts(1, 10, 100):
@@ -108,10 +108,10 @@ def _spread(trials: dict[str, Trial], plan: Plan) -> dict[str, object]:
 
 
 def readers(plan: Plan) -> Iterator[Result]:
-    """What clients cost that read every stream, pages that show the view, and recordings, with ten robots.
+    """The cost of clients that read every stream, of pages that show the view, and of recordings, with ten robots.
 
-    As fast as possible, every tick sends all data, too: so much slower is the simulation. In real time: that share of a
-    processor is taken.
+    As fast as possible, every tick sends all data: the result is the slowdown. In real time, the result is the share of
+    a processor.
     """
     for case, words, seconds in (("as fast as possible", (), 100.0), ("in real time", ("--paced",), 3.0)):
         every = ("--n", "10", "--secs", str(plan.seconds(seconds)), *words)

@@ -1,4 +1,4 @@
-"""What each component adds to a tick."""
+"""The cost of each component per tick."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MOST = 15.0
 
 
 def components(plan: Plan) -> Iterator[Result]:
-    """Every sensor and actuator that MORSE has."""
+    """All sensors and actuators of MORSE."""
     for name in _WANTED if plan.quick else (*_WANTED, *_others()):
         program = Program(name, "benchmarks.programs.components", (name,))
         try:
@@ -33,7 +33,7 @@ def components(plan: Plan) -> Iterator[Result]:
 
 
 def _others() -> list[str]:
-    # imported only now: a mistake in MORSE should not keep the other benchmarks from running
+    # imported here: an error in MORSE must not prevent the other benchmarks from running
     from morse.builder.names import catalog
 
     packages = ("morse.sensors", "morse.actuators")

@@ -1,4 +1,4 @@
-"""Many robots without bodies; many things that move in the live view."""
+"""Many robots without bodies; many moving objects in the live view."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _check(record: Record) -> str | None:
 
 
 def crowd(plan: Plan) -> Iterator[Result]:
-    """A thousand kinematic robots with a pose each."""
+    """A thousand kinematic robots with one pose sensor each."""
     count = 50 if plan.quick else 1000
     case = f"{count} kinematic robots, pose"
     program = Program("morse", "benchmarks.programs.crowd", ("--n", str(count), "--secs", str(plan.seconds(3.0))))
@@ -33,7 +33,7 @@ def crowd(plan: Plan) -> Iterator[Result]:
 
 
 def view(plan: Plan) -> Iterator[Result]:
-    """Processor time of the server of the view, at the pace of the wall clock."""
+    """Processor time of the server of the view, in real time."""
     count = 20 if plan.quick else 500
     bounds = {1: 0.5, 4: 0.8}
     words = ("--n", str(count), "--secs", str(plan.seconds(12.0)), "--pages", *map(str, bounds))

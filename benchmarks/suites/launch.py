@@ -1,4 +1,4 @@
-"""W4 and other things that a user waits for."""
+"""W4 and other waiting times of users."""
 
 from __future__ import annotations
 
@@ -126,4 +126,4 @@ def _first_line(port: int, until: float) -> bytes:
             connection.settimeout(_PATIENCE)
             return connection.makefile("rb").readline()
         time.sleep(0.005)
-    raise TimeoutError(f"nobody listens on port {port}")
+    raise TimeoutError(f"no server on port {port}")

@@ -1,4 +1,4 @@
-"""W6: a client holds the clock."""
+"""W6: a client controls the clock."""
 
 from __future__ import annotations
 

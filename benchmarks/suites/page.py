@@ -1,4 +1,4 @@
-"""What a browser loads and how soon it shows something."""
+"""The size of the page and its time to the first frame."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def page(plan: Plan) -> Iterator[Result]:
     yield _size()
     chromium = os.environ.get("MORSE_CHROMIUM", "/usr/bin/chromium")
     if find_spec("playwright") is None or not Path(chromium).exists():
-        yield skipped("page", "first picture", "needs playwright and Chromium (MORSE_CHROMIUM says where it is)")
+        yield skipped("page", "first picture", "needs playwright and Chromium (MORSE_CHROMIUM is its path)")
         return
     program = Program("morse", "benchmarks.programs.first_picture", (chromium,))
     try:

@@ -1,4 +1,4 @@
-"""W2: pictures of the sandbox, beside OpenGL."""
+"""W2: images of the sandbox, compared with OpenGL."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from benchmarks.trial import Trial
 
 _OWN, _PEER = "benchmarks.programs.pictures", "benchmarks.peers.mujoco_pictures"
-#: what is drawn, the words for it, and how many times as fast as OpenGL it should be
+#: the cases, their arguments, and the wanted speed relative to OpenGL
 _CASES = (
     ("320 x 240, 1 sample", ("--width", "320", "--samples", "1"), 4.0),
     ("640 x 480, 1 sample", ("--samples", "1"), 3.0),
     ("640 x 480, 5 samples", (), 1.7),
     ("640 x 480, depth and ids alone", ("--no-color",), 8.0),
 )
-#: of the depths, some lie on edges, where renderers may differ
+#: allowed share of different depths: at edges, renderers may differ
 _MOST_APART = 0.02
 
 

@@ -179,7 +179,7 @@ def test_the_plot_has_a_line_for_each_simulator() -> None:
 
 
 def test_nothing_to_draw_is_told() -> None:
-    with pytest.raises(ValueError, match="nothing to draw"):
+    with pytest.raises(ValueError, match="nothing to plot"):
         draw({})
 
 

@@ -1,8 +1,8 @@
-"""Build our model files: ``python tools/assets/build.py [names...] [--preview FOLDER]``.
+"""Build the model files of MORSE: ``python tools/assets/build.py [names...] [--preview FOLDER]``.
 
-Without names all of them, e.g. ``robots/morsy``. The same scripts give the same bytes. Needs Blender 3.4, on the PATH
-or named by MORSE_BLENDER: files saved by 3.4 open in every later version, and older ones cannot open what later
-versions save.
+Without names, all models are built; a name is, for example, ``robots/morsy``. The same scripts give identical bytes.
+Needs Blender 3.4, on the PATH or set by MORSE_BLENDER: every later version can open files saved by 3.4, but older
+versions cannot open files saved by later ones.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from canonical import canonical
 HERE = Path(__file__).resolve().parent
 DATA = HERE.parents[1] / "src" / "morse" / "data"
 TOOLS = {"build", "canonical", "generate", "preview"}
-LEVEL = 19  # of compression
+LEVEL = 19  # compression level
 
 
 def names() -> list[str]:
-    """Every model that has a script."""
+    """All models with a script."""
     scripts = (path.relative_to(HERE).with_suffix("").as_posix() for path in HERE.rglob("*.py"))
     return sorted(name for name in scripts if name not in TOOLS and not name.startswith("common/"))
 
@@ -65,8 +65,8 @@ def build(name: str, out: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("names", nargs="*", help="models to build, e.g. robots/morsy; all if none is given")
-    parser.add_argument("--out", type=Path, default=DATA, help="folder that gets the .blend files")
-    parser.add_argument("--preview", type=Path, help="folder that gets a picture of each model")
+    parser.add_argument("--out", type=Path, default=DATA, help="output folder of the .blend files")
+    parser.add_argument("--preview", type=Path, help="output folder of a picture of each model")
     options = parser.parse_args()
     known = names()
     unknown = [name for name in options.names if name not in known]

@@ -1,10 +1,10 @@
-"""Make .blend files reproducible: the same model gives the same bytes on every run.
+"""Make .blend files reproducible: the same model gives identical bytes on every run.
 
-Blender stores the addresses that things had in memory, which differ from run to run. Here each block of a file gets
-its number as address, pointers follow, and pointers to what is not in the file, which Blender ignores, become null.
-So does what else is left to chance: the seed of a colour that only sculptors see, and what memory holds after the
-end of a text or a picture.
-The format is described in Blender's ``doc/blender_file_format``: blocks, and a catalogue of all structs (SDNA).
+Blender stores memory addresses, which differ between runs. This module replaces the address of each block of a file by
+the index of the block, and pointers accordingly. Pointers to data outside the file, which Blender ignores, become null.
+Other random content is reset, too: the seed of a colour that is used only in sculpt mode, and the memory after the end
+of a text or an image. The format is described in Blender's ``doc/blender_file_format``: blocks, and a catalogue of all
+structs (SDNA).
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ import numpy as np
 
 HEADER, BLOCK = 12, struct.Struct("<4siQii")
 SPACING = 64
-TEXT = 0  # the type of custom properties that are texts
+TEXT = 0  # the type of custom properties with text
 RAW = 0  # the struct number of blocks without a struct: numbers, text, or arrays of pointers
 
 
 class Block(NamedTuple):
-    """Where a block's head and its content start; content bytes, old address, struct number."""
+    """Offsets of the header and content of a block; size of the content, old address, struct index."""
 
     head: int
     start: int
@@ -72,7 +72,7 @@ def _settle_chances(content: bytearray, blocks: list[Block], structs: Structs) -
 
 
 def _clear_after(content: bytearray, at: dict[int, Block], owner: Block, pointer: int, length: int) -> None:
-    """Make null what follows the used part of a block, whose address and length its owner has."""
+    """Clear the unused part of a block, whose address and length are stored in its owner."""
     (address,) = struct.unpack_from("<Q", content, owner.start + pointer)
     (used,) = struct.unpack_from("<i", content, owner.start + length)
     block = at[address]
@@ -80,7 +80,7 @@ def _clear_after(content: bytearray, at: dict[int, Block], owner: Block, pointer
 
 
 def _blocks(content: bytes) -> tuple[list[Block], Block]:
-    """All blocks but the catalogue of structs, and that."""
+    """All blocks except the catalogue of structs, and the catalogue."""
     blocks, catalogue, place = [], None, HEADER
     while place < len(content):
         code, size, address, number, _ = BLOCK.unpack_from(content, place)
@@ -98,7 +98,7 @@ def _blocks(content: bytes) -> tuple[list[Block], Block]:
 
 
 class Structs:
-    """What structs look like, by the catalogue of a file."""
+    """The layout of structs, from the catalogue of a file."""
 
     def __init__(self, catalogue: bytes) -> None:
         self._data, self._place = catalogue, 4
@@ -120,7 +120,7 @@ class Structs:
         return self._types[self._structs[number][0]]
 
     def offset(self, struct_name: str, field: str) -> int:
-        """Bytes from the start of a struct to one of its fields."""
+        """Offset of a field in a struct, bytes."""
         place = 0
         for kind, name in self._structs[self._number[self._types.index(struct_name)]][1]:
             if name.lstrip("*").split("[")[0] == field:
@@ -132,7 +132,7 @@ class Structs:
         return _count(name) * (8 if name.startswith(("*", "(")) else self._sizes[kind])
 
     def pointers(self, number: int, size: int) -> list[int]:
-        """Indices of the 8-byte words that are pointers, in a block of such structs."""
+        """Indices of the 8-byte words that are pointers, in a block of these structs."""
         length = self._sizes[self._structs[number][0]]
         offsets = self._offsets(number)
         return [(start + offset) // 8 for start in range(0, size - length + 1, length) for offset in offsets]
@@ -175,5 +175,5 @@ class Structs:
 
 
 def _count(name: str) -> int:
-    """How many values a field like ``mat[4][4]`` has."""
+    """Number of values of a field like ``mat[4][4]``."""
     return int(np.prod([int(n) for n in re.findall(r"\[(\d+)\]", name)], initial=1))

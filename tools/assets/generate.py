@@ -2,7 +2,7 @@
 
     blender -b --factory-startup -noaudio --python-exit-code 3 --python tools/assets/generate.py -- OUTDIR robots/morsy
 
-The model's script, e.g. ``robots/morsy.py``, has a function ``build()`` that fills the empty scene.
+The script of the model, e.g. ``robots/morsy.py``, has a function ``build()`` that fills the empty scene.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def tidy_scene() -> None:
 
 
 def frame_views() -> None:
-    """Whoever opens the file sees the whole model, from the front left, in its colours."""
+    """The initial view of the file: the whole model, from the front left, in its colours."""
     corners = [o.matrix_world @ v.co for o in bpy.data.objects if o.type == "MESH" for v in o.data.vertices]
     low, high = ([f(c[i] for c in corners) for i in range(3)] for f in (min, max))
     for screen in bpy.data.screens:
@@ -56,12 +56,12 @@ def frame_views() -> None:
 
 
 def forget_home() -> None:
-    """The file browsers of a new file stand in the home folder of whoever made it."""
+    """Remove home directories from the file browsers of the new file."""
     spaces = (
         s for screen in bpy.data.screens for area in screen.areas for s in area.spaces if s.type == "FILE_BROWSER"
     )
     for params in (space.params for space in spaces if space.params):
-        params.directory = b"/" * 200  # a short path alone would leave the rest of the old one behind its end
+        params.directory = b"/" * 200  # a short path alone would leave the rest of the old path in memory
         params.directory = b"//"
 
 

@@ -2,7 +2,7 @@
 
     blender ... --python tools/assets/preview.py -- MODEL.blend PICTURE.png [azimuth elevation [distance [x y z]]]
 
-Degrees; azimuth 0 looks at the front (+X) of the model. Without a distance the whole model is in the picture.
+Degrees; azimuth 0 shows the front (+X) of the model. Without a distance, the picture shows the whole model.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Takes the pictures of the component library: ``python tools/gallery/components.py [NAME...]``.
+"""Creates the pictures of the component library: ``python tools/gallery/components.py [NAME...]``.
 
-The example on the page of each component is run in this process. What is seen, what a camera sees, and what a sensor
-says over time are kept in ``docs/pictures/library``; pages show what is there.
+The example on the page of each component is run in this process. Views of the scene, camera images, and plots of sensor
+data are stored in ``docs/pictures/library``; the pages show the existing files.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ SIZE = (640, 400)
 SECONDS = 6.0
 _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ENVIRONMENT = "env = Environment('empty')"
-#: things to be sensed, around the robot
+#: objects around the robot, for sensors
 _THINGS = """
 for _name, _place, _colour in (
     ("red", (5.0, 1.5), (0.8, 0.1, 0.1)),
@@ -49,12 +49,12 @@ for _name, _place, _colour in (
     _box.properties(Object=True, Type="box", Injured=True, Fire=True)
     _box._bpy_object.game.physics_type = "STATIC"
 """
-#: the robot drives along, so that sensors have something to say
+#: the robot drives, so that the data of sensors change
 _DRIVE = "_drive = MotionVW()\nrobot.append(_drive)\n"
 
 
 def take(name: str, page: str) -> list[Path]:
-    """Run the example of a page and keep its pictures."""
+    """Run the example of a page and save its pictures."""
     scene, *clients = _BLOCK.findall(page)
     sensor = "/sensors/" in name
     text = scene.replace(_ENVIRONMENT, _THINGS + _ENVIRONMENT)
@@ -100,7 +100,7 @@ def _pictures(name: str, simulation: Simulation, clients: list[str], *, sensor: 
 
 
 def _component(simulation: Simulation, name: str) -> Any:
-    """The component that the page is about."""
+    """The component of the page."""
     found = simulation.context.components.items()
     return next(
         (part for full, part in found if full.rpartition(".")[2].replace("_", "") == name.replace("_", "")), None
@@ -108,7 +108,7 @@ def _component(simulation: Simulation, name: str) -> Any:
 
 
 def _command(clients: list[str], simulation: Simulation) -> Callable[[], object] | None:
-    """What the client of the page publishes."""
+    """The command that the client of the page publishes."""
     found = [match for client in clients for match in re.finditer(r"simu\.([\w.]+)\.publish\((.*)\)", client)]
     if not found:
         return None
@@ -124,7 +124,7 @@ def _command(clients: list[str], simulation: Simulation) -> Callable[[], object]
 
 
 def _view(simulation: Simulation) -> dict[str, Any]:
-    """A camera that sees the robot from before, at its left."""
+    """A camera that shows the robot from its front left."""
     robot = next(iter(simulation.context.robots.values()))
     extent = extent_of(robot.bge_object.node) or [0.0, 0.0, 0.0]
     size = max(1.2, *extent)
@@ -138,7 +138,7 @@ def _view(simulation: Simulation) -> dict[str, Any]:
 
 
 def _points(component: Any) -> np.ndarray | None:
-    """Where the beams of a scanner or the pixels of a camera end, in metres ahead and to the left."""
+    """The end points of the beams of a scanner or of the pixels of a camera, in metres ahead and to the left."""
     data = {} if component is None else component.local_data
     if "point_list" in data:
         found = np.asarray(data["point_list"], dtype=float).reshape(-1, 3)
@@ -150,7 +150,7 @@ def _points(component: Any) -> np.ndarray | None:
 
 
 def _map(points: np.ndarray) -> Image.Image:
-    """Seen from above, with the sensor in the middle, 20 m wide; ahead is up."""
+    """A top view with the sensor in the centre, 20 m wide; ahead is up."""
     side, reach = 400, 10.0
     pixels = np.full((side, side, 3), 255, np.uint8)
     pixels[side // 2 - 2 : side // 2 + 3, side // 2 - 2 : side // 2 + 3] = (180, 86, 15)
@@ -172,7 +172,7 @@ def _as_image(pixels: np.ndarray) -> Image.Image:
 
 
 def _numbers(data: dict[str, Any]) -> dict[str, float]:
-    """The numbers among the data, vectors by their parts."""
+    """The numbers among the data, and the components of vectors."""
     found: dict[str, float] = {}
     for field, value in data.items():
         if isinstance(value, (int, float)):
@@ -185,7 +185,7 @@ def _numbers(data: dict[str, Any]) -> dict[str, float]:
 
 
 def main(names: list[str]) -> None:
-    """Take the pictures of these components, or of all."""
+    """Create the pictures of these components, or of all."""
     pages = {
         **component_library.component_pages.pages("sensors"),
         **component_library.component_pages.pages("actuators"),

@@ -1,4 +1,4 @@
-"""Curves of what a sensor says over time, as SVG."""
+"""Plots of sensor data over time, as SVG."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _MOST, _POINTS = 6, 160
 
 
 def plot(said: list[dict[str, float]]) -> str:
-    """The curves of some fields; empty if there is none.
+    """The plots of some fields; empty if there is none.
 
     Args:
-        said: one dictionary a measurement, with ``timestamp``, s.
+        said: one dictionary per measurement, with ``timestamp``, s.
     """
     names = [
         name for name in said[-1] if name != "timestamp" and all(math.isfinite(row.get(name, math.nan)) for row in said)

@@ -1,7 +1,7 @@
-"""Takes the pictures of the examples: ``python tools/gallery/examples.py [NAME...]``, into ``docs/pictures/examples``.
+"""Creates the pictures of the examples: ``python tools/gallery/examples.py [NAME...]``, in ``docs/pictures/examples``.
 
-The page ``docs/examples.md`` is written from the examples as well.
-Each example runs in this process with its client, and is drawn by the renderer of the cameras: no browser is needed.
+The page ``docs/examples.md`` is generated from the examples as well. Each example runs in this process with its client,
+and is rendered by the camera renderer: no browser is needed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SIZE = (800, 500)
 _LINK = "../src/morse/data/examples"
 _HEAD = """# Examples
 
-Scenes with a client each, one for each family of robots, sensors and actuators. They come with MORSE:
+Scenes with a client each, one for each family of robots, sensors and actuators. They are installed with MORSE:
 
 ```sh
 morse demo
@@ -31,16 +31,16 @@ morse demo laser
 morse demo laser --copy .
 ```
 
-The first line lists them, the second one runs a scene in the live view and its client beside it, the third one copies
-both files, to make something else of them. With `--headless` there is no live view, and the simulation ends with the
-client. All of them are run by the tests.
+The first command lists them. The second command runs a scene in the live view together with its client. The third
+command copies both files, as a basis for your own scene. With `--headless` there is no live view, and the simulation
+ends with the client. The tests run all examples.
 """
-#: simulated seconds after which a picture is taken, if not at the end of the client
+#: simulated seconds after which the picture is taken, if not at the end of the client
 MOMENTS = {"waypoints": 8.0, "quadrotor": 4.0, "battery": 9.0, "lights": 1.1, "laser": 6.0, "drive": 5.0, "rescue": 3.0}
 
 
 def take(example: Example) -> Path:
-    """Run an example and keep what is seen."""
+    """Run an example and save its picture."""
     os.environ["MORSE_SOCKET_PORT"] = "0"
     moment = MOMENTS.get(example.name)
     with morse.load(example.scene, sockets=True, speed=2.0) as simulation:
@@ -75,7 +75,7 @@ def page() -> str:
 
 
 def main(names: list[str]) -> None:
-    """Take the pictures of these examples, or of all."""
+    """Create the pictures of these examples, or of all."""
     for example in examples().values():
         if not names or example.name in names:
             print(take(example))

@@ -1,6 +1,6 @@
-"""Takes the pictures of the live view that README and documentation show: ``python tools/gallery/take.py FOLDER``.
+"""Creates the pictures of the live view in README and documentation: ``python tools/gallery/take.py FOLDER``.
 
-Runs each scene of this folder, opens its page in Chromium and keeps what is seen, in PNG. Software GL is enough.
+Runs each scene of this folder, opens its page in Chromium and saves a screenshot as PNG. Software GL is sufficient.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Shot:
     """A picture.
 
     Attributes:
-        steps: what to do on the page before: JavaScript.
+        steps: JavaScript to run on the page before the screenshot.
     """
 
     scene: str
@@ -61,16 +61,16 @@ SHOTS = [
 
 
 def until(page: Page, expression: str) -> None:
-    """Wait until something holds on the page."""
+    """Wait until an expression is true on the page."""
     end = time.monotonic() + WAIT
     while not page.evaluate(f"!!({expression})"):
         if time.monotonic() > end:
-            raise TimeoutError(f"the page never came to: {expression}")
+            raise TimeoutError(f"timeout on the page: {expression}")
         time.sleep(0.1)
 
 
 def take(browser: Browser, shot: Shot, folder: Path) -> None:
-    """Run the scene and keep the picture."""
+    """Run the scene and save the picture."""
     log = folder / f"{shot.name}.txt"
     with log.open("w") as out, tempfile.TemporaryDirectory() as empty:
         command = [sys.executable, "-u", "-c", START, "run", "--view-port", "18800", str(HERE / f"{shot.scene}.py")]
@@ -99,7 +99,7 @@ def take(browser: Browser, shot: Shot, folder: Path) -> None:
 
 
 def address(log: Path, process: subprocess.Popen[bytes]) -> str:
-    """Where the simulation says that it is seen."""
+    """The address of the live view, from the log."""
     end = time.monotonic() + WAIT
     while time.monotonic() < end and process.poll() is None:
         found = re.search(r"http://\S+", log.read_text())
@@ -110,7 +110,7 @@ def address(log: Path, process: subprocess.Popen[bytes]) -> str:
 
 
 def main() -> None:
-    """Take all pictures, or those that are named after the folder."""
+    """Create all pictures, or those named after the folder."""
     folder = Path(sys.argv[1])
     folder.mkdir(parents=True, exist_ok=True)
     flags = [

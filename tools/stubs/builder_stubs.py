@@ -1,4 +1,4 @@
-"""Writes the stubs of `morse.builder`: what editors and type checkers know of the classes that are derived.
+"""Writes the stubs of `morse.builder`: declarations of the derived classes for editors and type checkers.
 
 Usage: python tools/stubs/builder_stubs.py
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).resolve().parents[2] / "src" / "morse" / "builder"
 HEADER = "# Written by tools/stubs/builder_stubs.py from what the components declare: do not edit.\n"
 
-#: types as declarations name them; properties of other types may hold anything
+#: types of declarations; properties of other types accept any value
 TYPES = {
     "bool": "bool",
     "boolean": "bool",
@@ -37,14 +37,14 @@ TYPES = {
 
 
 def stubs() -> dict[str, str]:
-    """Names of files below `FOLDER` to their texts."""
+    """Contents of the files below `FOLDER`, by name."""
     texts = {f"{module.__name__.rpartition('.')[2]}.pyi": derived(module) for module in (sensors, actuators, robots)}
     texts["__init__.pyi"] = star_import()
     return {name: formatted(text, name) for name, text in texts.items()}
 
 
 def formatted(text: str, name: str) -> str:
-    """A text as ruff sets it."""
+    """A text as formatted by ruff."""
     command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", str(FOLDER / name), "-"]
     return subprocess.run(command, input=text, capture_output=True, encoding="utf-8", check=True).stdout
 
@@ -63,7 +63,7 @@ def derived(module: ModuleType) -> str:
 
 
 def imported(name: str, cls: type) -> str:
-    """The line that imports a class, and exports it."""
+    """The line that imports and re-exports a class."""
     return f"from {cls.__module__} import {name} as {name}"
 
 
@@ -91,7 +91,7 @@ def docstring(cls: type) -> str:
 
 
 def star_import() -> str:
-    """The stub of the package: every name that ``from morse.builder import *`` gives."""
+    """The stub of the package: every name that ``from morse.builder import *`` provides."""
     lines = []
     variables = []
     for name in morse.builder.__all__:
@@ -104,7 +104,7 @@ def star_import() -> str:
             lines.append(imported(name, value))
         else:
             variables.append(f"{name}: {type(value).__module__}.{type(value).__name__}")
-    # modules that scripts may also name as attributes of the package
+    # modules that scripts may also use as attributes of the package
     lines += [f"from morse.builder import {name} as {name}" for name in ("actuators", "robots", "sensors")]
     return "\n".join([HEADER, *sorted(set(lines)), f"__all__ = {sorted(morse.builder.__all__)!r}", *variables]) + "\n"
 

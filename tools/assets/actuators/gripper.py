@@ -23,7 +23,7 @@ def build() -> None:
         cylinder(0.03, 0.02, 0.003, 32).moved(z=-0.027).painted(steel),
         rounded_box(0.06, 0.074, 0.044, 0.01, 2).moved(z=0.0).painted(teal),
         rounded_box(0.05, 0.07, 0.020, 0.006, 2).moved(z=0.026).painted(black),
-        # the camera in the palm sees what comes between the fingers
+        # the camera in the palm sees the object between the fingers
         lathe([(0, 0.03), (0.016, 0.03), (0.013, 0.045), (0.011, 0.062), (0, 0.062)], 24).painted(steel),
         lathe([(0, 0.062), (0.011, 0.062), (0.011, 0.069), (0.008, 0.074), (0, 0.075)], 24).painted(black),
     ]

@@ -1,4 +1,4 @@
-"""An arm of seven joints in a row, upright: they turn about the arm and about its Y axis by turns."""
+"""An upright arm of seven joints in a row: they turn alternately about the arm and about its Y axis."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from common.parts import Part
 
 _ALONG, _ACROSS = math.radians(170.0), math.radians(120.0)
-#: where the bones end, metres above the foot; the first one begins there
+#: ends of the bones, metres above the foot, where the first bone begins
 _ENDS = (0.0, 0.3105, 0.5105, 0.7105, 0.9105, 1.1005, 1.1785, 1.3105)
 _RADIUS = 0.06
 

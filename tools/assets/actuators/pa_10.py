@@ -1,4 +1,4 @@
-"""An arm of six joints in a row, upright; each part hangs on the one below and turns about its own origin."""
+"""An upright arm of six joints in a row; each part is attached to the one below and turns about its own origin."""
 
 from __future__ import annotations
 

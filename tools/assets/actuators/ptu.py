@@ -1,4 +1,4 @@
-"""A unit that pans and tilts what stands on it."""
+"""A pan-tilt unit."""
 
 from __future__ import annotations
 

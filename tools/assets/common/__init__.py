@@ -1,1 +1,1 @@
-"""What the model scripts share. Runs inside Blender; needs bpy and numpy only."""
+"""Shared code of the model scripts. Runs inside Blender; needs only bpy and numpy."""

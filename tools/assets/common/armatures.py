@@ -1,4 +1,4 @@
-"""Blender armatures: bones that are joints, and objects that hang on them."""
+"""Blender armatures: bones that are joints, and objects that are parented to them."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from mathutils import Vector
 
 
 class Joint(NamedTuple):
-    """A bone and how it may turn.
+    """A bone and its joint.
 
     Attributes:
         head, tail: metres, in the armature.
-        z_axis: where the Z axis of the bone points; its Y axis points along it.
+        z_axis: direction of the Z axis of the bone; its Y axis points along the bone.
         axis: ``x``, ``y`` or ``z`` of the bone.
-        limit: radians to both sides.
+        limit: radians in both directions.
     """
 
     name: str
@@ -57,7 +57,7 @@ def armature(name: str, joints: list[Joint], **properties: object) -> bpy.types.
 
 
 def hang(part: bpy.types.Object, holder: bpy.types.Object, bone: str) -> None:
-    """Let an object hang on a bone, where it is now."""
+    """Parent an object to a bone at its present pose."""
     bpy.context.view_layer.update()
     place = part.matrix_world.copy()
     part.parent, part.parent_type, part.parent_bone = holder, "BONE", bone

@@ -1,4 +1,4 @@
-"""Pieces of furniture by the name they have in model files, made to the size asked for."""
+"""Pieces of furniture by their names in model files, in any size."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def console(stock: Stock, w: float, d: float, h: float) -> list[Part]:
     ]
 
 
-#: the longest name that an object's name starts with decides
+#: the longest matching prefix of the name of an object is used
 PIECES: dict[str, Any] = {
     "basic_desk": lambda s, w, d, h: tables.table(s, w, d, h, "birch", "birch"),
     "basic_pillow": pillow,
@@ -203,7 +203,7 @@ PIECES: dict[str, Any] = {
 }  # fmt: skip
 
 
-#: pieces that collide as one simple shape; the boards of the others are shapes of their own
+#: pieces with a simple collision shape; the boards of the others are shapes of their own
 SOLID = {
     "box": ("IKEA_carpet", "IKEA_chest", "IKEA_cupboard", "cupboard", "office_drawer_block"),
     "convex": ("IKEA_sofa", "IKEA_armchair", "IKEA_bed", "IKEA_Plant", "IKEA_chair_PELLO",
@@ -229,11 +229,11 @@ def furniture(
     collision: str = "",
     **options: Any,
 ) -> None:
-    """A piece from the catalogue that stands still; options as for `common.objects.solid`.
+    """A static piece from the catalogue; options as for `common.objects.solid`.
 
     Args:
-        size: of the bounding box in the object's own frame, as is ``centre``.
-        collision: its shape; the catalogue decides if it is not given.
+        size: of the bounding box in the object's own frame; ``centre`` is its centre.
+        collision: its shape; default: that of the catalogue.
     """
     if not collision:
         collision = next((shape for shape, stems in SOLID.items() if name.startswith(stems)), "")

@@ -1,4 +1,4 @@
-"""Colours by the code a paint shop would use."""
+"""Colours by hexadecimal code."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import numpy as np
 
 
 def srgb(code: str) -> np.ndarray:
-    """``#rrggbb`` as it is stored in images, 0..1."""
+    """``#rrggbb`` as sRGB values, 0..1, for images."""
     return np.array([int(code[i : i + 2], 16) / 255 for i in (1, 3, 5)])
 
 
 def linear(code: str) -> tuple[float, float, float]:
-    """``#rrggbb`` as light, 0..1: what materials want."""
+    """``#rrggbb`` as linear light, 0..1, for materials."""
     value = srgb(code)
     light = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     return tuple(float(v) for v in light)
 
 
-# the family of colours that all our models share
+# the palette of all models
 CREAM = "#f3e9d2"
 WHITE = "#f4f3ee"
 TEAL = "#1f8a8c"

@@ -1,4 +1,4 @@
-"""Wooden crates, each a body with its shapes in a collection of its own, standing over the origin."""
+"""Wooden crates, each a body with its shapes in its own collection, standing over the origin."""
 
 from __future__ import annotations
 

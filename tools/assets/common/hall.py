@@ -18,7 +18,7 @@ def hall() -> None:
     wall = material("Wall", "#e8e2d4", 0.9, image=packed("wall.jpg", wall_picture(512)))
     ground = rectangle(39.2, 30).mapped(3.2).painted(floor)
     exact("Ground", [ground], (39.2, 30, 0), (0, 0, 0), physics_type="STATIC")
-    # both walls face the inside of the hall; the picture covers their whole height once
+    # both walls face the inside of the hall; the image covers their whole height once
     west = upright(29.8, 4.44, wall).turned(z=90)
     exact("Plane", [west], (0, 29.8, 4.44), (0, 0, 0), (-17.7, 0.384, 2.15), physics_type="STATIC")
     north = upright(45, 4.44, wall)
@@ -57,7 +57,7 @@ def parquet(size: int) -> np.ndarray:
     boards = 12
     picture = planks(size, "#c0925f", "#d9b184", boards, seed=11)
     mean = picture.mean(axis=(0, 1))
-    picture = mean + 0.6 * (picture - mean)  # seen from afar, strong joints would flicker
+    picture = mean + 0.6 * (picture - mean)  # from a distance, strong joints would flicker
     columns = np.arange(size)
     for board in range(boards):
         ends = np.abs((columns - board * 197) % size - size / 2) < 1.5

@@ -1,4 +1,4 @@
-"""Other things of a flat or an office in any size.
+"""Other objects of a flat or an office in any size.
 
 Width along X, depth along Y with the front towards -Y; they stand on z=0, their middle over the origin.
 """

@@ -1,4 +1,4 @@
-"""Pictures computed with numpy and packed into the .blend file."""
+"""Images computed with numpy and packed into the .blend file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def packed(name: str, pixels: np.ndarray) -> bpy.types.Image:
         image.source = "FILE"
         image.reload()
         image.pack()
-    # the file must not remember the machine that made it
-    for path in ("/" * 1023, f"//textures/{name}"):  # a short path alone would leave the rest of the old one behind it
+    # the file must not contain paths of the machine that made it
+    for path in ("/" * 1023, f"//textures/{name}"):  # a short path alone would leave the rest of the old path in memory
         image.filepath_raw = image.packed_files[0].filepath = path
     return image

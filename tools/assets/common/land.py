@@ -1,4 +1,4 @@
-"""What the outdoor worlds share: the ground and the town."""
+"""Shared parts of the outdoor worlds: the ground and the town."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CELL = 6.0  # metres
 
 
 def town_ground(at: Triple, level: float, keep: Sequence[Triple]) -> list[Triple]:
-    """Places below the town and their height; none is near the places to ``keep``."""
+    """Positions below the town and their height; none is near the positions to ``keep``."""
     frame = rotation(0, 0, np.degrees(TOWN_TURN))[:2, :2]
     corners = [(x, y) for x in (-21, -14, -7, 0, 7, 14, 21) for y in (-34, -28, -21, -14, -7, 0, 7, 14, 21, 28, 34)]
     below = [(*(frame @ np.array(c) + np.array(at[:2])), level + 0.08) for c in corners]
@@ -49,7 +49,7 @@ def ground(level: Sequence[Triple], dip: float, rise: float, seed: int) -> Terra
 
 
 def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: Sequence[Triple]) -> None:
-    """Houses along two streets; none stands where a tree does, or where the land falls away below it."""
+    """Houses along two streets; none stands on a tree, or where the land below falls away."""
     still = {"physics_type": "STATIC"}
     root = empty("Buildings", (10.2, 0.867, -10.3), **still)
     masonry = Masonry.make()
@@ -67,7 +67,7 @@ def town(terrain: Terrain, at: Triple, size: Triple, centre: Triple, keep_free: 
 
 
 def grove(trees: Sequence[tuple[Triple, Triple, Triple, Triple, float]]) -> None:
-    """Trees of one kind: position, places of the shapes of trunk and crown, place of what is seen, angle about Z."""
+    """Trees of one kind: position, positions of the shapes of trunk, crown and visible mesh, angle about Z."""
     greens = Greens.make()
     still = {"physics_type": "STATIC"}
     root_of_all = empty("Trees", (10.2, 0.867, -10.3), **still)

@@ -1,10 +1,10 @@
-"""Letters as pixels, for pictures with words on them."""
+"""Letters as pixels, for images with text."""
 
 from __future__ import annotations
 
 import numpy as np
 
-# five columns a letter, top pixel in bit 0
+# five columns per letter, top pixel in bit 0
 _COLUMNS = {
     "A": "7e1111117e", "B": "7f49494936", "C": "3e41414122", "D": "7f4141221c", "E": "7f49494941", "F": "7f09090901",
     "G": "3e41495f7a", "H": "7f0808087f", "I": "00417f4100", "J": "2040413f01", "K": "7f08142241", "L": "7f40404040",
@@ -26,7 +26,7 @@ def word(text: str, scale: int = 1) -> np.ndarray:
 
 
 def write(picture: np.ndarray, text: str, top: int, left: int, color: np.ndarray, scale: int = 1) -> None:
-    """Put a word into a picture (H, W, 3)."""
+    """Draw a word into an image (H, W, 3)."""
     ink = word(text, scale).astype(bool)
     picture[top : top + ink.shape[0], left : left + ink.shape[1]][ink] = color
 

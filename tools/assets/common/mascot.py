@@ -63,7 +63,7 @@ def _belt(radii, middle, z, cream, coral) -> list[Part]:
     unit = 0.034
     half = length("MORSE") / 2
     for sign, place in signs("MORSE"):
-        # the front is seen from outside, so that the text runs from the robot's right to its left
+        # the front is viewed from outside, so that the text runs from the robot's right to its left
         ends = [place - half - 1.0, place - half + 1.0] if sign == "-" else [place - half - 0.02, place - half + 0.02]
         angles_of = np.linspace(ends[0], ends[1], 4 if sign == "-" else 2) * unit / 0.34
         parts.append(tube([point(a, 0.0, 0.012) for a in angles_of], 0.5 * unit, 8).painted(coral))

@@ -1,4 +1,4 @@
-"""Principled materials with at most one picture: what every viewer understands."""
+"""Principled materials with at most one texture, which every viewer supports."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def material(
     glow: float = 0.0,
     one_sided: bool = False,
 ) -> bpy.types.Material:
-    """A surface of one colour, or of one picture.
+    """A surface with one colour, or one texture.
 
     Args:
-        glow: strength of its own light.
-        one_sided: it is not drawn from behind, as a ceiling that lets the view in from above.
+        glow: strength of its emission.
+        one_sided: back faces are not drawn, as for a ceiling that is transparent from above.
     """
     if name in bpy.data.materials:
         raise ValueError(f"material '{name}' exists already")

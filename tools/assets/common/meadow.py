@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
     from common.nature import Greens
 
-#: half of the side of the playground, and how far the meadow reaches, m
+#: half of the side of the playground, and the extent of the meadow, m
 HOLE, REACH = 10.4, 120.0
-#: pieces of the meadow: what is near shows more of its picture
+#: pieces of the meadow: near pieces show a larger part of the texture
 RINGS = (HOLE, 32.0, REACH)
-#: place, and size beside the tree that is built
+#: position, and size relative to the tree that is built
 TREES = (
     (-22.0, 17.0, 1.0), (-27.0, 3.5, 1.2), (-17.5, -21.0, 0.9), (19.0, 19.5, 1.1), (25.5, 8.0, 0.85),
     (4.0, 25.0, 1.15), (-8.5, 28.0, 0.95), (27.0, -14.5, 1.1), (12.0, -26.0, 0.9), (-33.0, -12.0, 1.25),
     (36.0, 24.0, 1.3), (16.0, 38.0, 1.1), (-38.0, 26.0, 1.2), (-20.0, 42.0, 1.0), (44.0, -6.0, 1.2),
     (34.0, -36.0, 1.1), (-42.0, -34.0, 1.3), (0.0, -42.0, 1.1),
 )  # fmt: skip
-#: place and height, m
+#: position and height, m
 ROCKS = ((14.5, 12.5, 0.7), (-14.2, 9.0, 0.5), (13.8, -12.0, 0.6), (-15.5, -9.0, 0.8), (-3.0, 15.0, 0.45))
 HILLS = 15
 STILL = {"physics_type": "STATIC"}
@@ -48,7 +48,7 @@ def meadow(grass: bpy.types.Material, greens: Greens, stone: bpy.types.Material)
 
 
 def trees(greens: Greens) -> None:
-    """Two kinds of trees in several sizes; a cylinder and a ball collide for trunk and crown."""
+    """Two kinds of trees in several sizes; a cylinder and a ball are the collision shapes of trunk and crown."""
     kinds = (broadleaf(greens, 5.6, 4.2, 0.16, seed=2), broadleaf(greens, 6.4, 4.0, 0.18, seed=7))
     first: dict[int, bpy.types.Object] = {}
     for number, (x, y, size) in enumerate(TREES):
@@ -66,7 +66,7 @@ def trees(greens: Greens) -> None:
 
 
 def lawn() -> list[Part]:
-    """Flat strips around the playground, the texture of one going on in the next."""
+    """Flat strips around the playground, with a continuous texture."""
     strips = []
     for near, far in pairwise(RINGS):
         wide = (far - near, 2 * far)
@@ -88,7 +88,7 @@ def hills(greens: Greens) -> None:
 
 
 def dome(x: float, y: float, z: float, columns: int = 28, rows: int = 7) -> Part:
-    """The upper half of an ellipsoid with these half axes."""
+    """The upper half of an ellipsoid with these semi-axes."""
     turns = np.arange(columns) * 2 * np.pi / columns
     rings = [
         np.column_stack([x * np.cos(a) * np.cos(turns), y * np.cos(a) * np.sin(turns), np.full(columns, z * np.sin(a))])

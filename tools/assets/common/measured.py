@@ -1,4 +1,4 @@
-"""Objects from a table: names, parents, places, bounding boxes, physics and semantic tags."""
+"""Objects from a table: names, parents, positions, bounding boxes, physics and semantic tags."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Row:
 
 
 def rows(path: Path) -> Iterator[Row]:
-    """The lines of a table with the columns name, parent, xyz, rpy, size, centre, physics, bounds, mass, properties."""
+    """The rows of a table with the columns name, parent, xyz, rpy, size, centre, physics, bounds, mass, properties."""
     with path.open(newline="") as file:
         for line in csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE):
             options: dict[str, object] = {"physics_type": line["physics"]}
@@ -52,12 +52,12 @@ def rows(path: Path) -> Iterator[Row]:
 
 
 class Furnisher:
-    """Makes the objects of a table; what has the same look and size shares a mesh.
+    """Creates the objects of a table; objects with the same appearance and size share a mesh.
 
     Args:
-        looks: gives a word for what an object looks like, and what makes its parts.
-        boxes: words of things that collide as their bounding box unless the table says otherwise: exact shapes of
-            many small parts take long to start with.
+        looks: returns a word for the appearance of an object, and a function that makes its parts.
+        boxes: words of objects that collide as their bounding box unless the table sets another shape: exact shapes of
+            many small parts take long to load.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Furnisher:
         self._first: dict[tuple[object, ...], bpy.types.Object] = {}
 
     def furnish(self, table: list[Row]) -> None:
-        """Make everything, parents first."""
+        """Create everything, parents first."""
         names = {row.name for row in table}
         while table:
             ready = [row for row in table if row.parent not in names or row.parent in self._made]

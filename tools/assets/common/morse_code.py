@@ -48,7 +48,7 @@ CODE = dict(
 
 
 def signs(text: str) -> Iterator[tuple[str, float]]:
-    """Every sign with the place of its middle, in units of one dot, from 0 on.
+    """Every sign with the position of its centre, in units of one dot, from 0.
 
     A dash is three units long, the gap within a letter one, between letters three, between words seven.
     """

@@ -54,7 +54,7 @@ def trunk_of(greens: Greens, height: float, width: float, trunk: float, seed: in
         reach = width * random.uniform(0.22, 0.32)
         end = (sway[0] + reach * np.cos(angle), sway[1] + reach * np.sin(angle), height * random.uniform(0.56, 0.68))
         limbs.append(([(*sway, fork * (0.85 + 0.05 * k)), end], [trunk * 0.5, trunk * 0.2], 6))
-    # each limb is convex: what bumps into the tree bumps into what is seen
+    # each limb is convex, so that the collision shape equals the visible mesh
     return [tube(line, size, sides, round_ends=False).painted(greens.bark) for line, size, sides in limbs]
 
 

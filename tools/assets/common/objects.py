@@ -1,4 +1,4 @@
-"""Blender objects from parts, with their place in the physics."""
+"""Blender objects from parts, with their physics."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def empty(name: str, at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: ob
 def instance(
     source: bpy.types.Collection, name: str, at: Triple, turned: Triple = ORIGIN, **options: object
 ) -> bpy.types.Object:
-    """An empty that stands for all objects of a collection."""
+    """An empty that instantiates a collection."""
     result = bpy.data.objects.new(name, None)
     result.instance_type, result.instance_collection = "COLLECTION", source
     return _place(result, at, turned, **options)
@@ -70,14 +70,14 @@ def solid(
 def twin(
     original: bpy.types.Object, name: str, at: Triple, turned: Triple = ORIGIN, **options: object
 ) -> bpy.types.Object:
-    """Another object that shows the same mesh."""
+    """Another object with the same mesh."""
     return _place(bpy.data.objects.new(name, original.data), at, turned, **options)
 
 
 def hidden_shape(
     name: str, parts: Sequence[Part], at: Triple = ORIGIN, turned: Triple = ORIGIN, **options: object
 ) -> bpy.types.Object:
-    """A collision shape that nobody sees: Blender shows its edges, renderers and viewers leave it out."""
+    """An invisible collision shape: Blender shows its edges, renderers and viewers do not."""
     result = solid(name, parts, at, turned, **options)
     result.hide_render = True
     result.display_type = "WIRE"
@@ -130,7 +130,7 @@ def lamp(
 
 
 def viewpoint(at: Triple, target: Triple, lens: float = 20.0) -> bpy.types.Object:
-    """The camera ``CameraFP``: from where the live view shows the world first, and at what it looks; lens in mm."""
+    """The camera ``CameraFP``, the initial viewpoint of the live view, and its target; lens in mm."""
     data = bpy.data.cameras.new("CameraFP")
     data.lens, data.sensor_width = lens, 32.0
     way = Vector(target) - Vector(at)
@@ -150,9 +150,9 @@ def _place(
     """Link, pose and tag an object.
 
     Args:
-        at: metres, in the world, also for children.
-        turned: Euler XYZ in the world, rad.
-        within: its collection; that of the parent if there is one, else the scene's.
+        at: metres, in the world frame, also for children.
+        turned: Euler XYZ in the world frame, rad.
+        within: its collection; default: that of the parent, or the scene's.
         properties: physics (``physics_type``, ``collision``, ``mass``, ...) and semantic tags (``Object``, ...).
     """
     home = within or (parent.users_collection[0] if parent else bpy.context.scene.collection)
@@ -164,7 +164,7 @@ def _place(
         inside = parent.matrix_world.inverted()
         result.location = inside @ Vector(at)
         turn = inside.to_3x3()
-        if not turn.is_identity:  # else the angles stay as they are, also where others mean the same rotation
+        if not turn.is_identity:  # else the angles are kept, although other angles may give the same rotation
             result.rotation_euler = (turn @ Euler(turned).to_matrix()).to_euler()
     for key, value in properties.items():
         result[key] = value

@@ -1,4 +1,4 @@
-"""What stands in the rooms of the office: by name, place in the building and heading in degrees."""
+"""The furniture of the office: name, position in the building and heading in degrees."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from common.parts import Part
     from common.stock import Stock
 
-#: pieces whose shape is not that of their boards
+#: pieces whose collision shape is not that of their boards
 SHAPES = {
     "Shelf": "box", "Cupboard": "box", "Printer": "box", "Radiator": "box", "Counter": "box", "Fridge": "box",
     "Sofa": "convex", "OfficeChair": "convex", "Plant": "cylinder", "Server": "box",
 }  # fmt: skip
-#: pieces by room; a heading of 0 looks towards -Y
+#: pieces by room; a heading of 0 faces -Y
 PLACES: dict[str, tuple[tuple[float, float, float], ...]] = {
     "Desk": (
         *((x, -8.35, 180) for x in (-6.4, -3.6, -0.8, 2.0)), (-3.6, -5.9, 0), (-0.8, -5.9, 0),
@@ -63,7 +63,7 @@ PLACES: dict[str, tuple[tuple[float, float, float], ...]] = {
     "Fridge": ((-8.45, -8.55, -90),),
     "Whiteboard": ((-5.55, 0.2, 90), (8.6, -3.4, 150), (3.1, 7.6, 90)),
 }  # fmt: skip
-#: picture, place on a wall, heading, width and height
+#: image, position on a wall, heading, width and height
 POSTERS = (
     ("Hello", (-12.915, 0.0, 1.6), 90.0, 1.2, 1.5),
     ("Alphabet", (-6.085, 0.9, 1.5), -90.0, 0.9, 1.2),
@@ -74,7 +74,7 @@ RUGS = ((-10.7, 2.1, 3.0, 2.0, TEAL), (-5.2, 6.6, 2.4, 1.8, CORAL), (7.2, -6.4, 
 
 
 def furnish(at: Triple) -> None:
-    """Put everything into the building, whose middle is ``at``."""
+    """Place everything in the building with its centre at ``at``."""
     stock = catalogue_stock()
     for name, places in PLACES.items():
         make = PIECES[name]
@@ -91,7 +91,7 @@ def furnish(at: Triple) -> None:
 
 
 def decorate(stock: Stock, at: Triple) -> None:
-    """Rugs, pictures, and what lies on the desks: nothing that a robot could touch."""
+    """Rugs, pictures, and objects on the desks, without collision."""
     parts = []
     for number, (x, y, w, d, color) in enumerate(RUGS):
         paint = material(f"Rug {number + 1}", color, 0.95)

@@ -1,4 +1,4 @@
-"""Pieces of a mesh: built and placed one by one, then joined into one object."""
+"""Pieces of a mesh: built and placed separately, then joined into one object."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Part:
 
     Attributes:
         vertices: (V, 3) metres.
-        faces: vertex indices of each polygon, counter-clockwise seen from outside.
-        uvs: (u, v) of each corner of each face, or None where no texture is needed.
-        smooth: round shading; hard edges are made by not sharing vertices.
+        faces: vertex indices of each polygon, counter-clockwise when viewed from outside.
+        uvs: (u, v) of each corner of each face, or None without a texture.
+        smooth: smooth shading; hard edges have separate vertices.
     """
 
     vertices: np.ndarray
@@ -56,7 +56,7 @@ class Part:
 
         Args:
             metres: length that the image covers.
-            grain: axis (0, 1, 2) along which the image's u runs where the face allows it.
+            grain: axis (0, 1, 2) of the image's u direction where the face allows it.
         """
         uvs = []
         for face in self.faces:
@@ -77,7 +77,7 @@ class Part:
 
 
 def face_normal(corners: np.ndarray) -> np.ndarray:
-    """Area normal (Newell's sum, so that any polygon will do)."""
+    """Area normal (Newell's sum, for any polygon)."""
     return np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
 
 
@@ -97,7 +97,7 @@ def bounds(parts: Sequence[Part]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def fitted(parts: Sequence[Part], size: Sequence[float], centre: Sequence[float]) -> list[Part]:
-    """The parts stretched slightly, so that the box around them has exactly this size and place."""
+    """The parts, stretched slightly so that their bounding box has exactly this size and position."""
     low, high = bounds(parts)
     have = high - low
     factor = np.where(have > 1e-9, np.asarray(size) / np.where(have > 1e-9, have, 1.0), 1.0)
@@ -115,6 +115,6 @@ def mirrored_x(parts: list[Part]) -> list[Part]:
 
 
 def in_frame_of(parts: Sequence[Part], turned: Sequence[float]) -> list[Part]:
-    """Parts that were built along the world's axes, in the frame of an object with this Euler XYZ rotation (rad)."""
+    """Convert parts in the axes of the world to the frame of an object with this Euler XYZ rotation (rad)."""
     frame = rotation(*np.degrees(turned))
     return [replace(part, vertices=part.vertices @ frame) for part in parts]

@@ -1,4 +1,4 @@
-"""The floor of the sandbox, 18 m square, and what stands around it; its rim ends 10.45 m from the middle."""
+"""The floor of the sandbox, 18 m square, and its surroundings; its rim ends 10.45 m from the centre."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FLOOR, INNER, OUTER, TOP, BOTTOM = -0.002, 9.0, 10.45, 0.4995, -0.505
 TILES = 15
-PAINT = 0.0035  # painted marks lie this much above the floor, so that no viewer confuses the two
+PAINT = 0.0035  # height of painted marks above the floor, against z-fighting
 
 
 @dataclass
@@ -42,7 +42,7 @@ def playground(paints: Paints, saw: Carpenter) -> list[Part]:
 
 
 def floor(paints: Paints) -> list[Part]:
-    """Rubber tiles in two shades; the picture on each is one tile."""
+    """Rubber tiles in two shades; each texture is one tile."""
     size = 2 * INNER / TILES
     tile = rectangle(size, size).stretched_over((0, 1))
     places = list(product(range(TILES), repeat=2))
@@ -53,7 +53,7 @@ def floor(paints: Paints) -> list[Part]:
 
 
 def marks(paints: Paints) -> list[Part]:
-    """A round place in the middle that says M, coloured corners, and a greeting in Morse code along each side."""
+    """A round area in the centre with an M, coloured corners, and a greeting in Morse code along each side."""
     z = FLOOR + PAINT
     cream = paints.marks["cream"]
     parts = [

@@ -1,4 +1,4 @@
-"""Pictures for walls and screens that give cameras something to look at; (H, W, 3) sRGB, row 0 at the top."""
+"""Images for walls and screens, as targets for cameras; (H, W, 3) sRGB, row 0 at the top."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def alphabet() -> np.ndarray:
 
 
 def checkerboard() -> np.ndarray:
-    """Squares for calibrating cameras: 7 x 12, black on white."""
+    """A chequerboard for camera calibration: 7 x 12, black on white."""
     picture = blank("#ffffff")
     side, top, left = 36, 20, 18
     rows, columns = np.mgrid[0:12, 0:7]
@@ -99,7 +99,7 @@ def plate(text: str) -> np.ndarray:
 
 
 def sketch() -> np.ndarray:
-    """What is left on a whiteboard after a meeting: boxes, arrows and a plan."""
+    """A whiteboard after a meeting: boxes, arrows and a plan."""
     picture = np.broadcast_to(srgb("#fdfdfb"), (256, 400, 3)).copy()
     ink = {"blue": srgb("#2b57b8"), "red": srgb("#c8322b"), "green": srgb("#2c8a45")}
     for top, left, text, color in ((36, 30, "SENSE", "blue"), (36, 160, "PLAN", "green"), (36, 290, "ACT", "red")):

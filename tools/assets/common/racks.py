@@ -1,4 +1,4 @@
-"""Pallet racks: posts, beams and shelves, with cartons on pallets; everything is made of boxes.
+"""Pallet racks: posts, beams and shelves, with cartons on pallets; all parts are boxes.
 
 A rack runs along X and is open towards -Y; it stands on z=0, its middle over the origin.
 """
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
     from common.parts import Part
 
-#: depth of a rack, height of its posts, and of its shelves
+#: depth of a rack, height of its posts and of its shelves
 DEPTH, POSTS, LEVELS = 1.05, 4.6, (0.0, 1.7, 3.3)
 PALLET = (1.2, 0.8, 0.144)
 
 
 @dataclass
 class Goods:
-    """The materials of racks and what is in them."""
+    """The materials of racks and their contents."""
 
     post: bpy.types.Material
     beam: bpy.types.Material
@@ -77,7 +77,7 @@ def carton(size: int, low: str, high: str, tape: str, seed: int) -> np.ndarray:
 
 
 def rack(goods: Goods, bays: int, bay: float, seed: int) -> list[Part]:
-    """A row of bays, each with room for two pallets on each level."""
+    """A row of bays, each with space for two pallets on each level."""
     random, length = np.random.default_rng(seed), bays * bay
     parts = []
     for x in np.linspace(-length / 2, length / 2, bays + 1):
@@ -105,7 +105,7 @@ def pallet(goods: Goods) -> list[Part]:
 
 
 def load(goods: Goods, random: np.random.Generator, most: float) -> list[Part]:
-    """Cartons or totes on a pallet, at most so high, m."""
+    """Cartons or totes on a pallet, up to a maximum height, m."""
     paint = goods.cartons[int(random.choice(5, p=(0.36, 0.26, 0.14, 0.12, 0.12)))]
     along, layers = int(random.integers(1, 3)), int(random.integers(1, 4))
     high, size = most * random.uniform(0.75, 1.0) / 3, 1.1 / along
@@ -118,7 +118,7 @@ def load(goods: Goods, random: np.random.Generator, most: float) -> list[Part]:
 
 
 def whole(shape: Part) -> Part:
-    """The picture of a carton fills each of its faces."""
+    """The texture of a carton fills each of its faces."""
     uvs = []
     for face in shape.faces:
         points = shape.vertices[list(face)]

@@ -19,7 +19,7 @@ Opening = tuple[float, float, float, float]
 def wall(
     start: tuple[float, float], end: tuple[float, float], openings: Sequence[Opening], thick: float, height: float
 ) -> list[Part]:
-    """Boxes of a wall on z=0; its ends reach half its thickness further.
+    """Boxes of a wall on z=0; its ends extend by half its thickness.
 
     Args:
         openings: start and end along the wall, lower and upper edge, m.
@@ -44,11 +44,11 @@ def wall(
 def trim(
     start: tuple[float, float], end: tuple[float, float], openings: Sequence[Opening], thick: float
 ) -> tuple[list[Part], list[Part]]:
-    """Skirting boards on both sides of a wall, and frames around its openings, which leave their width free."""
+    """Skirting boards on both sides of a wall, and frames around its openings, which keep their full width."""
     line = np.array(end) - np.array(start)
     length, angle = float(np.hypot(*line)), float(np.degrees(np.arctan2(line[1], line[0])))
     skirting, frames, place = [], [], -thick / 2
-    # a frame reaches a little further than the end of the wall that it covers
+    # a frame extends a little beyond the end of the wall that it covers
     deep, broad, lip = thick + 0.05, 0.06, 0.003
 
     def bar(x0: float, x1: float, z0: float, z1: float) -> None:

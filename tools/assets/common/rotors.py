@@ -1,4 +1,4 @@
-"""Propellers and what turns them, seen from above, turning about Z."""
+"""Propellers and motors, rotating about Z."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Primitives, as parts centred on the origin unless said otherwise; metres."""
+"""Primitives, as parts centred on the origin unless stated otherwise; metres."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 SHARP = np.radians(40.0)
-CAP = 3  # rings of the round end of a tube
+CAP = 3  # number of rings of the round end of a tube
 
 
 def box(x: float, y: float, z: float, chamfer: float = 0.0) -> Part:
@@ -23,7 +23,7 @@ def box(x: float, y: float, z: float, chamfer: float = 0.0) -> Part:
         vertices = np.array(list(product(*((-h, h) for h in half))))
         faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
         return Part(vertices, faces, smooth=False)
-    # three vertices at each corner, one on every face that meets there
+    # three vertices at each corner, one on each adjacent face
     corners = list(product((0, 1), repeat=3))
     vertices = np.array(
         [
@@ -51,7 +51,7 @@ def box(x: float, y: float, z: float, chamfer: float = 0.0) -> Part:
 
 
 def rounded_box(x: float, y: float, z: float, radius: float, segments: int = 3) -> Part:
-    """A box with round edges. ``segments`` faces cover half an edge's quarter circle."""
+    """A box with round edges. ``segments`` is the number of faces of a quarter circle."""
     half = np.array([x, y, z]) / 2
     inner = np.maximum(half - radius, 0.0)
     bevel = np.tan(np.linspace(np.pi / 4, 0.0, segments + 1))
@@ -78,7 +78,7 @@ def rounded_box(x: float, y: float, z: float, radius: float, segments: int = 3) 
 
 
 def ellipsoid(x: float, y: float, z: float, squareness: float = 0.0, columns: int = 32, rows: int = 16) -> Part:
-    """An ellipsoid of these half axes; ``squareness`` (0..1) blows it up towards a box."""
+    """An ellipsoid with these semi-axes; ``squareness`` (0..1) deforms it towards a box."""
     power = 1.0 - 0.8 * squareness
 
     def curve(value: np.ndarray) -> np.ndarray:
@@ -103,9 +103,9 @@ def sphere(radius: float, columns: int = 32, rows: int = 16) -> Part:
 
 
 def lathe(profile: Sequence[tuple[float, float]], columns: int = 32) -> Part:
-    """A profile of (radius, height) turned about Z; corners sharper than 40 degrees stay sharp.
+    """A profile of (radius, height) rotated about Z; corners sharper than 40 degrees stay sharp.
 
-    The profile runs upwards with the outside on its right: from the bottom centre to the top centre for a solid.
+    The profile runs upwards with the outside on its right: for a solid, from the bottom centre to the top centre.
     """
     points = np.array(profile, dtype=float)
     runs = [[0]]
@@ -175,21 +175,21 @@ def tube(
     rings = []
     angle = np.arange(columns) * 2 * np.pi / columns
     for centre, tangent, r in zip(path, tangents, radii, strict=True):
-        side = side - tangent * (side @ tangent)  # the frame slides along without twist
+        side = side - tangent * (side @ tangent)  # the frame moves along without twist
         side /= np.linalg.norm(side)
         up = np.cross(tangent, side)
         rings.append(centre + max(r, 0.0) * (np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * up))
     part = welded(np.concatenate(rings), _tube_faces(len(rings), columns))
     if round_ends:
         return part
-    # flat ends with corners of their own, so that the edge stays sharp
+    # flat ends with separate vertices, so that the edge is sharp
     count = len(part.vertices)
     ends = [tuple(range(count + columns - 1, count - 1, -1)), tuple(range(count + columns, count + 2 * columns))]
     return Part(np.concatenate([part.vertices, rings[0], rings[-1]]), [*part.faces, *ends])
 
 
 def prism(outline: Sequence[tuple[float, float]], height: float) -> Part:
-    """A flat polygon (counter-clockwise in XY) raised from z=0 to ``height``, with hard edges."""
+    """A flat polygon (counter-clockwise in XY) extruded from z=0 to ``height``, with hard edges."""
     count = len(outline)
     ring = np.array(outline, dtype=float)
     low, high = (np.column_stack([ring, np.full(count, z)]) for z in (0.0, height))
@@ -199,13 +199,13 @@ def prism(outline: Sequence[tuple[float, float]], height: float) -> Part:
 
 
 def sheet(outline: Sequence[tuple[float, float]]) -> Part:
-    """A flat polygon in the XY plane, seen from above."""
+    """A flat polygon in the XY plane, facing up."""
     ring = np.array(outline, dtype=float)
     return Part(np.column_stack([ring, np.zeros(len(ring))]), [tuple(range(len(ring)))], smooth=False)
 
 
 def rectangle(x: float, y: float) -> Part:
-    """A flat rectangle in the XY plane, seen from above."""
+    """A flat rectangle in the XY plane, facing up."""
     return sheet([(-x / 2, -y / 2), (x / 2, -y / 2), (x / 2, y / 2), (-x / 2, y / 2)])
 
 
@@ -218,7 +218,7 @@ def pill(length: float, width: float, segments: int = 8) -> list[tuple[float, fl
 
 
 def welded(vertices: np.ndarray, faces: list[tuple[int, ...]]) -> Part:
-    """Merge vertices at the same place and drop the faces that vanish."""
+    """Merge vertices at the same position and remove degenerate faces."""
     _, first, index = np.unique(np.round(vertices, 6), axis=0, return_index=True, return_inverse=True)
     index = index.reshape(-1)
     kept = []
@@ -231,7 +231,7 @@ def welded(vertices: np.ndarray, faces: list[tuple[int, ...]]) -> Part:
 
 
 def _outward(vertices: np.ndarray, faces: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    """Each face of a convex body around the origin turned to look outwards."""
+    """Orient each face of a convex body around the origin outwards."""
     result = []
     for face in faces:
         corners = vertices[list(face)]

@@ -1,4 +1,4 @@
-"""The light of a world: colour of the sky, a sun, and light from the sky."""
+"""The lighting of a world: colour of the sky, a sun, and light from the sky."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from common.objects import lamp
 
 
 def sky(color: str, strength: float = 0.8) -> None:
-    """What is seen, and shines, where nothing else is."""
+    """The background of the world, and its light."""
     world = bpy.data.worlds.new("World")
     world.color = linear(color)
     world.use_nodes = True

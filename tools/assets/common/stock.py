@@ -1,4 +1,4 @@
-"""The materials that furniture is made of."""
+"""The materials of furniture."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Stock:
-    """Materials of the joinery; each is made when the first piece asks for it: files hold only what they show."""
+    """Materials of furniture; each is created on first use, so that files contain only used materials."""
 
     saw: Carpenter = field(default_factory=lambda: Carpenter(41))
     _made: dict[str, bpy.types.Material] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class Stock:
         return self._made[name]
 
     def add(self, name: str, make: Callable[[], bpy.types.Material]) -> None:
-        """Another material, made when it is first asked for."""
+        """Another material, created on first use."""
         self._later[name] = make
 
     def board(self, x: float, y: float, z: float, wood: str, chamfer: float = 0.004) -> Part:

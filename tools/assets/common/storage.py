@@ -128,7 +128,7 @@ def drawer_block(stock: Stock, w: float, d: float, h: float, rows: int = 3) -> l
 
 
 def bin_of_pieces(stock: Stock, radius: float, height: float, paint: str, segments: int = 12) -> list[Part]:
-    """An open bin with a white rim; each piece of its wall is convex, so that things really fall in."""
+    """An open bin with a white rim; each piece of its wall is convex, so that objects can fall in."""
     floor = [(0, 0), (radius * 0.82, 0.0), (radius * 0.83, 0.012), (0, 0.012)]
     parts = [lathe(floor, segments * 2).painted(stock[paint])]
     for low, high, color in ((0.0, 0.9, paint), (0.9, 1.0, "white")):

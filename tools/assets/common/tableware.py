@@ -1,4 +1,4 @@
-"""Things for a kitchen table, middle at the origin, in about their usual size: objects are fitted to theirs."""
+"""Objects for a kitchen table, centred on the origin, in about their usual size; objects are scaled to their own."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def spatula(stock: Stock) -> list[Part]:
 
 
 def packet(x: float, y: float, z: float, name: str, color: str, accent: str) -> list[Part]:
-    """A carton with a word on its broad sides, which look along the shorter of X and Y."""
+    """A carton with a word on its broad sides, which face along the shorter of X and Y."""
     picture = np.broadcast_to(srgb(color), (128, 96, 3)).copy()
     picture[70:128] = srgb(accent)
     yy, xx = np.mgrid[0:128, 0:96]
@@ -115,7 +115,7 @@ def packet(x: float, y: float, z: float, name: str, color: str, accent: str) -> 
 
 
 def mirrored_where_needed(corners: np.ndarray, uv: np.ndarray, along: int) -> np.ndarray:
-    """Words read from left to right on both broad sides."""
+    """Words that read from left to right on both broad sides."""
     across = 1 - along
     outwards = corners[:, across].mean()
     flip = outwards > 1e-9 if along == 0 else outwards < -1e-9
@@ -150,7 +150,7 @@ def butter_dish(stock: Stock) -> list[Part]:
 
 
 def cooker(stock: Stock) -> list[Part]:
-    """A plate to cook on, its switch at +X."""
+    """A hot plate, with its switch at +X."""
     return [
         rounded_box(0.28, 0.28, 0.06, 0.015, 2).painted(stock["white"]),
         cylinder(0.095, 0.02, 0.004, 36).moved(z=0.036).painted(stock["black"]),

@@ -1,4 +1,4 @@
-"""Land: flat where there is no reason to rise, with hills towards its borders."""
+"""Land: flat around given positions, with hills towards its borders."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 
     from common.objects import Triple
 
-SPREAD = 6.0  # metres: how far a given height reaches
-SMOOTH = 0.05  # how little a given height counts against its neighbours
+SPREAD = 6.0  # metres: range of a given height
+SMOOTH = 0.05  # smoothing of given heights
 
 
 class Terrain:
-    """A height for every place of a rectangle.
+    """A height for every position of a rectangle.
 
     Args:
         low: smallest (x, y).
         high: largest (x, y).
         rise: height of the hills near the border, m.
-        level: places and the heights that the land has there.
+        level: positions and their heights.
     """
 
     def __init__(self, low: Sequence[float], high: Sequence[float], rise: float, level: Sequence[Triple], seed: int):
@@ -40,7 +40,7 @@ class Terrain:
             self._weights = np.linalg.solve(self._reach(self._places) + SMOOTH * np.eye(len(level)), missing)
 
     def __call__(self, places: np.ndarray) -> np.ndarray:
-        """Heights at (N, 2) places."""
+        """Heights at (N, 2) positions."""
         heights = self._hills(places)
         if len(self._places):
             heights = heights + self._reach(places) @ self._weights
@@ -61,7 +61,7 @@ class Terrain:
         return self.rise * np.clip((edge - 0.72) / 0.28, 0.0, 1.0) ** 1.5 * np.clip(0.55 + 0.22 * waves, 0.0, 1.0)
 
     def part(self, cell: float, paint: bpy.types.Material, metres: float) -> Part:
-        """The surface in squares of about ``cell`` metres, its picture seen from above."""
+        """The surface in squares of about ``cell`` metres, with a texture from above."""
         counts = [max(round(extent / cell), 1) + 1 for extent in self.high - self.low]
         x, y = (np.linspace(a, b, n) for a, b, n in zip(self.low, self.high, counts, strict=True))
         grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Pictures of surfaces as arrays (H, W, 3), sRGB 0..1; all of them tile without a seam unless they say otherwise."""
+"""Textures as arrays (H, W, 3), sRGB 0..1; all of them tile without a seam unless stated otherwise."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from common.colors import srgb
 
 
 def noise(size: int, grain: float, seed: int, stretch: float = 1.0) -> np.ndarray:
-    """Smooth periodic noise (size, size), mean 0, deviation 1.
+    """Smooth periodic noise (size, size), mean 0, standard deviation 1.
 
     Args:
-        grain: typical spots across the picture, top to bottom.
-        stretch: how much longer than high the spots are.
+        grain: number of spots across the image, from top to bottom.
+        stretch: ratio of length to height of the spots.
     """
     white = np.random.default_rng(seed).normal(size=(size, size))
     fy, fx = np.meshgrid(np.fft.fftfreq(size) * size, np.fft.fftfreq(size) * size, indexing="ij")
@@ -56,13 +56,13 @@ def planks(size: int, dark: str, light: str, boards: int, seed: int) -> np.ndarr
 
 
 def speckle(size: int, low: str, high: str, seed: int, coarse: float = 6.0, fine: float = 45.0) -> np.ndarray:
-    """Cloudy paint, rubber, plaster or grass, as the colours say."""
+    """Cloudy paint, rubber, plaster or grass, depending on the colours."""
     share = 0.5 + 0.17 * noise(size, coarse, seed) + 0.10 * noise(size, fine, seed + 1)
     return blend(low, high, share)
 
 
 def lines(size: int, count: int, width: float) -> np.ndarray:
-    """(size, size) mask of ``count`` squares a side: 1 on their borders, ``width`` as a share of a square."""
+    """(size, size) mask of ``count`` squares per side: 1 on their borders, ``width`` as a share of a square."""
     place = (np.arange(size) + 0.5) / size * count
     distance = np.abs(place - np.round(place))
     soft = count / size

@@ -14,7 +14,7 @@ from common.parts import Part
 from common.shapes import box
 from common.textures import speckle
 
-STOREY = 3.0  # metres: one picture covers one window, so wide and so high
+STOREY = 3.0  # metres: width and height that one texture with one window covers
 FACADES = (
     ("Facade Cream", "#efe3c6"),
     ("Facade Rose", "#e0a08c"),
@@ -31,7 +31,7 @@ class Masonry:
 
     @classmethod
     def make(cls) -> Masonry:
-        """The materials, which all houses of a file share."""
+        """The materials, shared by all houses of a file."""
         made = bpy.data.materials
         facades = [
             made.get(name)
@@ -77,7 +77,7 @@ def house(masonry: Masonry, x: float, y: float, storeys: int, look: int) -> list
 
 
 def wall_box(x: float, y: float, height: float) -> Part:
-    """A box on z=0 whose pictures start at the corners of each wall."""
+    """A box on z=0 whose textures start at the corners of each wall."""
     part = box(x, y, height).moved(z=height / 2)
     uvs = []
     for face in part.faces:
@@ -101,7 +101,7 @@ def tower(masonry: Masonry, x: float, y: float, storeys: int, look: int) -> list
 
 
 def quarter(masonry: Masonry, x: float, y: float, height: float, seed: int) -> list[Part]:
-    """Houses on all plots of x times y metres, the tallest about ``height`` high."""
+    """Houses on all plots of x times y metres, with a maximum height of about ``height``."""
     random = np.random.default_rng(seed)
     columns, rows = max(round(x / 15.0), 1), max(round(y / 15.0), 1)
     plot_x, plot_y = x / columns, y / rows

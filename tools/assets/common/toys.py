@@ -1,4 +1,4 @@
-"""Things to bump into."""
+"""Obstacles."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 def ball(radius: float, material: bpy.types.Material) -> Part:
-    """A ball whose picture is wrapped around it: u along the equator, v up."""
+    """A ball with a texture wrapped around it: u along the equator, v up."""
     shape = sphere(radius, 32, 16)
     uvs = []
     for face in shape.faces:
         corners = shape.vertices[list(face)]
         middle = corners.mean(axis=0)
         longitude = np.arctan2(corners[:, 1], corners[:, 0]) - (around := np.arctan2(middle[1], middle[0]))
-        longitude = (longitude + np.pi) % (2 * np.pi) - np.pi  # a face that straddles the seam stays whole
+        longitude = (longitude + np.pi) % (2 * np.pi) - np.pi  # a face across the seam stays whole
         longitude[np.hypot(corners[:, 0], corners[:, 1]) < 1e-6] = 0.0
         latitude = np.arcsin(np.clip(corners[:, 2] / radius, -1, 1))
         uvs.append(np.column_stack([(around + longitude) / (2 * np.pi), latitude / np.pi + 0.5]))
@@ -54,7 +54,7 @@ def stool(saw: Carpenter, seat: bpy.types.Material, legs: bpy.types.Material) ->
 
 
 def screen(front: bpy.types.Material, frame: bpy.types.Material) -> list[Part]:
-    """A pin board on two feet that shows its picture to both sides (+X and -X); it stands on z=0, 1.71 m high."""
+    """A pin board on two feet with its texture on both sides (+X and -X); it stands on z=0, 1.71 m high."""
     height, width, sill = 1.62, 0.93, 0.07
     parts = []
     for turn in (0, 180):
@@ -83,7 +83,7 @@ def ramp(saw: Carpenter, deck: bpy.types.Material, stripe: bpy.types.Material, s
     parts += [rounded_box(0.09, length, 0.24, 0.03, 2).moved(s * 1.41, 0, 0.06).painted(side) for s in (1, -1)]
     parts += [saw.board(0.08, length - 0.3, 0.16, deck).moved(x, 0, 0.05) for x in (-0.7, 0.0, 0.7)]
     parts = [p.turned(x=-tilt).moved(0, 1.21, 0.433) for p in parts]
-    # nothing reaches below the floor
+    # no part is below the floor
     parts = [Part(np.maximum(p.vertices, [-9, -9, 0.0]), p.faces, p.material, p.uvs, p.smooth) for p in parts]
     parts += [saw.board(0.26, 0.36, 0.80, deck).moved(x, -1.1, 0.40) for x in (-1.2, 0.0, 1.2)]
     parts += [saw.board(2.7, 0.05, 0.13, deck).moved(0, -1.29, z) for z in (0.12, 0.42, 0.72)]

@@ -1,4 +1,4 @@
-"""Wheels, turning about Z, with their outer side towards +Z."""
+"""Wheels that rotate about Z, with their outer side towards +Z."""
 
 from __future__ import annotations
 

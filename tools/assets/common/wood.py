@@ -1,4 +1,4 @@
-"""Boards, and the pictures of wood they carry."""
+"""Boards, and wood textures."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def wooden(name: str, dark: str, light: str, seed: int, roughness: float = 0.75,
 def planked(
     name: str, dark: str, light: str, seed: int, boards: int = 4, roughness: float = 0.75
 ) -> bpy.types.Material:
-    """A material that shows boards side by side, the grain along u."""
+    """A material with boards side by side, the grain along u."""
     picture = packed(f"{name.lower().replace(' ', '_')}.jpg", planks(512, dark, light, boards, seed))
     return material(name, light, roughness, image=picture)
 
 
 class Carpenter:
-    """Cuts boards that each show another piece of the same wood."""
+    """Cuts boards, each with another piece of the same texture."""
 
     def __init__(self, seed: int, metres: float = 0.7):
         self._random = np.random.default_rng(seed)
@@ -43,7 +43,7 @@ class Carpenter:
         return self.cut(box(x, y, z, min(chamfer, 0.4 * min(x, y, z))), material)
 
     def cut(self, shape: Part, material: bpy.types.Material) -> Part:
-        """A shape that gets the grain along its longest side."""
+        """A shape with the grain along its longest side."""
         extent = np.ptp(shape.vertices, axis=0)
         offset = self._random.uniform(0.0, 1.0, 2)
         return shape.mapped(self._metres, grain=int(np.argmax(extent)), offset=offset).painted(material)

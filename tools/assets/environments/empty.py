@@ -1,4 +1,4 @@
-"""An endless-looking laboratory floor: a grid of 1 m that helps to judge distances, and nothing else."""
+"""A very large laboratory floor: a grid of 1 m for judging distances, and no objects."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from common.shapes import box
 from common.sky import sky, sunshine
 from common.textures import lines, speckle
 
-TILE = 4.0  # metres that one picture covers
+TILE = 4.0  # metres that one texture covers
 
 
 def build() -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from common.parts import Part
 
 TOWN = (18.3, 41.8, 6.82)
-#: what stands for a collection: name, position, Euler XYZ
+#: instances of collections: name, position, Euler XYZ
 COPIES = {
     "fence_long": (
         ("fence_long.001", (-1.39, 2.46, -0.06), (0, 0, 0)),
@@ -131,7 +131,7 @@ COPIES = {
         ("volcano_rock2.002", (91.8, -64.3, -3.96), (0, 0, -1.4)),
     ),
 }  # fmt: skip
-#: what the instances of the crates, which are bodies, show
+#: the visible meshes of the instances of crates, which are bodies
 CRATES = {"small_crate": "closed", "large_crate": "big", "transport_box": "open"}
 
 
@@ -151,14 +151,14 @@ def build() -> None:
 
 
 def shown(name: str, foot: tuple[float, float, float]) -> bpy.types.Collection:
-    """A collection whose objects stand in the world, and can be shown elsewhere with ``foot`` at another place."""
+    """A collection whose objects are in the world, and can be instantiated with ``foot`` at another position."""
     group = collection(name)
     group.instance_offset = foot
     return group
 
 
 def originals() -> dict[str, bpy.types.Collection]:
-    """The first of each kind. Instances show it turned as it stands here."""
+    """The first object of each kind. Instances are rotated relative to it."""
     greens, stock = Greens.make(), Stock()
     stone = material("Lava", "#6b6662", 0.95)
     still, soft = {"physics_type": "STATIC"}, {"physics_type": "NO_COLLISION"}
@@ -275,7 +275,7 @@ def rails(stock: Stock) -> list[Part]:
 
 
 def crates() -> dict[str, bpy.types.Collection]:
-    """Crates to push around; the ones that are copied stand nowhere themselves."""
+    """Crates to push; the originals of copies are not in the world."""
     planks, frame, wall, iron = crate_woods()
     made = {
         "small_crate": small_crate(CRATES["small_crate"], wall, frame),

@@ -1,4 +1,4 @@
-"""The playground where new simulations start: balls, stools, screens and a ramp inside a fence, on a meadow."""
+"""The playground of new simulations: balls, stools, screens and a ramp inside a fence, on a meadow."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def arena(planks) -> None:
         hidden_box(f"fence_bb{number}", (0.072, 16.3, 0.647), at, (0, 0, turn), **fixed)
     white = material("Fence", WHITE, 0.6)
     for number, (at, turn) in enumerate(FENCES, 1):
-        # one box a fence: the pickets are too close for anything to pass
+        # one box per fence: the gaps between the pickets are too small for robots
         exact(
             f"fence.{number:03}",
             fence(white),

@@ -56,7 +56,7 @@ def build() -> None:
             "box",
         ),
     ):
-        # built as they stand in the world, whatever the axes of the object
+        # built in the axes of the world, whatever the axes of the object
         own = in_frame_of(parts, turned)
         low, high = bounds(own)
         own = [p.moved(*-(low + high) / 2) for p in own]
@@ -64,7 +64,7 @@ def build() -> None:
 
 
 def tower(stock: Stock) -> list[Part]:
-    """Its front looks along +X."""
+    """Its front faces +X."""
     parts = [rounded_box(0.462, 0.212, 0.482, 0.012, 2).painted(stock["black"])]
     parts += [box(0.006, 0.16, 0.035, 0.002).moved(0.231, 0, z).painted(stock["stone"]) for z in (0.17, 0.12)]
     parts += [box(0.006, 0.15, 0.006).moved(0.231, 0, z).painted(stock["stone"]) for z in (-0.05, -0.08, -0.11, -0.14)]
@@ -72,7 +72,7 @@ def tower(stock: Stock) -> list[Part]:
 
 
 def keys(stock: Stock) -> list[Part]:
-    """Typed on from +X."""
+    """Used from +X."""
     parts = [rounded_box(0.247, 0.558, 0.025, 0.008, 2).painted(stock["black"])]
     key = box(0.034, 0.033, 0.012, 0.002).painted(stock["white"])
     places = product(range(5), range(14))

@@ -1,4 +1,4 @@
-"""Wooden crates: one to hide things in the way, two that are open inside."""
+"""Wooden crates: one closed crate as an obstacle, two open ones."""
 
 from __future__ import annotations
 

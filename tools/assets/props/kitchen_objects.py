@@ -1,4 +1,4 @@
-"""What a breakfast table needs, side by side."""
+"""Objects of a breakfast table, side by side."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def build() -> None:
 
 
 def book(thick: float, deep: float, high: float, cover, paper, gold) -> list[Part]:
-    """A book that stands, its back towards -Y."""
+    """A standing book, its back towards -Y."""
     lid = min(0.004, thick * 0.15)
     parts = [box(lid, deep, high, lid * 0.3).moved(s * (thick - lid) / 2, 0, 0).painted(cover) for s in (1, -1)]
     parts.append(rounded_box(thick, lid * 2, high, lid * 0.9, 1).moved(0, -deep / 2 + lid, 0).painted(cover))

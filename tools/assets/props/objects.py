@@ -1,4 +1,4 @@
-"""Things for a flat or an office, each an empty with its shapes below, in a collection of its own."""
+"""Objects for a flat or an office, each an empty with its shapes as children, in its own collection."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def body(name: str, at, turned=(0, 0, 0), **options):
 
 
 def standing(name: str, parts, size, at, turned, parent, **options):
-    """A mesh whose origin is the middle of its bounding box."""
+    """A mesh whose origin is the centre of its bounding box."""
     low, high = bounds(parts)
     middle = (low + high) / 2
     return exact(name, [p.moved(*-middle) for p in parts], size, (0, 0, 0), at, turned, parent=parent, **options)

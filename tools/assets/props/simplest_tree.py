@@ -1,4 +1,4 @@
-"""A tree for worlds with very many of them: a cylinder and a crown of twenty faces a lump."""
+"""A tree for worlds with very many trees: a cylinder and a crown of lumps with twenty faces."""
 
 from __future__ import annotations
 

@@ -36,11 +36,11 @@ def build() -> None:
         linear_damping=0.025,
         angular_damping=0.18,
     )
-    # the wheels are for the eye only: this box carries the robot, with its origin 0.1 m above the ground
+    # the wheels do not collide: this box supports the robot, with its origin 0.1 m above the ground
     hidden_box("ATRV_bb", (0.92, 0.99, 0.36), (0.025, 0, 0.18), parent=root, physics_type="RIGID_BODY", mass=1.0)
     for name, at, turned in WHEELS:
         wheel = [*tread_tyre(0.2, 0.16, 0.11, rubber), *dish(0.11, 0.13, rim, black)]
-        # the outer side of a wheel looks along its local +Z, the hull is on the other side
+        # the outer side of a wheel is its local +Z, the hull is on the other side
         exact(
             name,
             [p.moved(z=-0.128) for p in wheel],

@@ -78,7 +78,7 @@ def top(shell, cream, black, steel, glass) -> list[Part]:
 
 
 def door(radius: float, degrees: float, height: float) -> Part:
-    """A piece of a cylinder's wall, its middle on the X axis."""
+    """A piece of the wall of a cylinder, centred on the X axis."""
     angles = np.radians(np.linspace(-degrees / 2, degrees / 2, 9))
     arc = np.column_stack([radius * np.cos(angles), radius * np.sin(angles)])
     low, high = (np.column_stack([arc, np.full(len(arc), z)]) for z in (-height / 2, height / 2))

@@ -1,4 +1,4 @@
-"""A big off-road vehicle. As in MORSE from the start, it drives along its own Y axis; at rest that is the world's X."""
+"""A large off-road vehicle. As in MORSE 1.4, it drives along its own Y axis; at rest that is the world's X."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build() -> None:
         "Hummer", body, (2.66, 5.5, 1.9), (0.021, -0.484, 0.423), turned=HEADING,
         physics_type="RIGID_BODY", collision="convex", compound=1, mass=10.0,
     )  # fmt: skip
-    # stands in for the wheels, which are for the eye only, until something else carries the car
+    # supports the car instead of the wheels, which do not collide, until an actuator does
     hidden_box("Hummer_bb", (4.86, 2.9, 0.5), (-0.35, 0, -0.73), parent=root, physics_type="RIGID_BODY", mass=1.0)
     for name, x, side in (("wheel1", FRONT, 1), ("wheel2", FRONT, -1), ("wheel3", REAR, 1), ("wheel4", REAR, -1)):
         wheel = [*tread_tyre(0.48, 0.48, 0.27, rubber, 22), *dish(0.27, 0.40, steel, black, 8)]

@@ -67,7 +67,7 @@ def build() -> None:
 
 
 def scanner(blue, black) -> list:
-    """One laser scanner that looks along +X, its front at x=0.41."""
+    """One laser scanner that faces +X, its front at x=0.41."""
     return [
         rounded_box(0.13, 0.2, 0.09, 0.02, 2).moved(0.33, 0, 0.046).painted(blue),
         rounded_box(0.11, 0.18, 0.05, 0.02, 2).moved(0.32, 0, 0.165).painted(blue),

@@ -17,7 +17,7 @@ def build() -> None:
         angular_damping=0.66,
     )
     hidden_box("morsy_bb", (0.786, 1.116, 1.682), (0, 0, 0.855), parent=root, physics_type="RIGID_BODY", mass=1.0)
-    # the hull ends 14 mm above the origin; this carries the robot so that the origin rests on the floor
+    # the hull ends 14 mm above the origin; this shape supports the robot with the origin on the floor
     hidden_box("morsy_base_bb", (0.786, 1.116, 0.1), (0, 0, 0.05), parent=root, physics_type="RIGID_BODY", mass=1.0)
     parts = [part.moved(z=-0.744) for part in morsy_parts()]
     exact(

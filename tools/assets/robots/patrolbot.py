@@ -78,7 +78,7 @@ def drive(root, rubber, steel, black, rigid) -> None:
 
 
 def casters(root, rubber, steel, rigid) -> None:
-    """The wheels of the rear casters hang under the swivel of the other side's name, as they always did."""
+    """The wheels of the rear casters are children of the swivel with the name of the other side, as in MORSE 1.4."""
     swivels = {}
     for name, at, centre in (
         ("Swivel_F", (0.178, 0.005, 0.063), (0.004, 0, 0.001)),

@@ -33,7 +33,7 @@ def build() -> None:
         HasSuspension=True,
     )
     for name, side in (("Wheel_L", 1), ("Wheel_R", -1)):
-        # both wheels turn about the same axis; the outer side is on the left one's -Z, on the right one's +Z
+        # both wheels rotate about the same axis; the outer side of the left one is -Z, that of the right one +Z
         wheel = [*tyre(0.0975, 0.05, 0.06, rubber), *dish(0.06, 0.052, steel, black)]
         parts = [p.turned(x=90 + 90 * side).moved(z=-0.001 * side) for p in wheel]
         exact(

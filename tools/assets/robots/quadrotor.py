@@ -15,7 +15,7 @@ from common.shapes import cylinder, ellipsoid, rounded_box, sphere, tube
 if TYPE_CHECKING:
     from common.parts import Part
 
-ARM = 0.131  # of each propeller from the middle, along X and along Y
+ARM = 0.131  # distance of each propeller from the centre, along X and along Y
 GUARD = 0.163
 
 
@@ -69,14 +69,14 @@ def build() -> None:
 
 
 def guard(front: int, side: int) -> Part:
-    """The outer arc of a ring, up to where the rings of the two neighbours cross it."""
+    """The outer arc of a ring, up to its intersections with the rings of the two neighbours."""
     crossing = np.arccos(ARM / GUARD)
     angles = np.linspace(crossing - np.pi / 2, np.pi - crossing, 27)
     return tube([(front * GUARD * np.cos(a), side * GUARD * np.sin(a), 0.0) for a in angles], 0.006, 8)
 
 
 def airframe(black, steel, coral) -> list:
-    """The machine standing on z=0, 0.6 m wide."""
+    """The quadrotor, standing on z=0, 0.6 m wide."""
     shell, cream = material("Shell", TEAL, 0.35), material("Cream", CREAM, 0.4)
     glass, eye = material("Glass", "#0d161d", 0.1), material("Eye", "#bff4ff", 0.3, glow=1.2)
     parts = [

@@ -9,7 +9,7 @@ from common.parts import mirrored
 from common.rotors import blade, motor
 from common.shapes import box, cylinder, ellipsoid, lathe, rounded_box, sphere, tube
 
-REACH = 0.24  # of each propeller from the middle; they stand in a plus
+REACH = 0.24  # distance of each propeller from the centre; they form a plus
 
 
 def build() -> None:
@@ -20,7 +20,7 @@ def build() -> None:
 
 
 def machine() -> list:
-    """The propellers turn at z=0.03, the feet stand at z=-0.16."""
+    """The propellers rotate at z=0.03, the feet end at z=-0.16."""
     shell, cream, black = material("Shell", SUN, 0.35), material("Cream", CREAM, 0.4), material("Black", NAVY, 0.5)
     steel, coral = material("Steel", STEEL, 0.35, 0.9), material("Coral", CORAL, 0.45)
     glass = material("Glass", "#0d161d", 0.1)

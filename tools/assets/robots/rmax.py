@@ -1,4 +1,4 @@
-"""A small unmanned helicopter; its nose looks along +X."""
+"""A small unmanned helicopter; its nose points along +X."""
 
 from __future__ import annotations
 

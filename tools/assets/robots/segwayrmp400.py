@@ -17,7 +17,7 @@ WHEELS = (("wheel1", 1, 1), ("wheel2", 1, -1), ("wheel3", -1, 1), ("wheel4", -1,
 
 def build() -> None:
     rubber, cream, black = material("Rubber", RUBBER, 0.9), material("Cream", CREAM, 0.4), material("Black", NAVY, 0.5)
-    # two plates: their hull is the collision shape, between them the chassis is seen
+    # two plates: their hull is the collision shape, and the chassis is visible between them
     core = [box(0.9, 0.4, 0.03, 0.008).moved(z=z).painted(black) for z in (-0.0625, 0.2625)]
     root = exact(
         "segwayrmp400",
@@ -40,7 +40,7 @@ def build() -> None:
         physics_type="NO_COLLISION",
     )
     for name, front, side in WHEELS:
-        # the outer side of the left wheels is on the -Z of their axis
+        # the outer side of the left wheels is the -Z of their axis
         wheel = [*tread_tyre(0.25, 0.168, 0.14, rubber, 18), *dish(0.14, 0.15, cream, black)]
         parts = [p.turned(x=90 + 90 * side) for p in wheel]
         exact(

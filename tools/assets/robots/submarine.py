@@ -1,4 +1,4 @@
-"""An autonomous submarine; its bow looks along +X."""
+"""An autonomous submarine; its bow points along +X."""
 
 from __future__ import annotations
 

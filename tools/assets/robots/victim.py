@@ -1,4 +1,4 @@
-"""Somebody who needs help, and says so with both arms."""
+"""A person who needs help and waves with both arms."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def build() -> None:
 
 
 def person() -> list[Part]:
-    """Standing on z=0, looking along +X, arms spread to +-0.86."""
+    """Standing on z=0, facing +X, arms spread to +-0.86."""
     skin, shirt, jeans = (
         material("Skin", "#e0a47e", 0.6),
         material("Shirt", CORAL, 0.8),

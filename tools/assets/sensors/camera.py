@@ -1,4 +1,4 @@
-"""A small camera that looks along its -Z axis, as cameras do in Blender; the optical centre is the origin."""
+"""A small camera that looks along its -Z axis, as in Blender; the origin is the optical centre."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A laser scanner that looks along +X; the beam leaves from the middle of its cube."""
+"""A laser scanner that faces +X; the beam starts at the centre of its cube."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A laser scanner that spins; the beams leave from its middle."""
+"""A rotating laser scanner; the beams start at its centre."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def build() -> None:
         cylinder(0.094, 0.11, 0.003, 40).moved(z=0.008).painted(black),
         cylinder(0.097, 0.008, 0.001, 40).moved(z=-0.044).painted(ring),
         lathe([(0, 0.06), (0.1, 0.06), (0.1, 0.085), (0.088, 0.1), (0, 0.1)], 40).painted(cap),
-        # one notch shows where the front is
+        # one notch marks the front
         box(0.01, 0.03, 0.012, 0.002).moved(0.095, 0, -0.072).painted(ring),
     ]
     exact("VelodyneMesh", parts, (0.2, 0.2, 0.2), (0, 0, 0), physics_type="NO_COLLISION")

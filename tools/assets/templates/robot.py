@@ -1,4 +1,4 @@
-"""What a new robot of a user's project looks like, until its author gives it a body of its own: like the mascot."""
+"""The initial body of a new robot of a user's project: the mascot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A hall with two walls and three coloured boxes: the place where sensors are tried out."""
+"""A hall with two walls and three coloured boxes, for testing sensors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from common.shapes import cylinder
 from common.sky import sky
 
 SIZE = (1.0, 1.0, 1.8)
-#: height of the rubber feet: scripts of 1.4 count on the top of a box at rest at 1.86 m
+#: height of the rubber feet: scripts of 1.4 expect the top of a box at rest at 1.86 m
 FOOT = 0.06
 BOXES = (
     ("RedBox", "#d3191c", "#9c0f12", (-7.5, 0.0, 0.99)),

@@ -1,4 +1,4 @@
-"""A furnished hall: desks, shelves, chairs, and boxes to find and to carry."""
+"""A furnished hall: desks, shelves, chairs, and boxes to find and carry."""
 
 from __future__ import annotations
 

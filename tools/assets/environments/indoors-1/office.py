@@ -20,7 +20,7 @@ from common.textures import lines, planks, speckle
 if TYPE_CHECKING:
     from common.rooms import Opening
 
-#: of the middle of the building
+#: centre of the building
 AT = (10.5, 0.0, 0.0)
 EAST, NORTH, HEIGHT, THICK = 13.0, 9.0, 2.7, 0.15
 #: inner and outer walls of the corridor
@@ -45,7 +45,7 @@ def openings(start: float, doors: tuple[float, ...], windows: tuple[float, ...])
     return (*through, *((at - start - 0.9, at - start + 0.9, SILL, LINTEL) for at in windows))
 
 
-#: the end of a wall that meets another one
+#: the end of a wall that joins another one
 INSIDE = (EAST - THICK, NORTH - THICK)
 OUTER: tuple[Line, ...] = (
     along_x(-NORTH, -EAST, EAST, windows=(-10.5, -6.2, -3.4, -0.6, 2.2, 6.2, 9.0, 11.4)),
@@ -106,7 +106,7 @@ def light() -> None:
 
 
 def ground() -> None:
-    """What the house stands on: a lawn with a paved edge."""
+    """The ground around the building: a lawn with a paved edge."""
     grass = material("Lawn", "#7fa65c", 0.95, image=packed("lawn.jpg", speckle(256, "#6f9a4e", "#90b56a", 71)))
     slabs = speckle(256, "#b5b1a8", "#c6c2ba", 73) * (1 - 0.2 * lines(256, 2, 0.03)[..., None])
     paving = material("Paving", "#bdb9b1", 0.9, image=packed("paving.jpg", slabs))
@@ -134,7 +134,7 @@ def floors() -> None:
         for x0, y0, x1, y1 in places
     ]
     solid("Floor", parts, AT, **SHOWN)
-    # one level box: no wheel feels where two floors meet
+    # one level box, so that wheels do not cross seams between floors
     size = (2 * EAST + THICK, 2 * NORTH + THICK, 0.2)
     hidden_box("Floor_bb", size, (AT[0], AT[1], -0.1), **STILL)
 
@@ -162,7 +162,7 @@ def walls() -> None:
 
 
 def ceiling() -> None:
-    """Seen from inside alone: from above, the view looks into the rooms."""
+    """A roof that is visible only from inside: from above, the view shows the rooms."""
     tiles = speckle(256, "#f1efe9", "#faf9f5", 87) * (1 - 0.1 * lines(256, 4, 0.02)[..., None])
     paint = material("Ceiling", "#f6f4ef", 0.95, image=packed("ceiling.jpg", tiles), glow=0.3, one_sided=True)
     glow = material("Lamp", "#fff6e0", 0.5, glow=1.2, one_sided=True)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 EAST, NORTH, HEIGHT, THICK = 20.0, 10.0, 6.0, 0.25
 #: west end of the racks, bays in a rack, and the length of a bay
 RACKS_FROM, BAYS, BAY = -17.5, 7, 2.8
-#: middle of each rack and the side to which it is open, degrees about Z
+#: centre of each rack and its open side, degrees about Z
 ROWS = ((9.2, 0.0), (4.9, 180.0), (3.75, 0.0), (-3.75, 180.0), (-4.9, 0.0), (-9.2, 180.0))
 #: the office in the north-east corner: its west and south wall, and their height
 CORNER, LOW = (13.5, 4.5), 2.8
@@ -67,7 +67,7 @@ def floor() -> None:
 
 
 def marks() -> list[Part]:
-    """Yellow lines along the aisles, a crossing, and places for pallets before the gates."""
+    """Yellow lines along the aisles, a crossing, and marked areas in front of the gates."""
     yellow, white = material("Line", SUN, 0.7), material("Place", CREAM, 0.7)
     end = RACKS_FROM + BAYS * BAY
     strips = [(RACKS_FROM - 1.2, end + 1.2, y) for y in (8.45, 5.65, 2.95, -2.95, -5.65, -8.45)]
@@ -80,7 +80,7 @@ def marks() -> list[Part]:
 
 
 def hall() -> None:
-    """Walls, closed gates in the east wall, columns, and a roof that is seen from inside alone."""
+    """Walls, closed gates in the east wall, columns, and a roof that is visible only from inside."""
     panel = speckle(256, "#dfe3e4", "#e9ecec", 95) * (1 - 0.12 * lines(256, 4, 0.03)[..., None])
     paint = material("Wall", "#e4e8e9", 0.8, image=packed("panel.jpg", panel))
     lines_ = (
@@ -120,7 +120,7 @@ def hall() -> None:
 
 
 def office() -> None:
-    """Two walls with a door, a window and a roof of their own."""
+    """Two walls with a door, a window and their own roof."""
     (x, y), white = CORNER, material("Partition", "#f1eee6", 0.85)
     lines_ = (
         ((x, y), (EAST - THICK, y), ((0.7, 2.1, 0.0, 2.1), (2.9, 5.3, 0.9, 2.1))),
@@ -151,7 +151,7 @@ def racks(goods: Goods) -> None:
 
 
 def packing(stock: Stock, goods: Goods) -> None:
-    """What stands between the racks and the gates."""
+    """Objects between the racks and the gates."""
     loads = [
         (16.2, -6.4, 3.0),
         (17.6, -5.6, -4.0),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from common.parts import Part
     from common.stock import Stock
 
-#: desks and chairs: bodies, their shapes, and what is seen of them
+#: desks and chairs: bodies, their collision shapes, and their visible meshes
 TABLE = Path(__file__).with_suffix(".tsv")
 SHELVES = (
     ("Shelf_5", (0.156, -1.77, 0.525), (0, 0, 1.57)),
@@ -31,7 +31,7 @@ SHELVES = (
     ("Shelf_5.003", (-0.673, -3.97, 0.525), (0, 0, 0)),
 )
 WEST, EAST, SOUTH, NORTH, HEIGHT = -6.4, 11.3, -11.0, 4.0, 3.01
-TERRACE = (-9.7, -17.8)  # its far corner
+TERRACE = (-9.7, -17.8)  # the far corner
 TURN = (0, 0, -1.57)
 
 

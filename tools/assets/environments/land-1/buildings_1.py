@@ -38,7 +38,7 @@ def build() -> None:
 
 
 def below(at, size, centre, turn: float) -> list[tuple[float, float, float]]:
-    """The height on which a quarter stands, all over it."""
+    """The constant height of the ground of a quarter."""
     foot = at[2] + centre[2] - size[2] / 2 + 0.1
     frame = rotation(0, 0, np.degrees(turn))[:2, :2]
     grid = [

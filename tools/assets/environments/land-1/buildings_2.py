@@ -1,4 +1,4 @@
-"""Grassland with trees, a small town, and six houses of up to six storeys that stand alone."""
+"""Grassland with trees, a small town, and six detached houses of up to six storeys."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from common.objects import Triple
     from common.parts import Part
 
-#: position of the tree, of the shapes of its trunk and of its crown, of what is seen; angle about Z
+#: position of the tree, of the shapes of its trunk and of its crown, of the visible mesh; angle about Z
 TREES = (
     ((2.83, -1.34, 0), (2.81, -1.29, 1.04), (2.73, -1.27, 3.26), (2.83, -1.32, 0.015), 0),
     ((6.18, -4.76, 0), (6.2, -4.72, 1.04), (6.17, -4.64, 3.26), (6.19, -4.75, 0.015), -0.875),
@@ -35,9 +35,9 @@ TREES = (
     ((28.2, -33.3, 0), (28.1, -33.3, 1.04), (28.1, -33.3, 3.26), (28.2, -33.3, 0.015), 0.36),
 )  # fmt: skip
 TOWN = (18.3, 41.8, 5.23)
-#: m: between two floors, and how far the roof is beside them
+#: m: distance between two floors, and overhang of the roof
 STOREY, ROOF = 2.2, (2.36, 0.907, 1.6)
-#: middle of a floor, and its size
+#: centre of a floor, and its size
 MIDDLE, SIZE = (3.67, 0.0), (10.7, 9.82)
 #: name of the house, its position, angle about Z, suffix of the names of its parts, heights of the floors, the roof
 HOUSES = (
@@ -65,7 +65,7 @@ def build() -> None:
 
 
 def foot(at: tuple[float, float, float], turn: float) -> list[tuple[float, float, float]]:
-    """Where the ground has to be flat below a house."""
+    """The areas below a house where the ground has to be flat."""
     grid = [(MIDDLE[0] + x, MIDDLE[1] + y) for x in (-8, 0, 8) for y in (-8, 0, 8)]
     c, s = math.cos(turn), math.sin(turn)
     return [(at[0] + c * x - s * y, at[1] + s * x + c * y, 0.0) for x, y in grid]
@@ -100,7 +100,7 @@ def roof(masonry: Masonry) -> list[Part]:
 
 
 class Floors:
-    """Storeys that are put on one another."""
+    """Storeys that are stacked on one another."""
 
     def __init__(self, kinds: dict[str, list[Part]]) -> None:
         self._kinds = {kind: [part.moved(*MIDDLE) for part in parts] for kind, parts in kinds.items()}
@@ -108,7 +108,7 @@ class Floors:
         self._count: dict[str, int] = {}
 
     def put(self, kind: str, name: str, at: Triple, turn: float, parent: bpy.types.Object) -> bpy.types.Object:
-        """An empty with that name, and on it the mesh of a storey."""
+        """An empty with that name, and the mesh of a storey as its child."""
         root = empty(name, at, (0, 0, turn), parent=parent, physics_type="STATIC")
         number = self._count[kind] = self._count.get(kind, -1) + 1
         mesh = f"{kind}.{number:03}" if number else kind

@@ -1,4 +1,4 @@
-"""Where robots search and put out a fire: quarters of a town, old trees, a way point and the place that burns."""
+"""A world for search and fire fighting: quarters of a town, old trees, a way point and a fire."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Grassland with trees, and a small town: the place for outdoor robots."""
+"""Grassland with trees, and a small town, for outdoor robots."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from common.land import ground, grove, town, town_ground
 from common.objects import viewpoint
 from common.sky import sky, sunshine
 
-#: position of the tree, of the shapes of its trunk and of its crown, of what is seen; angle about Z
+#: position of the tree, of the shapes of its trunk and of its crown, of the visible mesh; angle about Z
 TREES = (
     ((-2.8, -7.86, 0), (-2.81, -7.81, 1.04), (-2.9, -7.78, 3.26), (-2.8, -7.84, 0.015), 0),
     ((40.3, 15.6, -0.013), (40.3, 15.7, 1.03), (40.3, 15.8, 3.25), (40.3, 15.7, 0.001), -0.875),

@@ -1,4 +1,4 @@
-"""A kitchen where robots fetch and cook: an island, an oven, a sink, a fridge, and desks along the walls."""
+"""A kitchen for fetching and cooking: an island, an oven, a sink, a fridge, and desks along the walls."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BOXES = frozenset(
     ("chair", "computer", "door", "drawer", "front", "hob", "house door", "keyboard", "monitor", "radiator", "tap")
 )
 TABLE = Path(__file__).with_suffix(".tsv")
-#: m, as seen from the inside of the room: its walls, and the height of the ceiling
+#: m, inner faces of the walls of the room, and the height of the ceiling
 WEST, EAST, SOUTH, NORTH, HEIGHT = 0.0, 6.95, -3.06, 8.74, 2.72
 #: windows above the radiators: from, to, lower and upper edge
 WINDOWS = tuple((x, x + 1.35, 0.95, 2.3) for x in (0.2, 1.95, 3.7, 5.4))
@@ -49,7 +49,7 @@ def build() -> None:
 
 
 class Kitchen:
-    """What each object looks like, by its name."""
+    """The appearance of each object, by its name."""
 
     def __init__(self) -> None:
         self.stock = stock = Stock()
@@ -95,11 +95,11 @@ class Kitchen:
         )
 
     def look(self, row: Row) -> tuple[str, Callable[[], list[Part]]]:
-        """A word for what it looks like, and what makes it."""
+        """A word for its appearance, and a function that makes it."""
         for pattern, word, make in self._looks:
             if re.match(pattern, row.name):
                 return word, partial(make, row)
-        raise LookupError(f"nothing says what '{row.name}' looks like")
+        raise LookupError(f"there is no appearance for '{row.name}'")
 
     # -- the room ----------------------------------------------------------------------------
 
@@ -151,18 +151,18 @@ class Kitchen:
         return make(self.stock, *row.size, *words)
 
     def facing_x(self, row: Row, make: Callable[..., list[Part]], *words: object) -> list[Part]:
-        """A piece whose front looks along X."""
+        """A piece whose front faces X."""
         x, y, z = row.size
         return [part.turned(z=90) for part in make(self.stock, y, x, z, *words)]
 
     def wardrobe(self, row: Row) -> list[Part]:
-        """Open, with shelves: its doors are things of their own."""
+        """Open, with shelves: its doors are separate objects."""
         return [
             part.turned(z=90) for part in shelf(self.stock, row.size[1], row.size[0], row.size[2], rows=5, columns=3)
         ]
 
     def body(self, row: Row) -> list[Part]:
-        """A cupboard that is open where drawers and doors belong, along X."""
+        """A cupboard with openings for drawers and doors, facing X."""
         x, y, z = row.size
         parts = [box(0.02, y, z).moved(-(x - 0.02) / 2, 0, 0)]
         parts += [box(x, 0.02, z).moved(0, s * (y - 0.02) / 2, 0) for s in (1, -1)]
@@ -170,7 +170,7 @@ class Kitchen:
         return [part.painted(self.stock["white"]) for part in parts]
 
     def front(self, row: Row) -> list[Part]:
-        """A door of a cupboard with its handle at the side that opens."""
+        """A door of a cupboard with its handle on the side that opens."""
         x, y, z = row.size
         thick = min(0.022, x * 0.6)
         side = 1 if row.centre[1] >= 0 else -1
@@ -182,7 +182,7 @@ class Kitchen:
         return [panel, *(part.painted(self.stock["steel"]) for part in (grip, *ends))]
 
     def drawer(self, row: Row) -> list[Part]:
-        """A box that is open above, with a front and a bar to pull at, along X."""
+        """A box that is open at the top, with a front and a bar handle, facing X."""
         x, y, z = row.size
         wall_, bar = 0.012, 0.035
         deep, high = x - bar, z * 0.7
@@ -233,7 +233,7 @@ class Kitchen:
         return [part.painted(self.stock["steel"]) for part in (spout, knob)]
 
     def keyboard(self, row: Row) -> list[Part]:
-        """Keys look up; its front is at -X."""
+        """The keys face up; its front is at -X."""
         x, y, z = row.size
         parts = [box(x, y, z * 0.5, 0.004).painted(self.stock["black"])]
         for k in range(5):
@@ -242,7 +242,7 @@ class Kitchen:
         return parts
 
     def monitor(self, row: Row) -> list[Part]:
-        """It looks to -Y."""
+        """It faces -Y."""
         x, _, z = row.size
         return [
             rounded_box(x, 0.03, z * 0.86, 0.01, 1).moved(0, 0, z * 0.07).painted(self.stock["black"]),

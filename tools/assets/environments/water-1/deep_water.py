@@ -1,4 +1,4 @@
-"""Nothing but water: for what swims and dives."""
+"""Water only: for robots that swim and dive."""
 
 from __future__ import annotations
 

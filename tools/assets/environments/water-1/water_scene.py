@@ -1,4 +1,4 @@
-"""A lake in a hollow between hills; its surface is 4.2 m above the deepest place."""
+"""A lake in a hollow between hills; its surface is 4.2 m above the deepest point."""
 
 from __future__ import annotations
 
