@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from view_pages import until
 
-from morse.viewer.view_messages import DebugProperties, DebugProperty, Listening
+from morse.viewer.view_messages import DebugProperties, DebugProperty, Listening, Recordings, SoundState
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -31,6 +31,8 @@ def header(page: Page) -> float:
 def test_the_header_is_one_row(running, open_page, width) -> None:
     driver, url = running
     driver.server.send(Listening(["a_robot_with_a_rather_long_name", "robot1"]))
+    driver.server.send(SoundState("robot0", "stop", None, 0.0, 0.0))
+    driver.server.send(Recordings([]))
     drives = open_page(url, width=width)
     watches = open_page(url, width=width)
     until(lambda: watches.get_by_role("button", name="ask to drive").is_visible())
@@ -43,6 +45,8 @@ def test_the_header_is_one_row(running, open_page, width) -> None:
 def test_a_telephone_has_two_rows(running, open_page) -> None:
     driver, url = running
     driver.server.send(Listening(["a_robot_with_a_rather_long_name", "robot1"]))
+    driver.server.send(SoundState("robot0", "stop", None, 0.0, 0.0))
+    driver.server.send(Recordings([]))
     page = open_page(url, width=390, height=780)
     assert header(page) < 2 * ROW
     assert page.evaluate(CUT_OFF) == 0

@@ -17,6 +17,7 @@ from morse.viewer.feeds.overlays import ViewOverlays
 from morse.viewer.feeds.pictures import PicturesFeed
 from morse.viewer.feeds.rays import ViewRays
 from morse.viewer.feeds.recordings import RecordingsFeed
+from morse.viewer.feeds.sounds import SoundsFeed
 from morse.viewer.feeds.states import StatesFeed
 from morse.viewer.feeds.tree import component_tree, keyboard_robots
 from morse.viewer.feeds.values import ValuesFeed
@@ -86,6 +87,7 @@ class View(Observer):
         self._rays = ViewRays(context, server)
         self._frustums = ViewFrustums(context, server)
         self._pictures = PicturesFeed(context, server)
+        self._sounds = SoundsFeed(context, server)
         self._feeds: list[Feed] = [
             ValuesFeed(context, server),
             self._states,
@@ -93,6 +95,7 @@ class View(Observer):
             ViewOverlays(context, server),
             ViewDebug(simulation, server),
             self._frustums,
+            self._sounds,
             RecordingsFeed(simulation, server, possible=self.changeable),
         ]
         self._log = LogFeed(context, server)
@@ -258,6 +261,7 @@ class View(Observer):
         self._commands.restarted()
         self._rays.restarted()
         self._frustums.restarted()
+        self._sounds.restarted()
 
     def _tell_components(self) -> None:
         self._told_names = self._names()

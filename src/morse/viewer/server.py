@@ -138,6 +138,20 @@ class ViewServer:
         self._network.post(self._hub.site.files.update, files)
         self.send(World(self._revision, url))
 
+    def offer(self, folder: str, mime: str, data: bytes) -> str:
+        """Let pages fetch something, and return its address.
+
+        Args:
+            folder: the first part of the address.
+            mime: content type.
+            data: content.
+        """
+        file = File(mime, data, lasting=True)
+        digest = file.tag.strip('"')
+        url = f"/{folder}/{digest}"
+        self._network.post(self._hub.site.files.update, {url: file})
+        return url
+
     def publish(self, snapshot: Snapshot) -> None:
         """Show a snapshot: each page receives the newest one as soon as it can.
 

@@ -410,6 +410,25 @@ class Picture(Payload, frozen=True):
     _lasting: ClassVar[bool] = False
 
 
+class SoundState(ServerMessage, frozen=True):
+    """What a loudspeaker plays.
+
+    Attributes:
+        component: also the name of its node.
+        mode: ``play``, ``pause`` or ``stop``.
+        url: of the file; None for a tone.
+        played: seconds of the sound that were played at the simulated time ``time`` (s).
+    """
+
+    component: str
+    mode: str
+    url: str | None
+    played: float
+    time: float
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+
+
 class Capturing(ServerMessage, frozen=True):
     """Whether the cameras capture images."""
 

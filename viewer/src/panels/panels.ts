@@ -2,6 +2,7 @@ import type { App } from "../app";
 import { Layers } from "../layers/layers";
 import { h, iconButton } from "../ui/dom";
 import { icons } from "../ui/icons";
+import { Sounds } from "../sound/sounds";
 import { theme, toggleTheme } from "../ui/theme";
 import { Highlight } from "../view/highlight";
 import { Mover } from "../view/mover";
@@ -36,6 +37,7 @@ export class Panels {
   readonly viewMenu: ViewMenu;
   readonly history: HistoryPanel;
   readonly recording: RecordingPanel;
+  readonly sounds: Sounds;
   private readonly highlight: Highlight;
 
   constructor(private readonly app: App) {
@@ -65,6 +67,7 @@ export class Panels {
     const log = new LogPanel(connection, components, toasts, (level) => shell.flag("bottom", level));
     shell.bottom.append(this.plots.element, log.element);
     this.recording = new RecordingPanel(connection, app.seat.drives, toasts);
+    this.sounds = new Sounds(connection, stage, app.poses);
     this.fillHeader();
     shell.over.append(h("div", { class: "said" }, this.recording.element, app.clock.warning, new DebugList(connection).element), h("div", { class: "corner" }, this.images.element));
     this.history = new HistoryPanel(connection, app.poses, app.seat.drives);
@@ -110,6 +113,7 @@ export class Panels {
       h(
         "div",
         { class: "tools" },
+        this.sounds.button,
         this.viewMenu.element,
         shell.toggles.bottom,
         more,

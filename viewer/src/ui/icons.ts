@@ -15,6 +15,8 @@ export const icons = {
   shot: draw('<rect x="2.5" y="5.5" width="15" height="11" rx="2"/><path d="M7 5.5l1.2-2h3.6l1.2 2"/><circle cx="10" cy="11" r="2.8"/>'),
   record: draw('<circle cx="10" cy="10" r="7"/><circle cx="10" cy="10" r="3" fill="currentColor"/>'),
   film: draw('<rect x="2.5" y="4" width="15" height="12" rx="2"/><path d="M6 4v12M14 4v12M2.5 8H6M2.5 12H6M14 8h3.5M14 12h3.5"/>'),
+  sound: draw('<path d="M3 7.8v4.4h3l4 3.3v-11l-4 3.3z"/><path d="M12.8 7.4a3.6 3.6 0 0 1 0 5.2M15 5.2a6.8 6.8 0 0 1 0 9.6"/>'),
+  mute: draw('<path d="M3 7.8v4.4h3l4 3.3v-11l-4 3.3z"/><path d="M13 8l4.2 4.2M17.2 8L13 12.2"/>'),
   stop: draw('<rect x="5.5" y="5.5" width="9" height="9" rx="1.2" fill="currentColor"/>'),
   tree: draw('<path d="M3 4h6M6 9h8M6 14h8M3.5 4v10M6 9H3.5M6 14H3.5"/>'),
   panel: draw('<rect x="2.5" y="3.5" width="15" height="13" rx="2"/><path d="M12.5 3.5v13"/>'),
