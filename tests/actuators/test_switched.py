@@ -43,6 +43,36 @@ def test_a_light_is_switched_by_service_and_command(run):
     assert not lamp.visible
 
 
+def test_properties_of_a_light_change_while_it_shines(run):
+    sim = run(
+        "robot = ATRV()\nlight = Light()\nlight.rotate(y=0.4)\nlight.translate(z=1.0)\nrobot.append(light)\n"
+        "eye = VideoCamera()\neye.translate(z=1.0)\neye.rotate(x=0.0, y=-0.4)\n"
+        "eye.properties(cam_width=32, cam_height=24)\nrobot.append(eye)"
+    )
+    (lamp,) = sim.context.component("robot.light").bge_object.children
+
+    def brightness():
+        sim.step(6)
+        return float(sim.robot.eye.data["image"][..., :3].mean())
+
+    dim = brightness()
+    at_first = lamp.node.light
+    state = sim.save()
+    for name, value in (("energy", 6.0), ("distance", 30.0), ("size", 2.0), ("color", "(1, 0, 0)")):
+        sim.rpc("robot.light", "set_property", name, value)
+    bright = brightness()
+    light = lamp.node.light
+    assert (light.energy, light.distance, light.spot_size, light.color) == (6.0, 30.0, 2.0, (1.0, 0.0, 0.0))
+    assert bright > dim + 5.0
+    red, green, _blue = sim.robot.eye.data["image"][..., :3].mean(axis=(0, 1))
+    assert red > green + 5.0
+    with pytest.raises(MorseServiceFailed, match=r"three numbers from 0 to 1, not 'red'"):
+        sim.rpc("robot.light", "set_property", "color", "red")
+    assert brightness() == pytest.approx(bright, abs=0.5)
+    sim.restore(state)
+    assert lamp.node.light == at_first
+
+
 @pytest.mark.parametrize("color", ["red", "(1, 2)", "(1, 2, 3)"])
 def test_a_color_that_is_none_is_refused(run, color):
     with pytest.raises(Exception, match="color"):

@@ -12,6 +12,8 @@ from view_pages import until
 from view_worlds import mesh_node, plane
 
 from morse.scene import Light, Material, Node, NodeKind, Scene
+from morse.viewer.describe import describe_light
+from morse.viewer.view_messages import Appearance
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,6 +66,22 @@ def test_of_too_many_lamps_those_that_light_the_view_are_kept(served, open_page)
     assert toast.startswith("3 lamps are not shown: far")
     assert "near" not in toast
     assert "sky" not in toast
+
+
+def test_a_lamp_changes_on_the_page(served, open_page, tmp_path) -> None:
+    server, url = served
+    scene = Scene("room", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
+    scene.roots.append(lamp("lamp", "POINT", (0.0, 0.0, 2.0), energy=0.1))
+    scene.settings.view.camera_location = (0.0, -4.0, 4.0)
+    scene.settings.view.camera_rotation = (math.pi / 4, 0.0, 0.0)
+    server.set_scene(scene, [])
+    page = open_page(url)
+    dim = brightness(page, tmp_path)
+    change = Appearance("lamp", True, None, describe_light(Light("POINT", energy=2.0, casts_shadow=False)))
+    server.send(change)
+    until(lambda: brightness(page, tmp_path) > dim + 20)
+    # a page that comes later is told, too, although the world was described before
+    assert brightness(open_page(url), tmp_path) > dim + 20
 
 
 def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(served, open_page, tmp_path) -> None:

@@ -1,7 +1,7 @@
 import { Connection } from "./connection/connection";
 import type { PoseFrame } from "./connection/frames";
 import { samePoses } from "./connection/frames";
-import type { SceneDescription, Viewpoint } from "./generated/protocol";
+import type { Appearance, SceneDescription, Viewpoint } from "./generated/protocol";
 import { Accidents } from "./input/accidents";
 import { Pad } from "./input/gamepad";
 import { Keyboard } from "./input/keyboard";
@@ -52,6 +52,8 @@ export class App {
   /** the camera pose that services have set since the world was described */
   private viewpoint: Viewpoint | null = null;
   private loading = Promise.resolve();
+  /** changes since the world was described; a world that is loaded later needs them, too */
+  private readonly appearances = new Map<string, Appearance>();
 
   constructor() {
     this.navigation.onTaken = () => {
@@ -74,11 +76,14 @@ export class App {
     this.connection.on("viewpoint", (viewpoint) => this.moveHome(viewpoint));
     this.components.selected.watch((name) => this.session.keep("selected", name));
     this.connection.on("appearance", (message) => {
-      this.stage.world?.change(message);
-      this.stage.invalidate();
+      this.appearances.set(message.node, message);
+      this.change(message);
     });
     this.connection.on("refused", ({ why }) => this.toasts.show(why, "error"));
-    this.connection.on("welcome", ({ title }) => (document.title = title));
+    this.connection.on("welcome", ({ title }) => {
+      document.title = title;
+      this.appearances.clear(); // what still holds is told again
+    });
     this.connection.onPoses = (frame) => this.take(frame);
     this.stage.onDrawn(() => this.connection.drawn());
     this.stage.start();
@@ -109,6 +114,14 @@ export class App {
     this.components.selected.set(owner?.name ?? hit?.node.name ?? null);
   }
 
+  private change(message: Appearance): void {
+    const { world } = this.stage;
+    if (!world) return;
+    world.change(message);
+    if (message.light) this.stage.relight();
+    this.stage.invalidate();
+  }
+
   private take(frame: PoseFrame): void {
     this.clock.show(frame);
     const still = this.poses.value !== null && samePoses(this.poses.value, frame);
@@ -125,6 +138,7 @@ export class App {
     const first = this.stage.world?.description.key !== description.key;
     const anisotropy = this.stage.renderer.capabilities.getMaxAnisotropy();
     const world = await World.load(description, Math.min(8, anisotropy), this.stage.invalidate);
+    for (const message of this.appearances.values()) world.change(message);
     const unlit = this.stage.show(world);
     if (unlit.length > 0) this.tell(`${unlit.length} lamps are not shown: ${unlit.slice(0, 5).join(", ")}`);
     if (first) this.setCamera(description, world);

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from morse.core.actuator import Actuator
+from morse.core.exceptions import MorseRPCTypeError
 from morse.core.services import service
 from morse.helpers.components import add_data, add_kind, add_property
 
@@ -30,7 +31,7 @@ class Light(Actuator):
     add_property("_size", math.pi / 2.0, "size", "float", "Angle of the cone", unit="rad", low=0.0, high=math.pi)
     add_property("_energy", 1.0, "energy", "float", "Brightness relative to a normal lamp", low=0.0)
 
-    not_state = ("_lamp",)
+    not_state = ("_lamp", "_shown")
 
     _emit: bool
     _distance: float
@@ -45,13 +46,37 @@ class Light(Actuator):
         if self._lamp is None:
             logger.warning("%s has no lamp: nothing will shine", self.name())
             return
-        self._lamp.node.light = replace(
-            self._lamp.node.light,
-            distance=float(self._distance),
-            color=_color(self._color),
-            spot_size=float(self._size),
-            energy=float(self._energy),
-        )
+        self._shine()
+
+    def _shine(self) -> None:
+        """Give the lamp the properties that the actuator has now."""
+        self._shown = self._looks()
+        if self._lamp is None or self._lamp.node.light is None:
+            return
+        distance, color, size, energy = self._shown
+        lit = replace(self._lamp.node.light, distance=distance, color=_color(color), spot_size=size, energy=energy)
+        if lit != self._lamp.node.light:
+            self._lamp.node.light = lit
+            self.context.world.appearance_changed(self._lamp)
+
+    def _looks(self) -> tuple[float, str, float, float]:
+        return float(self._distance), self._color, float(self._size), float(self._energy)
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Restore a state, and the light that belongs to it."""
+        super().set_state(state)
+        self._shine()
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs."""
+        before = self._color
+        super().set_property(name, value)
+        try:
+            _color(self._color)
+        except ValueError as error:
+            self._color = before
+            raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
     @service
     def toggle(self, emit: bool | None = None) -> None:
@@ -63,7 +88,9 @@ class Light(Actuator):
         self.local_data["emit"] = not self.local_data["emit"] if emit is None else bool(emit)
 
     def default_action(self) -> None:
-        """Apply the state of the light."""
+        """Apply the state and the properties of the light."""
+        if self._shown != self._looks():
+            self._shine()
         if self._lamp is not None and self._lamp.visible != self.local_data["emit"]:
             self._lamp.setVisible(self.local_data["emit"])
 

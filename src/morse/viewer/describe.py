@@ -51,7 +51,7 @@ def describe(
                 materials=tuple(materials.setdefault(_material(m, depot), len(materials)) for m in slots),
                 color=node.color,
                 visible=is_shown(node, node.visible),
-                light=None if node.light is None else _light(node.light),
+                light=None if node.light is None else describe_light(node.light),
                 camera=None if node.camera is None else _camera(node.camera),
                 shapes=[_shape(shape) for shape in node.shapes or ()],
                 kind=kinds.get(id(node), ""),
@@ -83,7 +83,8 @@ def _material(material: Material, depot: Depot) -> d.MaterialDescription:
     )
 
 
-def _light(light: Light) -> d.LightDescription:
+def describe_light(light: Light) -> d.LightDescription:
+    """A lamp as pages know it."""
     return d.LightDescription(
         light.type, light.color, light.energy, light.distance, light.spot_size, light.casts_shadow
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
+from morse.viewer.describe import describe_light
 from morse.viewer.feeds.debug_properties import ViewDebug
 from morse.viewer.feeds.frustums import ViewFrustums
 from morse.viewer.feeds.log import LogFeed
@@ -178,7 +179,8 @@ class View(Observer):
             self._describe()
         if world.repainted:
             for obj in sorted(world.repainted, key=lambda o: o.name):
-                self._server.send(Appearance(obj.name, obj.visible, obj.node.color))
+                light = None if obj.node.light is None else describe_light(obj.node.light)
+                self._server.send(Appearance(obj.name, obj.visible, obj.node.color, light))
             world.repainted.clear()
         now = time.monotonic()
         pacer, running = simulation.pacer, not self._is_paused()

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from msgspec import Struct
 
+from morse.viewer.description import LightDescription  # noqa: TC001 (msgspec reads it)
 from morse.viewer.page_messages import snake_case
 
 Subject = tuple[str, ...]
@@ -300,11 +301,12 @@ class Viewpoint(ServerMessage, frozen=True):
 
 
 class Appearance(ServerMessage, frozen=True):
-    """A node is hidden, shown or recoloured (linear RGBA, None: as its materials are)."""
+    """A node is hidden, shown or recoloured (linear RGBA, None: as its materials are), or its lamp has changed."""
 
     node: str
     visible: bool
     color: tuple[float, float, float, float] | None = None
+    light: LightDescription | None = None
 
     _about: ClassVar[tuple[str, ...] | None] = ("node",)
 

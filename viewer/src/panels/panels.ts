@@ -97,6 +97,7 @@ export class Panels {
     const more = h(
       "div",
       { class: "extra", id: "extra" },
+      this.sounds.button,
       this.recording.button,
       ...this.capture.element.children,
       themeButton,
@@ -113,7 +114,6 @@ export class Panels {
       h(
         "div",
         { class: "tools" },
-        this.sounds.button,
         this.viewMenu.element,
         shell.toggles.bottom,
         more,

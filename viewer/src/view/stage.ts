@@ -82,6 +82,12 @@ export class Stage {
     return dark;
   }
 
+  /** The lamps of the world have changed. */
+  relight(): void {
+    if (this.world) this.lights.install(this.world);
+    this.paint(theme.value);
+  }
+
   start(): void {
     let last = performance.now();
     setTimeout(() => (this.empty = true), EMPTY_AFTER);

@@ -69,9 +69,10 @@ export class World {
   }
 
   /** A node was hidden, shown or recoloured. */
-  change({ node: name, visible, color }: Appearance): void {
+  change({ node: name, visible, color, light }: Appearance): void {
     const node = this.find(name);
     if (!node) return;
+    if (light) node.description.light = light;
     node.visible = visible;
     if (node.color?.join() !== color?.join()) {
       node.color = color;
