@@ -49,8 +49,11 @@ if NAME in HOLDERS:
 if CARRIES:
     component = made(NAME)
     component.frequency(60)
+    # where such things are mounted: arms on top, bumpers in front
     if NAME in ("Armature", "KukaLWR", "PA10"):
         component.translate(z=1.7)
+    elif NAME in ("Bumper", "Collision"):
+        component.translate(x=0.6, z=0.5)
     holder.append(component)
 
 env = Environment("indoors-1/boxes", fastmode=True)

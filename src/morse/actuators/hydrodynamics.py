@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from morse.core.actuator import Actuator
 from morse.core.limits import SPEED
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.helpers.extent import extent
 from morse.helpers.water import Hull
+from morse.kernel.water import WaterValues, pusher
 from morse.mathutils.rotations import turn_back
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
@@ -65,13 +69,22 @@ class Hydrodynamics(Actuator):
     _width: float
     _height: float
 
-    not_state = ("_centre", "_measured", "_water", "_hull")  # of the model, of the world, of the properties
+    not_state = (
+        "_centre",
+        "_measured",
+        "_water",
+        "_hull",
+        "_values",
+        "_push",
+    )  # of the model, of the world, of the properties
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         body = self.robot_parent.bge_object
         low, high = _bounds(body)
         self._hull: tuple[tuple[float, ...], Hull] | None = None
+        self._values = WaterValues()
+        self._push = pusher(self._values)
         self._centre = tuple((a + b) / 2.0 for a, b in zip(low, high, strict=True))
         self._measured = tuple(b - a for a, b in zip(low, high, strict=True))
         water = self.context.scene.find("Water")
@@ -91,6 +104,9 @@ class Hydrodynamics(Actuator):
         drag = tuple(0.5 * self._density * c * area for c, area in zip(_COEFFICIENTS, areas, strict=True))
         hull = Hull(self._centre, (x, y, z), drag)  # type: ignore[arg-type]
         self._hull = given, hull
+        for cell, middle in zip(self._values.cells, hull.cells, strict=True):
+            cell[:] = middle
+        self._values.centre[:], self._values.drag[:] = hull.centre, hull.drag
         return hull
 
     def default_action(self) -> None:
@@ -102,32 +118,26 @@ class Hydrodynamics(Actuator):
         carried = self._density * self._volume if self._volume else mass
         (_, _, height), turn = body.world_pose()
         linear, angular = body.velocity()
-        current = self.local_data["current"]
-        # all in the frame of the body, whose axes see "up" as
+        # all in the frame of the body
         up = turn[6:9]
-        vx, vy, vz = turn_back(turn, [v - c for v, c in zip(linear, current, strict=True)])
-        wx, wy, wz = turn_back(turn, angular)
-        most = 0.5 * mass * self.frequency  # kg/s: drag takes away at most half the speed of a tick
-        lift = carried * g / 8.0
-        depth, half = surface - height, hull.size[2] / 2.0
-        (dx, dy, dz), (mx, my, mz) = hull.drag, hull.centre
-        fx = fy = fz = tx = ty = tz = 0.0
-        for x, y, z in hull.cells:
-            share = min(max((depth - up[0] * x - up[1] * y - up[2] * z) / half + 0.5, 0.0), 1.0)
-            u, v, w = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-            part, pushed = -share / 8.0, lift * share
-            a = part * u * min(abs(u) * dx, most) + pushed * up[0]
-            b = part * v * min(abs(v) * dy, most) + pushed * up[1]
-            c = part * w * min(abs(w) * dz, most) + pushed * up[2]
-            fx, fy, fz = fx + a, fy + b, fz + c
-            # the force acts at the centre of mass, which the middle of the box stands for
-            x, y, z = x - mx, y - my, z - mz
-            tx, ty, tz = tx + y * c - z * b, ty + z * a - x * c, tz + x * b - y * a
+        values = self._values
+        values.depth, values.half = surface - height, hull.size[2] / 2.0
+        # drag takes away at most half the speed of a tick
+        values.lift, values.most = carried * g / 8.0, 0.5 * mass * self.frequency
+        (vx, vy, vz), (cx, cy, cz) = linear, self.local_data["current"]
+        values.up[:] = up
+        values.linear[:] = turn_back(turn, (vx - cx, vy - cy, vz - cz))
+        values.angular[:] = turn_back(turn, angular)
+        self._push()
+        (fx, fy, fz), torque = values.force, values.torque
         if robot._no_gravity:
             weight = mass * g
             fx, fy, fz = fx - weight * up[0], fy - weight * up[1], fz - weight * up[2]
-        force, torque = ([min(max(part, -_MOST), _MOST) for part in parts] for parts in ((fx, fy, fz), (tx, ty, tz)))
-        body.wrench(force, torque, True)
+        body.wrench(_limited((fx, fy, fz)), _limited(torque), True)
+
+
+def _limited(parts: Iterable[float]) -> list[float]:
+    return [min(max(part, -_MOST), _MOST) for part in parts]
 
 
 def _bounds(body: Any) -> tuple[list[float], list[float]]:

@@ -4,11 +4,11 @@ import math
 from typing import Any
 
 from morse.actuators.holding import Holding
-from morse.core import mathutils
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.core.validation import Commands
 from morse.helpers.components import add_data, add_kind, euler
+from morse.mathutils.rotations import rotation_from_euler
 
 
 class Teleport(Holding):
@@ -63,8 +63,10 @@ class Teleport(Holding):
     def default_action(self) -> None:
         """Set the pose of the robot, at rest."""
         data = self.local_data
-        if not all(map(math.isfinite, (data[f] for f in ("x", "y", "z", "yaw", "pitch", "roll")))):
+        place, angles = (data["x"], data["y"], data["z"]), (data["roll"], data["pitch"], data["yaw"])
+        if not all(map(math.isfinite, (*place, *angles))):
             return
-        orientation = mathutils.Euler([data["roll"], data["pitch"], data["yaw"]])
-        self.robot_parent.force_pose([data["x"], data["y"], data["z"]], orientation)
-        self.robot_parent.bge_object.suspendDynamics()
+        body = self.robot_parent.bge_object
+        body.set_pose(place, rotation_from_euler(angles, "XYZ"))
+        body.halt()
+        body.suspendDynamics()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import mujoco
 import numpy as np
@@ -34,6 +34,10 @@ class Bodies:
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
         self._gliding = gliding
+        # views that stay: the engine makes a new one at each access, which takes longer than its use
+        self._qvel = state.data.qvel
+        self._applied = cast("memoryview[float]", memoryview(state.data.xfrc_applied.reshape(-1)))
+        self.masses = cast("memoryview[float]", memoryview(state.model.body_mass))
         self.moved_shapes = MovedShapes(state)
 
     # -- poses -----------------------------------------------------------------------------
@@ -137,7 +141,7 @@ class Bodies:
         state = self._state
         slot = state.slots[index]
         if slot.frame.motion is Motion.FREE and slot.dof >= 0:
-            v = state.data.qvel[slot.dof : slot.dof + 6].tolist()
+            v = self._qvel[slot.dof : slot.dof + 6].tolist()
             return v[:3], rigid.turn(state.rotations[index], v[3:])
         if slot.frame.motion is Motion.HINGE:
             return self._hinge_velocity(index, slot)
@@ -199,7 +203,9 @@ class Bodies:
         if slot.body > 0:
             state.is_stirred = True
             self._gliding.leave(index)
-            state.data.xfrc_applied[slot.body] += (*force, *torque)
+            applied, first = self._applied, 6 * slot.body
+            for place, value in enumerate((*force, *torque), first):
+                applied[place] += value
             state.has_forces = True
 
     def pull(

@@ -133,7 +133,7 @@ class GameObject(LegacyNames):
     def mass(self) -> float:
         """Mass, kg; 0 for an object that is not dynamic."""
         slot = self._world.slots[self.slot]
-        return float(self._world.model.body_mass[slot.body]) if self.is_dynamic and slot.body > 0 else 0.0
+        return self._world.bodies.masses[slot.body] if self.is_dynamic and slot.body > 0 else 0.0
 
     @property
     def localInertia(self) -> Vector:  # noqa: N802

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 
+#: m
+_ROUNDING = 1e-6
+
+
 class Touching:
     """Finds the objects whose shapes touch the shapes of another object, which may collide or only detect contacts.
 
@@ -37,6 +42,9 @@ class Touching:
         self._places, self._turns, self._radii = data.geom_xpos, data.geom_xmat, model.geom_rbound
         self._halves = np.abs(model.geom_aabb[:, :3]) + model.geom_aabb[:, 3:]
         self._feelers: dict[Node, list[int]] = {}
+        #: of a shape: static boxes, its centre, and the distance within which it can move without meeting them, m
+        self._clear: dict[int, tuple[object, list[float], float]] = {}
+        self._others: dict[tuple[int, int], tuple[NDArray[np.intp], NDArray[np.float64]]] = {}
         self._kept: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
         self._where: NDArray[np.float64] = np.empty((0, 12))
         self._loosened = False
@@ -88,18 +96,41 @@ class Touching:
         centre = self._places[geom]
         fixed, moving = self._solids
         if len(fixed):
-            half = self._half_of_box(geom) + margin
-            lower, upper = self._boxes(fixed)
-            meets = ((lower <= centre + half) & (upper >= centre - half)).all(axis=1)
-            if meets.any():
-                yield from fixed[meets].tolist()
+            boxes = self._boxes(fixed)
+            known, where, room = self._clear.get(geom, (None, [], 0.0))
+            if known is not boxes or math.dist(where, centre.tolist()) + margin >= room:
+                yield from self._near_fixed(geom, fixed, boxes, margin)
         if len(moving):
-            radii, bodies = self._movers
-            apart = self._places.take(moving, axis=0) - centre
-            reach = radii + (self._radii[geom] + margin)
-            near = (apart * apart).sum(axis=1) <= reach * reach
-            if near.any():
-                yield from (int(moving[index]) for index in np.flatnonzero(near).tolist() if bodies[index] != own)
+            others, radii = self._others_than(own, geom)
+            if len(others):
+                apart = self._places.take(others, axis=0) - centre
+                reach = radii + margin
+                near = (apart * apart).sum(axis=1) <= reach * reach
+                if near.any():
+                    yield from others[near].tolist()
+
+    def _near_fixed(
+        self, geom: int, fixed: NDArray[np.intp], boxes: tuple[NDArray[np.float64], NDArray[np.float64]], margin: float
+    ) -> list[int]:
+        centre, (lower, upper) = self._places[geom], boxes
+        half = self._half_of_box(geom) + margin
+        meets = ((lower <= centre + half) & (upper >= centre - half)).all(axis=1)
+        if meets.any():
+            found: list[int] = fixed[meets].tolist()
+            return found
+        gaps = np.maximum(np.maximum(lower - centre, centre - upper), 0.0)
+        room = math.sqrt(float((gaps * gaps).sum(axis=1).min())) - float(self._radii[geom])
+        self._clear[geom] = boxes, centre.tolist(), room - _ROUNDING
+        return []
+
+    def _others_than(self, own: int, geom: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """Return the moving shapes of other bodies, and the distances of their centres at which they meet, m."""
+        found = self._others.get((own, geom))
+        if found is None:
+            moving, (radii, bodies) = self._solids[1], self._movers
+            chosen = np.array(bodies) != own
+            found = self._others[own, geom] = moving[chosen], radii[chosen] + self._radii[geom]
+        return found
 
     def _half_of_box(self, geom: int) -> NDArray[np.float64]:
         """Return (3,) half sizes of an axis-aligned box around a shape, centred at the origin of the shape, m."""

@@ -1,0 +1,25 @@
+"""The forces of water on a vessel."""
+
+from __future__ import annotations
+
+from ctypes import byref
+from typing import TYPE_CHECKING
+
+from morse.kernel.loading import library
+from morse.kernel.water import reference
+from morse.kernel.water.values import WaterValues
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["WaterValues", "pusher"]
+
+
+def pusher(values: WaterValues) -> Callable[[], object]:
+    """What computes the force and the torque in values: C, or Python without a kernel."""
+    loaded = library()
+    if loaded is None:
+        return lambda: reference.push(values)
+    loaded.morse_water.restype = None
+    push, place = loaded.morse_water, byref(values)
+    return lambda: push(place)

@@ -1,0 +1,39 @@
+"""The numbers that C and Python exchange about a vessel in the water."""
+
+from __future__ import annotations
+
+from ctypes import Structure, c_double
+
+_Three = c_double * 3
+
+
+class WaterValues(Structure):
+    """``Water`` of ``c/water.c``: a box of eight cells in the water; all vectors are in the frame of the body.
+
+    Attributes:
+        cells: (8, 3) middles of the cells, m.
+        centre: of the box, m.
+        drag: force over the square of the speed along each axis, kg/m.
+        depth: height of the surface above the origin of the body, m.
+        half: half the height of the box, m.
+        lift: buoyancy of a submerged cell, N.
+        most: limit of force over speed, kg/s.
+        up: the upward direction.
+        linear, angular: velocity in the water, m/s and rad/s.
+        force, torque: results, N and N m.
+    """
+
+    _fields_ = (
+        ("cells", _Three * 8),
+        ("centre", _Three),
+        ("drag", _Three),
+        ("depth", c_double),
+        ("half", c_double),
+        ("lift", c_double),
+        ("most", c_double),
+        ("up", _Three),
+        ("linear", _Three),
+        ("angular", _Three),
+        ("force", _Three),
+        ("torque", _Three),
+    )
