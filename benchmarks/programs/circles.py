@@ -35,6 +35,7 @@ def main() -> None:
     parser.add_argument("--drive", choices=["planar", "wheels"], default="planar")
     parser.add_argument("--sensors", choices=["scan", "pose"], default="scan")
     parser.add_argument("--readers", type=int, default=0, help="clients that read every stream")
+    parser.add_argument("--binary", action="store_true", help="these clients read binary frames")
     parser.add_argument("--pages", type=int, default=0, help="pages that show the live view")
     parser.add_argument("--record", choices=["all", "inputs"], help="record the run in a file")
     parser.add_argument("--paced", action="store_true", help="in real time")
@@ -55,7 +56,7 @@ def main() -> None:
     with (
         tempfile.TemporaryDirectory() as folder,
         recorded(simulation, arguments.record, folder),
-        read_streams(simulation, arguments.readers),
+        read_streams(simulation, arguments.readers, binary=arguments.binary),
         read_pages(simulation, arguments.pages),
     ):
         pace, seconds = stopwatch.measure(paced_tick if arguments.paced else simulation.tick, arguments.secs)

@@ -1,4 +1,7 @@
-"""Connects several times to every given port and reads the data: ``read_streams CLIENTS PORT...``."""
+"""Clients that read the data: ``read_streams CLIENTS PORT...``, or ``read_streams CLIENTS --binary PORT NAME...``.
+
+The first form connects to every given port, the second subscribes to the binary streams of these names.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,17 @@ import sys
 
 def main() -> None:
     """Read until killed."""
-    clients, *ports = (int(argument) for argument in sys.argv[1:])
+    clients, *words = sys.argv[1:]
+    binary = words[0] == "--binary"
+    ports, names = (words[1:2], words[2:]) if binary else (words, [])
+    requests = "".join(f"subscribe {name}\n" for name in names).encode()
     selector = selectors.DefaultSelector()
-    for _ in range(clients):
+    for _ in range(int(clients)):
         for port in ports:
-            connection = socket.create_connection(("127.0.0.1", port))
+            connection = socket.create_connection(("127.0.0.1", int(port)))
+            connection.sendall(requests)
+            if binary:
+                connection.recv(1)  # the simulation knows that somebody reads
             connection.setblocking(False)
             selector.register(connection, selectors.EVENT_READ)
     print("connected", flush=True)

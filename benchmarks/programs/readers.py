@@ -33,11 +33,16 @@ def _manager(simulation: Simulation) -> SocketRequestManager:
 
 
 @contextmanager
-def read_streams(simulation: Simulation, clients: int) -> Iterator[None]:
+def read_streams(simulation: Simulation, clients: int, *, binary: bool = False) -> Iterator[None]:
     """A context in which that many clients read the streams of all sensors."""
-    every = stream_ports(simulation)
-    ports = [str(every[sensor.name()]) for sensor in simulation.loaded.sensors]
-    with _running("benchmarks.programs.read_streams", [str(clients), *ports]) if clients else nullcontext() as child:
+    names = [sensor.name() for sensor in simulation.loaded.sensors]
+    if binary:
+        _, (_, port) = _manager(simulation).on_incoming_request("simulation", "get_binary_port", [])
+        words = ["--binary", str(port), *names]
+    else:
+        every = stream_ports(simulation)
+        words = [str(every[name]) for name in names]
+    with _running("benchmarks.programs.read_streams", [str(clients), *words]) if clients else nullcontext() as child:
         if child is not None:
             _await(child)
         yield

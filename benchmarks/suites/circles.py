@@ -117,6 +117,9 @@ def readers(plan: Plan) -> Iterator[Result]:
         every = ("--n", "10", "--secs", str(plan.seconds(seconds)), *words)
         options = [("alone", ())]
         options += [(f"{n} client{'s' * (n > 1)}", ("--readers", str(n))) for n in plan.counts(1, 10)]
+        options += [
+            (f"{n} binary client{'s' * (n > 1)}", ("--readers", str(n), "--binary")) for n in plan.counts(1, 10)
+        ]
         options += [(f"{n} page{'s' * (n > 1)}", ("--pages", str(n))) for n in plan.counts(1, 3)]
         options += [("a recording", ("--record", "all")), ("a recording of the inputs", ("--record", "inputs"))]
         programs = [Program(name, "benchmarks.programs.circles", (*every, *more)) for name, more in options]
@@ -127,6 +130,11 @@ def readers(plan: Plan) -> Iterator[Result]:
             continue
         key = "processor_factor" if words else plan.clock("factor")
         alone = trials.pop("alone").median(key)
+        count = plan.counts(1, 10)[-1]
+        lines, frames = (trials[f"{count} {kind}client{'s' * (count > 1)}"].median(key) for kind in ("", "binary "))
+        if not words and lines < alone:
+            share = (1 / frames - 1 / alone) / (1 / lines - 1 / alone)
+            yield Result("readers", f"{count} binary, {case}", share, "x cost of lines", at_most(1 / 3))
         for name, trial in trials.items():
             factor = trial.median(key)
             value, unit = (1 / factor - 1 / alone, "% of a core") if words else (1 - factor / alone, "% slower")

@@ -12,6 +12,7 @@ from pymorse.names import normalize_name, suggestion
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from pymorse.binary import BinaryStream
     from pymorse.future import MorseFuture
     from pymorse.pymorse import Morse
     from pymorse.stream import StreamJSON
@@ -27,7 +28,7 @@ class Component:
 
     Its services are methods that return a `MorseFuture`; the components mounted on it are attributes.
     A sensor has ``get(timeout=None)``, ``last(n=1)``, ``subscribe(callback)`` and
-    ``unsubscribe(callback)``, an actuator ``publish(data)``: see `pymorse.stream.StreamB`. The
+    ``unsubscribe(callback)``, an actuator ``publish(data)``: see `pymorse.messages.Messages`. The
     connection is made when one of them is used for the first time.
 
     Args:
@@ -54,11 +55,11 @@ class Component:
         self._port = port
         self._services = {normalize_name(service): service for service in services}
         self._parts: dict[str, Component] = {}
-        self._stream: StreamJSON | None = None
+        self._stream: StreamJSON | BinaryStream | None = None
         self._opening = threading.Lock()
 
     @property
-    def stream(self) -> StreamJSON:
+    def stream(self) -> StreamJSON | BinaryStream:
         """The stream of the component, connected.
 
         Raises:
@@ -69,8 +70,7 @@ class Component:
             raise self._missing("stream")
         with self._opening:
             if self._stream is None:
-                self._stream = self._morse._open_stream(self._port)
-                self._stream.peer = f"{self.fqn} ({self._stream.peer})"
+                self._stream = self._morse._open_stream(self.fqn, self._port, sends="OUT" in self._directions)
             return self._stream
 
     def _part(self, name: str) -> Component | None:

@@ -12,8 +12,9 @@ import time as _time
 import weakref
 from typing import TYPE_CHECKING, Any
 
+from pymorse.binary import BinaryConnection, BinaryStream
 from pymorse.discovery import discover
-from pymorse.errors import MorseTimeoutError
+from pymorse.errors import MorseServiceFailed, MorseTimeoutError
 from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
@@ -48,15 +49,17 @@ class Morse:
         host: name or address of the machine of the simulation.
         port: TCP port of its services, which the simulation prints; if it is not given, the
             environment variable ``MORSE_SOCKET_PORT`` tells it to both sides, or it is 4000.
+        binary: get the data of sensors as binary frames on one connection, which takes much less time on both sides.
+            Arrays, such as scans and images, are then arrays of numpy, or memoryviews if numpy is not installed.
 
     Attributes:
         robots: names of the robots.
 
     Raises:
-        ConnectionError: no simulation there.
+        ConnectionError: no simulation there, or one without binary streams.
     """
 
-    def __init__(self, host: str = "localhost", port: int | None = None) -> None:
+    def __init__(self, host: str = "localhost", port: int | None = None, *, binary: bool = False) -> None:
         self.host = host
         self.port = port = _default_port() if port is None else port
         self.robots: list[str] = []
@@ -66,16 +69,31 @@ class Morse:
         self._service_poller = Poller("pymorse-services")
         self._stream_poller: Poller | None = None
         self._opening = threading.Lock()
-        self._streams: list[StreamJSON] = []
+        self._latest_poller: Poller | None = None
+        self._streams: list[StreamJSON | BinaryConnection] = []
+        self._binary_port: int | None = None
+        self._every: BinaryConnection | None = None
+        self._latest: BinaryConnection | None = None
         self._service_poller.start()
         try:
             self._services = _greet(host, port, self._service_poller)
+            if binary:
+                self._binary_port = self._find_binary_port()
             self._learn()
         except BaseException:
             self._closed = True
             self._service_poller.syncstop(_PARTING_TIMEOUT)
             raise
         _open.add(self)
+
+    def _find_binary_port(self) -> int:
+        try:
+            return int(self.rpc_t(TIMEOUT, "simulation", "get_binary_port"))
+        except (MorseServiceFailed, MorseTimeoutError, TypeError, ValueError) as error:
+            raise ConnectionError(
+                f"the simulation on {self.host}:{self.port} has no binary streams ({error}): "
+                "use Morse() without binary=True, or a newer MORSE"
+            ) from None
 
     def _learn(self) -> None:
         for robot in discover(self):
@@ -195,6 +213,8 @@ class Morse:
         expected = [(stream, sent[stream.connection]) for stream in self._streams if stream.connection in sent]
         limit = _time.monotonic() + TIMEOUT
         for stream, count in expected:
+            if stream.poller.is_serving():
+                continue  # a callback of the stream itself cannot wait for it
             while not stream.has_received(count) and stream.is_up() and _time.monotonic() < limit:
                 if not stream.poller.serve_until(functools.partial(stream.has_received, count), 0.05):
                     stream.wait_for_message(0.005)
@@ -225,17 +245,50 @@ class Morse:
 
     # life -----------------------------------------------------------------------------------
 
-    def _open_stream(self, port: int) -> StreamJSON:
-        """A new connection to the stream on a port of the simulation."""
+    def _check_open(self) -> None:
         if self._closed:
             raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+
+    def _open_stream(self, name: str, port: int, *, sends: bool) -> StreamJSON | BinaryStream:
+        """Open the stream of a component.
+
+        Args:
+            name: its full name.
+            port: its port.
+            sends: whether it is a sensor.
+        """
+        self._check_open()
         with self._opening:
             if self._stream_poller is None:
                 self._stream_poller = Poller("pymorse-streams")
                 self._stream_poller.start()
+            if sends and self._binary_port is not None:
+                if self._every is None or not self._every.is_up():
+                    self._every = self._open_binary(self._stream_poller, latest=False)
+                binary = self._every.open(name)
+                binary.latest = functools.partial(self._open_latest, name)
+                return binary
         stream = StreamJSON(self.host, port, poller=self._stream_poller)
+        stream.peer = f"{name} ({stream.peer})"
         self._streams.append(stream)
         return stream
+
+    def _open_latest(self, name: str) -> BinaryStream:
+        """Open the stream of a sensor for callbacks that want the latest message only."""
+        self._check_open()
+        with self._opening:
+            if self._latest_poller is None:
+                self._latest_poller = Poller("pymorse-latest")
+                self._latest_poller.start()
+            if self._latest is None or not self._latest.is_up():
+                self._latest = self._open_binary(self._latest_poller, latest=True)
+            return self._latest.open(name)
+
+    def _open_binary(self, poller: Poller, *, latest: bool) -> BinaryConnection:
+        assert self._binary_port is not None
+        connection = BinaryConnection(self.host, self._binary_port, poller, latest=latest)
+        self._streams.append(connection)
+        return connection
 
     def is_up(self) -> bool:
         """Whether the simulation is connected."""
@@ -266,7 +319,7 @@ class Morse:
         finally:
             self._closed = True
             _open.discard(self)
-            for poller in (self._stream_poller, self._service_poller):
+            for poller in (self._stream_poller, self._latest_poller, self._service_poller):
                 if poller is not None:
                     poller.syncstop(_PARTING_TIMEOUT)
             self._services.executor.close()

@@ -6,30 +6,22 @@
 from __future__ import annotations
 
 import json
-import logging
 import socket as _socket
-import threading
-import time
-from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from pymorse.channel import Channel
+from pymorse.messages import Messages
 from pymorse.polling import PollThread, default_poller
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from pymorse.poller import Poller
-
-logger = logging.getLogger("pymorse")
 
 MSG_SEPARATOR = b"\n"
 TIMEOUT = 8
 """Timeout for connecting and for sending published messages, s."""
-_MAX_KEPT = 16 << 20
 
 
-class StreamB(Channel):
+class StreamB(Channel, Messages):
     """A connection that carries lines of bytes.
 
     Args:
@@ -52,15 +44,11 @@ class StreamB(Channel):
         *,
         poller: Poller | None = None,
     ) -> None:
-        self._kept: deque[bytes] = deque(maxlen=maxlen)
-        self._kept_bytes = 0
-        self._count = 0
-        self._arrival = threading.Condition()
-        self._subscribers: list[Callable[[Any], object]] = []
+        Messages.__init__(self, maxlen)
         self._partial: list[bytes] = []
         if sock is None:
             sock = connect(host, port)
-        super().__init__(sock, poller or default_poller())
+        Channel.__init__(self, sock, poller or default_poller())
 
     def encode(self, msg: Any) -> bytes:
         """The bytes of a message, without the separator."""
@@ -79,64 +67,6 @@ class StreamB(Channel):
         """
         self.send(self.encode(msg) + MSG_SEPARATOR)
 
-    def subscribe(self, callback: Callable[[Any], object]) -> None:
-        """Call ``callback(message)`` for every received message, in the poll thread."""
-        self._subscribers.append(callback)
-
-    def unsubscribe(self, callback: Callable[[Any], object]) -> None:
-        """Undo `subscribe`.
-
-        Raises:
-            ValueError: the callback was not subscribed.
-        """
-        self._subscribers.remove(callback)
-
-    def last(self, n: int = 1) -> Any:
-        """The most recent message, or the ``n``-th most recent; None if there is none. Never waits."""
-        with self._arrival:
-            raw = self._kept[-n] if 0 < n <= len(self._kept) else None
-        return None if raw is None else self.decode(raw)
-
-    def get(self, timeout: float | None = None) -> Any:
-        """Wait for the next message.
-
-        Args:
-            timeout: timeout, s; None for no timeout.
-
-        Returns:
-            The message, or None if none arrived in time.
-
-        Raises:
-            ConnectionError: the stream ended, no message will arrive.
-        """
-        if self.poller.is_serving():
-            raise RuntimeError(
-                "get() waits for the thread that runs the callbacks of subscribe(), so they cannot call it: "
-                "use last(), or the message that the callback got"
-            )
-        deadline = None if timeout is None else time.monotonic() + timeout
-        with self._arrival:
-            before = self._count
-            while self._count == before:
-                if not self._up:
-                    raise ConnectionError(f"{self.peer} closed the stream: the simulation has ended, or left us behind")
-                left = 0.5 if deadline is None else deadline - time.monotonic()
-                if left <= 0:
-                    return None
-                self._arrival.wait(min(left, 0.5))  # short waits let Ctrl+C through on every platform
-            raw = self._kept[-1]
-        return self.decode(raw)
-
-    def has_received(self, count: int) -> bool:
-        """Whether that many messages have arrived since the connection was made."""
-        return self._count >= count
-
-    def wait_for_message(self, timeout: float) -> None:
-        """Wait until another message has arrived, at most ``timeout`` seconds."""
-        with self._arrival:
-            before = self._count
-            self._arrival.wait_for(lambda: self._count != before or not self._up, timeout)
-
     def received(self, data: bytes) -> None:
         """Split received bytes into messages."""
         first, *others = data.split(MSG_SEPARATOR)
@@ -151,34 +81,9 @@ class StreamB(Channel):
         if line := line.removesuffix(b"\r"):
             self.handle_msg(line)
 
-    def handle_msg(self, msg: bytes) -> None:
-        """Store a received line, wake up waiting callers, and call the subscribers."""
-        with self._arrival:
-            if len(self._kept) == self._kept.maxlen:
-                self._kept_bytes -= len(self._kept.popleft())
-            self._kept.append(msg)
-            self._kept_bytes += len(msg)
-            while self._kept_bytes > _MAX_KEPT and len(self._kept) > 1:
-                self._kept_bytes -= len(self._kept.popleft())
-            self._count += 1
-            self._arrival.notify_all()
-        if not self._subscribers:
-            return
-        try:
-            decoded = self.decode(msg)
-        except ValueError as error:
-            logger.error("%s: %s", self.peer, error)
-            return
-        for callback in list(self._subscribers):
-            try:
-                callback(decoded)
-            except Exception:
-                logger.exception("a callback of subscribe() failed on a message of %s", self.peer)
-
     def closed(self) -> None:
         """Wake up all waiting callers, because the connection has ended."""
-        with self._arrival:
-            self._arrival.notify_all()
+        self.ended()
 
 
 class Stream(StreamB):

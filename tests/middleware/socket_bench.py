@@ -140,6 +140,7 @@ class Bench:
         self.arm = Arm()
         self.context.services.register_object("robot1.motion", self.arm)
         self.streams = SocketDatastreamManager(options or {}, self.context)
+        self.context.stream_managers[self.streams.classpath] = self.streams
         self.components: list[Any] = []
 
     def _wake(self) -> None:

@@ -211,6 +211,9 @@ class DatastreamManager(Observer):
     def drain(self) -> None:
         """Read everything that has arrived, so that a tick that a client requests sees commands sent before it."""
 
+    def push(self) -> None:
+        """Send what earlier ticks have published, before an answer to a service call is sent."""
+
     def sent(self) -> dict[str, int]:
         """Return the number of messages sent per connection; clients that step the simulation wait for all of them."""
         return {}

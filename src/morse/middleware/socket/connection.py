@@ -6,6 +6,8 @@ import contextlib
 import socket
 from typing import TYPE_CHECKING, Any, Protocol
 
+from morse.middleware.socket.sending import send_now
+
 if TYPE_CHECKING:
     from morse.core.network import Network
 
@@ -113,7 +115,7 @@ class Connection:
             return
         if not self._rest:
             try:
-                sent = self._socket.send(data)
+                sent = send_now(self._socket, data)
             except (BlockingIOError, InterruptedError):
                 sent = 0
             except OSError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import deque
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from morse.core.classpath import load_class
@@ -12,6 +13,7 @@ from morse.core.exceptions import MorseMiddlewareError
 from morse.core.mapping import maps
 from morse.middleware.socket.directory import StreamDirectory
 from morse.middleware.socket.encoding import to_json
+from morse.middleware.socket.frame_server import FrameServer
 from morse.middleware.socket.images import cloud_json, image_json
 from morse.middleware.socket.listener import allow_many_sockets, listen, port_of
 from morse.middleware.socket.mapping import LAST_PORT, MANAGER_OPTIONS
@@ -23,17 +25,21 @@ from morse.middleware.socket.time_sync import TimeSync
 if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.core.object import Object
+    from morse.middleware.socket.frame_channel import FrameChannel
     from morse.scene import StreamDeclaration
 
 logger = logging.getLogger(__name__)
 
 FIRST_PORT = 60000
+#: ticks follow each other quickly if messages are sent that often, and then messages are collected for that long, s
+_QUICK, _TOGETHER = 0.006, 0.004
 
 
 class SocketDatastreamManager(DatastreamManager):
     """Streams as lines of JSON, from port 60000 upward.
 
-    A stream with the option ``port`` uses that port. Ports in use are skipped.
+    A stream with the option ``port`` uses that port. Ports in use are skipped. Binary frames of all sensors
+    (`morse.middleware.socket.frames`) are on a separate port.
 
     Options of ``env.configure_stream_manager('socket', ...)``: with ``time_sync=True``, a client paces
     the simulation (see `TimeSync`) over ``sync_port``, by default 6000.
@@ -48,11 +54,18 @@ class SocketDatastreamManager(DatastreamManager):
         self._ports: dict[str, int] = {}
         self._outbox: list[tuple[StreamServer, bytes]] = []
         self._parcels: deque[list[tuple[StreamServer, bytes]]] = deque()
+        self._frames: list[tuple[FrameChannel, bytes]] = []
+        self._frame_parcels: deque[list[tuple[FrameChannel, bytes]]] = deque()
         self._posted = False
+        self._sent = 0.0
         self._next_port = FIRST_PORT
         allow_many_sockets()
         self._sync = self._make_sync()
-        context.services.register_object("simulation", StreamDirectory(self._ports))
+        listener = listen(context.host, [self.options["binary_port"]])
+        self._binary_port = port_of(listener)
+        self._binary = FrameServer(listener)
+        context.network.call(self._binary.start(context.network))
+        context.services.register_object("simulation", StreamDirectory(self._ports, self._binary_port))
 
     def _make_sync(self) -> TimeSync | None:
         if not self.options["time_sync"]:
@@ -87,7 +100,9 @@ class SocketDatastreamManager(DatastreamManager):
             MorseMiddlewareError: no port is available.
         """
         stream.server = self._server(stream.component_name, stream.kwargs.get("port"))
-        stream.outbox = self._outbox
+        stream.outbox, stream.frames = self._outbox, self._frames
+        if stream.direction == "OUT" and stream.server.binary is None:
+            stream.server.binary = self._binary.open(stream.component_name, stream.server.readers)
         if stream.direction == "IN":
             stream.server.reads = True
             stream.server.inbox.take()  # discard messages to a former component
@@ -98,6 +113,9 @@ class SocketDatastreamManager(DatastreamManager):
         if server is not None:
             del self._ports[name]
             self._outbox[:] = [(to, message) for to, message in self._outbox if to is not server]
+            self._frames[:] = [(to, frame) for to, frame in self._frames if to is not server.binary]
+            if server.binary is not None:
+                self.context.network.post(self._binary.end, server.binary)
             self.context.network.call(server.close())
 
     def _server(self, name: str, hint: Any) -> StreamServer:
@@ -142,33 +160,63 @@ class SocketDatastreamManager(DatastreamManager):
 
     def flush(self) -> None:
         """The end of a tick: pass all messages to the network thread at once."""
-        if not self._outbox:
+        if self._outbox:
+            self._parcels.append(self._outbox.copy())
+            self._outbox.clear()
+        elif not self._frames:
             return
-        self._parcels.append(self._outbox.copy())
-        self._outbox.clear()
-        if not self._posted:
+        if self._frames:
+            self._frame_parcels.append(self._frames.copy())
+            self._frames.clear()
+        if not self._posted or self.context.paused():
             self._posted = True
             self.context.network.post(self._send)
 
     def _send(self) -> None:
         # Ticks may be faster than this thread is scheduled. All pending messages go to each client in one call,
-        # which costs less per message
+        # which costs less per message. If ticks follow each other quickly, the messages of several ticks are sent
+        # together: each exchange between the two threads takes longer than a tick
+        now = perf_counter()
+        quick = now - self._sent < _QUICK and not self.context.paused()
+        self._sent = now
+        if quick:
+            self.context.network.loop.call_later(_TOGETHER, self._send_pending)
+        else:
+            self._posted = False
+        self.push()
+
+    def _send_pending(self) -> None:
+        if self._parcels or self._frame_parcels:
+            self._send()
+            return
         self._posted = False
+        if self._parcels or self._frame_parcels:  # a tick has ended in the meantime
+            self._send()
+
+    def push(self) -> None:
+        """See `DatastreamManager.push`; to be called in the network thread."""
         messages: dict[StreamServer, list[bytes]] = {}
         while self._parcels:
             for server, message in self._parcels.popleft():
                 messages.setdefault(server, []).append(message)
         for server, published in messages.items():
             server.publish(published)
+        frames: list[tuple[FrameChannel, bytes]] = []
+        while self._frame_parcels:
+            frames += self._frame_parcels.popleft()
+        if frames:
+            self._binary.publish(frames)
 
     def sent(self) -> dict[str, int]:
         """Number of messages sent to each client of a sensor; called in the network thread.
 
         The key is its address and the port of the stream: clients of two ports may have the same address.
         """
+        self.push()
+        ports = [(self._ports[name], server) for name, server in self._servers.items()]
         return {
-            f"{client.peer} {self._ports[name]}": client.sent
-            for name, server in self._servers.items()
+            f"{client.peer} {port}": client.sent
+            for port, server in [*ports, (self._binary_port, self._binary)]
             for client in server.clients
             if client.sent
         }
@@ -182,7 +230,7 @@ class SocketDatastreamManager(DatastreamManager):
     async def _close(self) -> None:
         if self._sync is not None:
             await self._sync.close()
-        await close_all(self._servers.values())
+        await close_all([*self._servers.values(), self._binary])
 
 
 def _port(value: Any, what: str) -> int:

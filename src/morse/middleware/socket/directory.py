@@ -19,11 +19,13 @@ class StreamDirectory(AbstractObject):
 
     Args:
         ports: by name of the component.
+        binary_port: of the binary streams.
     """
 
-    def __init__(self, ports: Mapping[str, int]) -> None:
+    def __init__(self, ports: Mapping[str, int], binary_port: int) -> None:
         super().__init__()
         self._ports = ports
+        self._binary_port = binary_port
 
     def name(self) -> str:
         """``simulation``."""
@@ -46,3 +48,8 @@ class StreamDirectory(AbstractObject):
     def get_all_stream_ports(self) -> dict[str, int]:
         """The TCP ports of all streams, by the name of the component."""
         return dict(self._ports)
+
+    @service(changes=False)
+    def get_binary_port(self) -> int:
+        """The TCP port of the binary streams of all sensors."""
+        return self._binary_port

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from morse.core.datastream import AbstractDatastream
 
+#: fields of every image and cloud: arrays among them are lists in JSON
+_NOT_OTHERS = frozenset(("timestamp", "height", "width", "intrinsic_matrix"))
 #: the weight of each colour in the luminance (ITU-R BT.709)
 _LUMA = (0.2126, 0.7152, 0.0722)
 
@@ -50,12 +52,36 @@ def _file(pixels: Any, form: str, quality: int) -> bytes:
     return data.getvalue()
 
 
+def image_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
+    """What `image_json` sends, with the image and other arrays as arrays, and the file of a picture as bytes."""
+    return _fields(stream, "image", _unchanged, others=True)
+
+
+def cloud_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
+    """What `cloud_json` sends, with the points (..., 3) as an array of float32."""
+    if not _is_cloud(stream):
+        return stream.data
+    return _fields(stream, "points", _as_float32, others=False)
+
+
+def _unchanged(value: Any) -> Any:
+    return value
+
+
+def _as_float32(points: Any) -> Any:
+    return points if isinstance(points, (bytes, bytearray, memoryview)) else np.float32(points)
+
+
+def _is_cloud(stream: AbstractDatastream) -> bool:
+    return "points" in stream.data and hasattr(stream.component_instance, "image_height")
+
+
 def cloud_json(stream: AbstractDatastream) -> bytes | None:
     """``{timestamp, height, width, points, intrinsic_matrix}``; points are x, y, z in float32, in base64.
 
     None while the camera does not capture. Data of other components are sent unchanged.
     """
-    if "points" not in stream.data or not hasattr(stream.component_instance, "image_height"):
+    if not _is_cloud(stream):
         return to_json(stream.data)
     return _json(stream, "points", points_as_bytes)
 
@@ -63,6 +89,20 @@ def cloud_json(stream: AbstractDatastream) -> bytes | None:
 def _json(
     stream: AbstractDatastream, field: str, encode: Callable[[Any], bytes], *, others: bool = False
 ) -> bytes | None:
+    message = _fields(stream, field, encode, others=others)
+    if message is None:
+        return None
+    message[field] = base64.b64encode(message[field]).decode("ascii")
+    if others:
+        for name, value in message.items():
+            if name not in _NOT_OTHERS and isinstance(value, np.ndarray):
+                message[name] = as_bytes(value)
+    return to_json(message)
+
+
+def _fields(
+    stream: AbstractDatastream, field: str, encode: Callable[[Any], Any], *, others: bool
+) -> dict[str, Any] | None:
     camera: Any = stream.component_instance
     data = stream.data
     # None: the component is not a camera, but has a cloud
@@ -74,9 +114,7 @@ def _json(
         "timestamp": data["timestamp"],
         "height": getattr(camera, "image_height", height),
         "width": getattr(camera, "image_width", width),
-        field: base64.b64encode(
-            _file(data[field], form, camera.quality) if form and np.size(data[field]) else encode(data[field])
-        ).decode("ascii"),
+        field: _file(data[field], form, camera.quality) if form and np.size(data[field]) else encode(data[field]),
     }
     if form:
         message["format"] = form
@@ -85,9 +123,8 @@ def _json(
     if others:
         for name in data:
             if name not in message:
-                value = data[name]
-                message[name] = as_bytes(value) if isinstance(value, np.ndarray) else value
-    return to_json(message)
+                message[name] = data[name]
+    return message
 
 
 def as_bytes(value: Any) -> bytes:

@@ -11,6 +11,7 @@ LAST_PORT = 65535
 MANAGER_OPTIONS = {
     "time_sync": Option(bool, False, "a client paces the simulation: each tick waits for its bytes"),
     "sync_port": Option(int, SYNC_PORT, "TCP port of that client; 0 for any free one", low=0, high=LAST_PORT),
+    "binary_port": Option(int, 0, "TCP port of the binary streams; 0 for any free one", low=0, high=LAST_PORT),
 }
 STREAM_OPTIONS = {"port": Option(int, None, "TCP port of the stream; 0 for any free one", low=0, high=LAST_PORT)}
 

@@ -247,20 +247,24 @@ class SocketRequestManager(RequestManager):
     def _hand_over(self) -> None:
         if not self._consumed and not self._outbox:
             return
-        self._context.network.post(_deliver, self._outbox, self._consumed)
+        self._context.network.post(self._deliver, self._outbox, self._consumed)
         self._outbox = []
         self._outbox_size = 0
         self._consumed = {}
 
-
-def _deliver(replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, tuple[int, int]]) -> None:
-    by_client: dict[ServiceClient, list[bytes]] = {}
-    for client, reply in replies:
-        by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())
-    for client, parts in by_client.items():
-        client.reply(b"".join(parts))
-    for client, (count, size) in consumed.items():
-        client.consumed(count, size)
+    def _deliver(
+        self, replies: list[tuple[ServiceClient, _Reply]], consumed: dict[ServiceClient, tuple[int, int]]
+    ) -> None:
+        if replies:
+            for manager in self._context.stream_managers.values():
+                manager.push()
+        by_client: dict[ServiceClient, list[bytes]] = {}
+        for client, reply in replies:
+            by_client.setdefault(client, []).append(reply if isinstance(reply, bytes) else reply())
+        for client, parts in by_client.items():
+            client.reply(b"".join(parts))
+        for client, (count, size) in consumed.items():
+            client.consumed(count, size)
 
 
 def _wanted_port() -> int:

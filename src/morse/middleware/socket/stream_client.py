@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from morse.core.network import Network
     from morse.middleware.socket.connection import Connection
+    from morse.middleware.socket.frame_channel import FrameChannel
 
 #: approximate size to which messages are combined
 _HIGH_WATER = 1 << 18
@@ -40,6 +41,7 @@ class StreamClient(LineClient):
         """A client has connected."""
         super().connection_made(transport, peer)
         transport.high_water = self.server.limits.high_water()
+        self.server.readers.add(self)
         if self.server.reads and self.server.connected > 1:
             self._complain("several", f"has {self.server.connected} clients: the last one that writes wins")
 
@@ -107,12 +109,22 @@ class StreamServer(LineServer):
     Attributes:
         inbox: messages of clients.
         reads: whether the component receives data.
+        readers: its clients, and the clients of its binary stream that wait for a message; any thread may test whether
+            the set is empty.
+        binary: its binary stream, if the component sends data.
     """
 
     def __init__(self, name: str, listener: socket.socket) -> None:
         super().__init__(name, listener, lambda _: StreamClient(self), comes_first=True)
         self.inbox = Inbox()
         self.reads = False
+        self.readers: set[object] = set()
+        self.binary: FrameChannel | None = None
+
+    def leave(self, client: LineClient) -> None:
+        """A client has gone."""
+        super().leave(client)
+        self.readers.discard(client)
 
     async def start(self, network: Network) -> None:
         """Start accepting clients."""

@@ -11,11 +11,14 @@ from morse.core.declarations import kinds
 from morse.core.kinds.table import GENERAL
 from morse.core.validation import CommandError, Commands
 from morse.middleware.socket.encoding import from_json, to_json
+from morse.middleware.socket.frames import data_frame, line_frame
+from morse.middleware.socket.images import cloud_fields, image_fields
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from morse.core.object import Object
+    from morse.middleware.socket.frame_channel import FrameChannel
     from morse.middleware.socket.stream_client import StreamServer
 
 logger = logging.getLogger(__name__)
@@ -27,10 +30,12 @@ class SocketStream(AbstractDatastream):
     Attributes:
         server: the server of the port.
         outbox: receives pairs of port and message, which are sent at the end of the tick.
+        frames: receives pairs of binary stream and frame.
     """
 
     server: StreamServer
     outbox: list[tuple[StreamServer, bytes]]
+    frames: list[tuple[FrameChannel, bytes]]
 
 
 def main_kind(component: Any) -> str:
@@ -43,23 +48,41 @@ def _as_it_is(stream: SocketStream) -> bytes:
     return to_json(stream.data)
 
 
+def _all_fields(stream: SocketStream) -> dict[str, Any] | None:
+    return stream.component_instance.local_data
+
+
+def _line(message: bytes | str) -> bytes:
+    if isinstance(message, str):
+        message = message.encode()
+    return message if message.endswith(b"\n") else message + b"\n"
+
+
+#: fields of the messages of kinds whose lines have other fields than the data of the component
+_FIELDS: dict[str, Callable[[SocketStream], dict[str, Any] | None]] = {"image": image_fields, "cloud": cloud_fields}
+
+
 class SocketPublisher(SocketStream):
     """Sends the data of a component as one line of JSON to every client, at each of its actions.
 
     Subclass it and override `encode` for another format.
     """
 
+    _writes_lines = False
     _form: Callable[[SocketStream], bytes | None] = staticmethod(_as_it_is)
+    _fields: Callable[[SocketStream], dict[str, Any] | None] = staticmethod(_all_fields)
 
     def initialize(self) -> None:
         """Determine the format of the message kind of the component."""
         form = self.manager.mapping(main_kind(self.component_instance)) if self.manager is not None else None
         self._form = form or _as_it_is
+        self._fields = _FIELDS.get(main_kind(self.component_instance), _all_fields)
+        self._writes_lines = type(self).encode is not SocketPublisher.encode
 
     @property
     def waiting(self) -> Collection[Any] | None:
         """The clients."""
-        return self.server.clients if type(self).default is SocketPublisher.default else None
+        return self.server.readers if type(self).default is SocketPublisher.default else None
 
     def encode(self) -> bytes | str | None:
         """The message, or None if there is nothing to send; a line end is added if it is missing."""
@@ -67,15 +90,26 @@ class SocketPublisher(SocketStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Publish the data; without a connected client, nothing is encoded."""
-        if not self.server.connected:
-            return False
-        message = self.encode()
-        if message is None:
-            return False
-        if isinstance(message, str):
-            message = message.encode()
-        self.outbox.append((self.server, message if message.endswith(b"\n") else message + b"\n"))
-        return True
+        server, binary = self.server, self.server.binary
+        sent = False
+        if server.connected:
+            message = self.encode()
+            if message is not None:
+                self.outbox.append((server, _line(message)))
+                sent = True
+        if binary is not None and (binary.every or binary.ready):
+            frame = self._frame(binary.number)
+            if frame is not None:
+                self.frames.append((binary, frame))
+                sent = True
+        return sent
+
+    def _frame(self, number: int) -> bytes | None:
+        if self._writes_lines:
+            message = self.encode()
+            return None if message is None else line_frame(number, _line(message))
+        fields = self._fields(self)
+        return None if fields is None else data_frame(number, fields)
 
 
 class SocketReader(SocketStream):

@@ -1,0 +1,165 @@
+"""The clients of binary streams; everything here runs in the network thread.
+
+A client sends lines: ``subscribe NAME``, ``subscribe NAME latest``, ``next NAME``, ``unsubscribe NAME``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.core.quoting import short
+from morse.middleware.socket.frames import notice_frame
+from morse.middleware.socket.lines import MAX_LINE, LineClient, beginning
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.middleware.socket.connection import Connection
+    from morse.middleware.socket.frame_channel import FrameChannel
+    from morse.middleware.socket.frame_server import FrameServer
+
+MAX_NOTICES = 1 << 20
+"""Unsent bytes above which a client that goes on making requests is disconnected."""
+#: answers that name the nearest stream
+_HINTS = 8
+_EXPECTED = "expected: subscribe NAME [latest], next NAME, or unsubscribe NAME"
+
+
+class FrameClient(LineClient):
+    """A client of binary streams.
+
+    Of the messages for which it has no room it gets the last one of each stream, as soon as it has room.
+
+    Attributes:
+        every: the streams of which it gets every message.
+        sent: number of messages handed to the connection.
+    """
+
+    server: FrameServer
+
+    def __init__(self, server: FrameServer) -> None:
+        super().__init__(server)
+        self.every: frozenset[FrameChannel] = frozenset()
+        self.sent = 0
+        self._latest: set[FrameChannel] = set()
+        self._waiting: dict[FrameChannel, bytes] = {}
+        self._behind = False
+        self._refused = 0
+
+    def connection_made(self, transport: Connection, peer: str) -> None:
+        """A client has connected."""
+        super().connection_made(transport, peer)
+        transport.high_water = self.server.limits.high_water()
+
+    def connection_lost(self, error: OSError | None) -> None:
+        """The connection has ended."""
+        for channel in (*self.every, *self._latest):
+            self.unsubscribe(channel)
+        super().connection_lost(error)
+
+    def give_up(self) -> None:
+        """See `LineClient.give_up`."""
+        for channel in (*self.every, *self._latest):
+            self.unsubscribe(channel)
+        super().give_up()
+
+    def importance(self) -> tuple[float, ...]:
+        """A client without subscriptions is the least important, then one that does not read."""
+        return (bool(self.every or self._latest), not self.congested, -self.heard)
+
+    # -- messages ----------------------------------------------------------------------------
+
+    def offer(self, frames: Sequence[tuple[FrameChannel, bytes]], data: bytes) -> None:
+        """Send messages now, or the last one of each stream as soon as there is room.
+
+        Args:
+            frames: the messages.
+            data: all of them, joined.
+        """
+        if not self.congested:
+            self.transport.write(data)
+            self.sent += len(frames)
+            return
+        for channel, frame in frames:
+            if self._waiting.pop(channel, None) is not None and not self._behind:
+                self._behind = True
+                self._complain("slow", f"the client {self.peer} reads too slowly, it misses messages")
+            self._waiting[channel] = frame
+
+    def resume_writing(self) -> None:
+        """The client has room again."""
+        super().resume_writing()
+        waiting, self._waiting = self._waiting, {}
+        if waiting and not self.transport.is_closing():
+            self.transport.write(b"".join(waiting.values()))
+            self.sent += len(waiting)
+
+    def notify(self, notice: bytes) -> None:
+        """Send a notice; a client that does not read its notices is disconnected."""
+        if self.transport.is_closing():
+            return
+        if self.transport.get_write_buffer_size() > max(MAX_NOTICES, 2 * self.transport.high_water):
+            self._complain("unread", f"the client {self.peer} makes requests without reading: disconnected")
+            self._shut_out = True
+            self.transport.abort()
+            return
+        self.transport.write(notice)
+
+    # -- requests ----------------------------------------------------------------------------
+
+    def line(self, line: bytes) -> None:
+        """A request has arrived."""
+        words = line.decode("utf-8", "replace").split()
+        match words:
+            case []:
+                return
+            case ["subscribe", name] | ["subscribe", name, "latest"]:
+                self._subscribe(name, latest=len(words) == 3)
+            case ["unsubscribe", name]:
+                if (channel := self.server.channels.get(name)) is not None:
+                    self.unsubscribe(channel)
+            case ["next", name]:
+                if (channel := self.server.channels.get(name)) in self._latest:
+                    channel.add(self, latest=True)
+            case _:
+                self._refuse(f"'{beginning(line)}' is no request: {_EXPECTED}")
+
+    def _subscribe(self, name: str, *, latest: bool) -> None:
+        channel = self.server.channels.get(name)
+        if channel is None:
+            self._refused += 1
+            # a client that goes on does not read them, and each takes a while
+            hint = self.server.hint(name) if self._refused <= _HINTS else ""
+            self._refuse(f"no stream {short(name)}{hint}", name)
+            return
+        self.unsubscribe(channel)
+        if latest:
+            self._latest.add(channel)
+        else:
+            self.every |= {channel}
+        self.notify(notice_frame({"subscribed": name, "stream": channel.number}))
+        channel.add(self, latest=latest)
+
+    def unsubscribe(self, channel: FrameChannel) -> bool:
+        """Send no more messages of a stream; True if it was subscribed."""
+        found = channel in self.every or channel in self._latest
+        self.every -= {channel}
+        self._latest.discard(channel)
+        self._waiting.pop(channel, None)
+        channel.discard(self)
+        return found
+
+    def _refuse(self, text: str, name: str | None = None) -> None:
+        self.notify(notice_frame({"error": text, "subject": name or ""}))
+
+    def unfinished(self, rest: bytes) -> None:
+        """The client left in the middle of a request."""
+        self._complain("unfinished", f"the client {self.peer} left in the middle of a request: {beginning(rest)}")
+
+    def overlong(self) -> None:
+        """A request without an end."""
+        text = f"the client {self.peer} sent more than {MAX_LINE} bytes without a line end: disconnected"
+        self._complain("overlong", text)
+
+    def _complain(self, kind: str, text: str) -> None:
+        self.server.complaints.warn(kind, f"{self.server.name}: {text}")
