@@ -43,8 +43,8 @@ settings.register_profile("nightly", deadline=None, max_examples=100)
 if settings.get_current_profile_name() != "nightly":
     settings.load_profile("everyday")
 
-# A shell starts its background jobs (`pytest &`) with SIGINT ignored, and so would they start theirs: tests that press
-# Ctrl+C in a child would wait for ever
+# A shell starts its background jobs (`pytest &`) with SIGINT ignored, and child processes inherit this: tests that send
+# Ctrl+C to a child would wait forever
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -69,7 +69,7 @@ def _folder(path: Path) -> str:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Let hypothesis make its table of characters before the first test, whose input would take too long with it."""
+    """Let hypothesis create its table of characters before the first test, which would otherwise take too long."""
     if any(getattr(getattr(item, "function", None), "is_hypothesis_test", False) for item in session.items):
         unchecked = settings(
             database=None, suppress_health_check=list(HealthCheck), deadline=None, phases=[Phase.generate]
@@ -78,7 +78,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 
 def pytest_sessionstart() -> None:
-    """In an editable installation, the C files may have changed: a test of old libraries would say nothing."""
+    """In an editable installation, the C files may have changed: the tests must not run with old libraries."""
     from morse.kernel import build, targets
 
     host = targets.host()
@@ -88,7 +88,7 @@ def pytest_sessionstart() -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Where CI is set, Chromium and Blender are there: a test that is skipped for want of them has failed."""
+    """If CI is set, Chromium and Blender are installed: a test that is skipped without them has failed."""
     report = yield
     marks = [mark for mark in _MUST_RUN_IN_CI if item.get_closest_marker(mark)]
     if report.skipped and marks and os.environ.get("CI") and not hasattr(report, "wasxfail"):
@@ -100,7 +100,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    """Debian's Chromium with software GL: one for all tests, Playwright allows no second."""
+    """Debian's Chromium with software GL: one for all tests, because Playwright does not allow a second one."""
     from morse.viewer.site import STATIC
 
     missing = [str(path) for path in (Path(CHROMIUM), STATIC / "index.html") if not path.exists()]
@@ -115,7 +115,7 @@ def browser() -> Iterator[Browser]:
         made = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield made
         made.close()
-        # Playwright waits without a limit for the end of its driver, which now and then does not end by itself
+        # Playwright waits without a timeout for the end of its driver, which sometimes does not end
         late = threading.Timer(20.0, _end_drivers)
         late.daemon = True
         late.start()

@@ -1,4 +1,4 @@
-"""Components of users, with mistakes."""
+"""Components of users, with errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from morse.core.services import async_service, interruptible, service
 
 
 class Raises(Sensor):
-    """Fails at its tenth measurement."""
+    """Fails in its tenth measurement."""
 
     add_data("count", 0, "int", "measurements")
 
@@ -24,7 +24,7 @@ class Raises(Sensor):
 
 
 class Explodes(Actuator):
-    """Pushes its robot harder than numbers can say, in the fifth tick."""
+    """Pushes its robot with an overflowing force, in the fifth tick."""
 
     add_property("_push", math.inf, "Push", "float", "N")
     _push: float
@@ -56,7 +56,7 @@ class Brittle(Actuator):
 
 
 class Garbles(AbstractModifier):
-    """Makes data that cannot be sent."""
+    """Has data that cannot be sent."""
 
     def modify(self) -> None:
         self.data["thing"] = object()

@@ -1,4 +1,4 @@
-"""Simulations to treat badly."""
+"""Simulations for abuse."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def start(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., SimulationProcess]]:
-    """Call it with the text of a scene and options of ``morse run``; what still runs at the end is killed."""
+    """Call it with the text of a scene and options of ``morse run``; processes that still run at the end are killed."""
     directory = tmp_path_factory.mktemp("abuse")
     started: list[SimulationProcess] = []
 
@@ -37,7 +37,7 @@ def start(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Si
 
 @pytest.fixture(scope="module")
 def victim(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Victim]:
-    """One for all tests of a file: what the first does must not hurt the last. It runs at ten times real time."""
+    """One simulation for all tests of a file, at ten times real time: the first test must not harm the last one."""
     directory = tmp_path_factory.mktemp("victim")
     (directory / "scene.py").write_text(SCENE, encoding="utf-8")
     process = SimulationProcess(directory / "scene.py", directory / "log", options=("--headless", "--speed", "5"))

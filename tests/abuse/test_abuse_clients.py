@@ -1,4 +1,4 @@
-"""Many clients, clients that come and go, and clients that are killed."""
+"""Many clients, clients that connect and disconnect, and clients that are killed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ while True:
 
 
 def test_fifty_clients_of_all_streams(victim: Victim) -> None:
-    """Each gets every message of every sensor."""
+    """Each client gets every message of every sensor."""
     sensors = [port for name, port in victim.streams.items() if "motion" not in name]
     lines = [Line(port) for _ in range(50) for port in sensors]
     errors: list[str] = []
@@ -67,7 +67,7 @@ def come_and_go(victim: Victim, times: int) -> None:
 
 
 def settled(footprint: Footprint, descriptors: int) -> int:
-    """Descriptors, as soon as they are no more than they were, or at last."""
+    """The number of descriptors, as soon as it is back at the former number, or after a timeout."""
     deadline = time.monotonic() + 20.0
     while footprint.descriptors > descriptors and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -83,7 +83,7 @@ def leaves_nothing_behind(victim: Victim, times: int) -> None:
             come_and_go(victim, 50)
             settled(footprint, quiet)
 
-    crowds(500)  # memory grows to what a crowd needs
+    crowds(500)  # memory grows to the maximum of a crowd
     descriptors, memory = settled(footprint, quiet), footprint.memory
     crowds(times)
     assert settled(footprint, descriptors) <= descriptors

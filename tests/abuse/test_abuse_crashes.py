@@ -1,4 +1,4 @@
-"""Simulations that are killed, components that fail, numbers that blow up."""
+"""Simulations that are killed, components that fail, states that diverge."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_services_that_fail_are_answered(start: Start) -> None:
 @pytest.mark.parametrize(("push", "refused"), [("1e300", True), ("-1e200", True), ("9e8", False)])
 def test_absurd_pushes_end_nothing(start: Start, push: str, refused: bool) -> None:
     scene = PARTS + f"bomb = Explodes()\nbomb.properties(Push={push})\nrobot.append(bomb)\n" + END
-    process = start(scene, "--headless", "--speed", "0.01")  # so that there is time to pause it before
+    process = start(scene, "--headless", "--speed", "0.01")  # leaves time to pause it before
     services = Line(process.port)
     services.call("simulation", "pause")
     services.call("simulation", "reset")

@@ -1,4 +1,4 @@
-"""Malformed lines, fragments and floods on every port, beside a client that must not notice."""
+"""Malformed lines, fragments and floods on every port, while another client must not be affected."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ MALFORMED = (
 
 
 def garbage(seed: int) -> itertools.chain[bytes]:
-    """Malformed lines without end: those above, parts of them, and random bytes."""
+    """An infinite sequence of malformed lines: those above, parts of them, and random bytes."""
     numbers = random.Random(seed)
 
     def one() -> bytes:
@@ -70,7 +70,7 @@ def garbage(seed: int) -> itertools.chain[bytes]:
 
 
 def pour(port: int, lines: int, seed: int) -> bytes:
-    """Send so many malformed lines as fast as they are taken; what came back."""
+    """Send malformed lines as fast as possible; returns the received bytes."""
     line, source = Line(port, timeout=120.0), garbage(seed)
     with ThreadPoolExecutor(1) as reader:
         answers = reader.submit(drained, line, 120.0)
@@ -89,7 +89,7 @@ def flood(victim: Victim, lines: int) -> None:
 
 
 def wants_answer(line: bytes) -> bool:
-    """Whatever is neither blank nor a cancellation has one."""
+    """Every line that is neither blank nor a cancellation has one answer."""
     words = line.decode(errors="replace").split()
     return bool(words) and not (len(words) == 2 and words[1] == "cancel")
 
@@ -126,7 +126,7 @@ def test_a_request_in_fragments(victim: Victim) -> None:
 
 
 def test_commands_in_fragments(victim: Victim) -> None:
-    """A message takes effect when it is whole, whatever lies between its bytes."""
+    """A message takes effect when it is complete, however its bytes are split."""
     services, motion = Line(victim.port), Line(victim.streams["bert.motion"])
     for speed in (0.25, 0.5):
         for byte in b'{"v": %f, "w": 0.0}' % speed:
@@ -134,7 +134,7 @@ def test_commands_in_fragments(victim: Victim) -> None:
         before = services.call("bert.pose", "get_local_data")
         services.call("time", "sleep", 1.0)
         after = services.call("bert.pose", "get_local_data")
-        # time goes on between the calls, on a busy machine for long
+        # time advances between the calls, by much on a loaded machine
         driven, passed = (after[field] - before[field] for field in ("x", "timestamp"))
         assert driven / passed == pytest.approx(speed - 0.25, abs=0.05)
         motion.send(b"\n")
@@ -154,7 +154,7 @@ def test_many_requests_at_once_are_all_answered_in_their_order(victim: Victim) -
 
 
 def test_a_client_that_asks_and_never_reads(victim: Victim) -> None:
-    """Its answers pile up: it is cut off, or not read from any more."""
+    """Its unread answers accumulate: it is disconnected, or no longer read from."""
     with Witness(victim.port, victim.streams["anna.pose"]):
         line = Line(victim.port, timeout=3.0)
         line.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)

@@ -1,6 +1,6 @@
 """The long run: malformed input on all ports at once, and many clients of many streams.
 
-The figures of the long form are printed (``pytest -s -m soak``) and stand in docs/measured.
+The long form prints its results (``pytest -s -m soak``), which are recorded in docs/measured.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ needs_footprint = pytest.mark.skipif(not Footprint.possible(), reason="the syste
 
 
 def pour(port: int, lines: int, seed: int) -> None:
-    """Malformed lines by connections that come and go; whoever is turned away begins anew."""
+    """Malformed lines over short connections; a client that is disconnected reconnects."""
     source = garbage(seed)
     left = lines
     while left > 0:
@@ -72,7 +72,7 @@ def malformed_everywhere(start: Start, lines: int) -> dict[str, float]:
     ports = [victim.port, *victim.streams.values(), sync]
     begin = time.monotonic()
     with Witness(victim.port, victim.streams["anna.pose"]) as witness:
-        with ThreadPoolExecutor(len(ports)) as pourers:  # memory grows to what this takes
+        with ThreadPoolExecutor(len(ports)) as pourers:  # memory grows to its maximum
             list(pourers.map(pour, ports, [2000] * len(ports), range(len(ports))))
         memory = footprint.memory
         with ThreadPoolExecutor(len(ports) + 1) as pourers:
@@ -109,7 +109,7 @@ def test_a_million_malformed_lines_and_frames_on_all_ports(start: Start) -> None
 
 
 def listen_to_all(ports: list[int], clients: int, seconds: float, frequency: int) -> Counter[str]:
-    """Read ``clients`` connections to each port for so long; every message of each has to come, in order."""
+    """Read ``clients`` connections to each port for a while; every message of each must arrive, in order."""
     figures: Counter[str] = Counter()
     selector = selectors.DefaultSelector()
     rest: dict[socket.socket, bytes] = {}

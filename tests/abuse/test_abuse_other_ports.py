@@ -1,4 +1,4 @@
-"""Garbage on the ports of the live view and of the time sync, beside a client that must not notice."""
+"""Garbage on the ports of the live view and of the time sync, while another client must not be affected."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ BEGINNINGS = (b"", b"GET / HTTP/1.1\r\n", b"POST /ws HTTP/1.1\r\n\r\n", b"\x16\x
 
 
 def harass(port: int, connections: int) -> None:
-    """Connections that begin in some way, go on with random bytes, and end in some way."""
+    """Connections with a random beginning, random bytes, and a random end."""
     numbers = random.Random(connections)
     for _ in range(connections):
         line = Line(port)
-        with contextlib.suppress(ConnectionError):  # it may hang up at once
+        with contextlib.suppress(ConnectionError):  # it may disconnect immediately
             line.send(numbers.choice(BEGINNINGS) + numbers.randbytes(numbers.randrange(3000)))
         line.vanish() if numbers.random() < 0.5 else line.close()
 
@@ -61,7 +61,7 @@ def test_much_garbage_on_the_port_of_the_view(start: Start) -> None:
 
 
 def test_a_flood_on_the_port_that_paces_the_simulation(start: Start) -> None:
-    """It can only make the simulation go on: any byte means one tick, and many at once mean no more."""
+    """It can only advance the simulation: any byte allows one tick, and many at once allow no more."""
     port = _free_port()
     scene = SCENE + f"env.configure_stream_manager('socket', time_sync=True, sync_port={port})\n"
     process = start(scene, "--headless", "--speed", "max")

@@ -1,4 +1,4 @@
-"""A simulation that is started anew again and again."""
+"""A simulation that is restarted repeatedly."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def reset(victim: Victim, times: int) -> None:
         pose.read()
         return pose.read()
 
-    for seed in range(500):  # memory grows to what it needs
+    for seed in range(500):  # memory grows to its maximum
         first = once(seed)
     memory, descriptors = footprint.memory, footprint.descriptors
     for seed in range(times):

@@ -1,4 +1,4 @@
-"""Web pages, clients that die, and time that hardly passes: a whole simulation."""
+"""Web pages, clients that crash, and time that hardly advances: a whole simulation."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_services_are_answered_however_slowly_time_goes(start: Start, scale: flo
 
 
 def test_a_command_sent_before_a_step_is_seen_by_it(victim: Victim) -> None:
-    """On a connection that is new each time: the robot turns as it was told for this very tick."""
+    """Over a new connection each time: the robot turns according to the command for this tick."""
     services = Line(victim.port)
     services.call("simulation", "pause")
     yaw = services.call("anna.pose", "get_local_data")["yaw"]
@@ -141,7 +141,7 @@ def test_a_command_sent_before_a_step_is_seen_by_it(victim: Victim) -> None:
 
 
 def test_half_characters_everywhere(start: Start) -> None:
-    """In fields of an actuator that a page watches, names, properties and ids."""
+    """In fields of an actuator that a page shows, names, properties and ids."""
     process = start(SCENE, "--view-port", "0", "--no-browser", "--speed", "5")
     victim = Victim(process)
     assert re.search(r"http://127\.0\.0\.1:(\d+)/", victim.log())

@@ -1,4 +1,4 @@
-"""A simulation that is treated badly."""
+"""A simulation for abuse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Raw clients: some behave, some do not."""
+"""Raw clients: some well-behaved, some not."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ HZ = 60
 
 
 class Line:
-    """A connection that carries lines."""
+    """A connection for lines."""
 
     def __init__(self, port: int, timeout: float = 30.0) -> None:
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
@@ -44,15 +44,15 @@ class Line:
         self.socket.close()
 
     def vanish(self) -> None:
-        """End without a farewell, as a program does that is killed in the middle of something."""
+        """Close without a shutdown, like a program that is killed."""
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         self.close()
 
 
 class Witness(threading.Thread):
-    """A client that does everything right, and notes what goes wrong: at the end, `errors` has to be empty.
+    """A well-behaved client that records errors: at the end, `errors` must be empty.
 
-    It has to get every message of a sensor, and a right answer to every call.
+    It must get every message of a sensor, and a right answer to every call.
     """
 
     def __init__(self, port: int, stream: int) -> None:
@@ -106,7 +106,7 @@ class Witness(threading.Thread):
         return self
 
     def wait_for(self, messages: int) -> None:
-        """Wait for so many messages, and answers, from now on."""
+        """Wait for a number of further messages and answers."""
         goals = self.messages + messages, self.calls + messages
         deadline = time.monotonic() + 60.0
         while (self.messages, self.calls) < goals or self.calls < goals[1]:
@@ -138,9 +138,9 @@ class Footprint:
 
     @property
     def memory(self) -> int:
-        """Bytes that it has asked for and written to.
+        """Anonymous memory that it has written to, bytes.
 
-        Not those of files: they become its own when another process that has mapped the same libraries ends.
+        Memory of files is excluded: it becomes private when another process that has mapped the same libraries ends.
         """
         text = (self._place / "smaps_rollup").read_text()
         return 1024 * sum(int(size) for size in re.findall(r"^(?:Anonymous|Swap): +(\d+) kB", text, re.MULTILINE))
@@ -151,7 +151,7 @@ class Footprint:
 
 
 def drained(line: Line, seconds: float = 30.0) -> bytes:
-    """All that comes until the other side closes."""
+    """All data until the other side closes."""
     received = b""
     line.socket.settimeout(seconds)
     with contextlib.suppress(ConnectionResetError):

@@ -1,4 +1,4 @@
-"""The arm of the tests, and what geometry says of it."""
+"""The arm of the tests, and its forward kinematics."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ tip = Pose()
 arm.append(tip)
 """
 TARGET = "ik_target.robot.arm.kuka_7"
-#: heights of the joints above the foot while the arm points upward, and that of the tip; m
+#: heights of the joints above the foot while the arm points upward, and that of the tip, m
 HEIGHTS = (0.0, 0.3105, 0.5105, 0.7105, 0.9105, 1.1005, 1.1785)
 TIP = 1.3105
-#: odd joints turn about the arm, even ones about -Y, +Y, -Y
+#: odd joints rotate about the arm, even ones about -Y, +Y, -Y
 AXES = ("z", "-y", "z", "y", "z", "-y", "z")
 
 
 def turned(axis: str, angle: float) -> np.ndarray:
-    """4x4 of a turn about Z or Y."""
+    """4x4 of a rotation about Z or Y."""
     if axis.startswith("-"):
         axis, angle = axis[1:], -angle
     c, s = math.cos(angle), math.sin(angle)
@@ -37,14 +37,14 @@ def turned(axis: str, angle: float) -> np.ndarray:
 
 
 def lifted(height: float) -> np.ndarray:
-    """4x4 of a shift along Z."""
+    """4x4 of a translation along Z."""
     result = np.eye(4)
     result[2, 3] = height
     return result
 
 
 def tip_of(angles) -> np.ndarray:
-    """4x4 of the tip in the frame of the arm: link by link, as in every textbook."""
+    """4x4 of the tip in the frame of the arm, as the product of the links."""
     result, below = np.eye(4), 0.0
     for height, axis, angle in zip(HEIGHTS, AXES, angles, strict=True):
         result = result @ lifted(height - below) @ turned(axis, angle)
@@ -65,7 +65,7 @@ def values(sim):
 
 
 def place(sim):
-    """Where the tip is, in the world."""
+    """The position of the tip in the world."""
     sim.step(2)
     data = sim.robot.arm.tip.get()
     return [data["x"], data["y"], data["z"]]

@@ -7,7 +7,7 @@ import morse
 
 @pytest.fixture
 def run(tmp_path):
-    """Loads scene scripts, without network and wall clock; a script ends with its environment by itself."""
+    """Loads scene scripts, without network and wall clock; an environment is appended if the script has none."""
     made = []
 
     def load(script, environment="env = Environment('empty')"):

@@ -34,7 +34,7 @@ def test_the_tip_is_where_the_links_put_it(run, angles):
 
 
 def test_a_joint_lays_the_arm_down(run):
-    # the numbers that scripts count on: 1 m ahead at the height of the second joint
+    # the values that scripts rely on: 1 m ahead at the height of the second joint
     sim = load(run)
     assert place(sim) == pytest.approx([0.0, 0.0, TIP], abs=1e-4)
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2).result()
@@ -77,7 +77,7 @@ def test_limits_are_kept(run):
     assert arm.get_IK_limits("kuka_2").result() == pytest.approx([-math.radians(120), math.radians(120)], abs=1e-4)
     arm.set_rotation("kuka_2", 3.0).result()
     assert values(sim)[1] == pytest.approx(math.radians(120), abs=1e-4)
-    # a service that asks for more ends at the limit
+    # a service with a target beyond the limit ends at the limit
     arm.rotate("kuka_1", -5.0, 10.0).result(5.0)
     assert values(sim)[0] == pytest.approx(-math.radians(170), abs=1e-4)
     arm.publish({"kuka_4": 100.0})
@@ -107,7 +107,7 @@ def test_a_rotation_takes_its_time(run):
     sim = load(run)
     began = sim.time()
     sim.robot.arm.rotate("kuka_2", 0.8).result(5.0)
-    # 0.8 rad at 0.8 rad/s; it is done within the tolerance of 0.01 rad
+    # 0.8 rad at 0.8 rad/s; it ends within the tolerance of 0.01 rad
     assert sim.time() - began == pytest.approx(1.0, abs=0.05)
     assert values(sim)[1] == pytest.approx(0.8)
     began = sim.time()

@@ -1,4 +1,4 @@
-"""An arm in the physics: it pushes what is in its way, and leaves alone what is not."""
+"""An arm in the physics: it pushes obstacles, and does not affect other objects."""
 
 import math
 
@@ -32,10 +32,10 @@ def test_an_arm_pushes_a_box_that_sleeps(run, robot):
     sim.robot.arm.set_rotation("kuka_2", -math.pi / 2 - 0.1).result()
     sim.step(120)
     assert place(sim) == pytest.approx([0.75, 0.6, 0.15], abs=0.01)
-    # at 1.1 rad the middle of the arm, and more so its side, is beyond where the box was: atan(0.6 / 0.75) = 0.67
+    # at 1.1 rad the arm has passed the initial position of the box: atan(0.6 / 0.75) = 0.67
     sim.robot.arm.rotate("kuka_1", 1.1, 0.4).result(10.0)
     x, y, _ = place(sim)
-    # it was pushed to the left and beyond the reach of the arm, and not shot away
+    # it was pushed to the left and out of reach of the arm, at a moderate speed
     assert math.atan2(y, x) > math.atan2(0.6, 0.75) + 0.1
     assert 0.15 < math.hypot(x - 0.75, y - 0.6) < 0.8
 
@@ -59,7 +59,7 @@ def test_an_arm_that_is_laid_down_shortens_the_reach_of_a_scanner_behind_it(run)
     assert ahead == pytest.approx(1.0 - 0.06, abs=0.03), "the upright arm"
     sim.robot.arm.set_rotation("kuka_2", math.pi / 2).result()
     sim.step(10)
-    # the arm lies on the ray, 0.3105 m up and 0.12 m thick: over its upper side the ray passes
+    # the arm is on the ray, 0.3105 m up and 0.12 m thick: the ray passes above its upper side
     assert sim.eye.scan.get()["range_list"][90] == pytest.approx(30.0)
 
 

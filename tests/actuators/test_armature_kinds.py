@@ -1,4 +1,4 @@
-"""Armatures other than that of the arm: joints that slide, armatures that a robot brings, streams and journals."""
+"""Other armatures: prismatic joints, armatures in the model of a robot, streams and journals."""
 
 import math
 from pathlib import Path
@@ -40,7 +40,7 @@ def test_a_joint_slides_at_its_speed(run):
     assert arm.get_IK_limits("kuka_1").result() == [0.0, 0.3]
     began = sim.time()
     arm.translate("kuka_1", 0.1).result(10.0)
-    # 0.1 m at 0.05 m/s; it is done within the tolerance of 5 mm
+    # 0.1 m at 0.05 m/s; it ends within the tolerance of 5 mm
     assert sim.time() - began == pytest.approx(1.9, abs=0.06)
     assert sim.robot.arm.tip.get()["z"] == pytest.approx(1.3105 + 0.095, abs=2e-3)
     sim.step(10)
@@ -74,7 +74,7 @@ def test_a_sliding_joint_keeps_its_limits_and_its_kind(run):
 def test_a_lift_helps_to_reach_a_target(run):
     sim = load(run, more=LIFT)
     target = "ik_target.robot.arm.kuka_7"
-    # 0.25 m above the stretched arm: only the lift brings it there
+    # 0.25 m above the stretched arm: only the lift reaches it
     sim.robot.arm.place_IK_target(target, [0.0, 0.0, 0.25]).result()
     sim.step(120)
     assert place(sim) == pytest.approx([0.0, 0.0, 1.5605], abs=1e-3)

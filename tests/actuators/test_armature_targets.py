@@ -45,13 +45,13 @@ def test_targets_within_reach_are_reached(run):
         sim.step(200)
         found = values(sim)
         assert place(sim) == pytest.approx(wanted[:3, 3].tolist(), abs=1e-3)
-        # what the joints say leads there, too, with the hand turned as asked
+        # forward kinematics of the joint angles gives the target pose
         assert np.allclose(tip_of(found), wanted, atol=2e-3)
         assert all(abs(v) <= math.radians(170 if i % 2 == 0 else 120) + 1e-6 for i, v in enumerate(found))
 
 
 def test_an_arm_that_is_stretched_finds_its_way_inward(run):
-    # straight below the tip: no joint moves it there by a small turn
+    # straight below the tip: a singular configuration
     sim = load(run)
     sim.robot.arm.place_IK_target(TARGET, [0.0, 0.0, -0.3]).result()
     sim.step(200)

@@ -27,7 +27,7 @@ def run_through(sim, trajectory, ticks):
 
 
 def assert_follows(found, curve):
-    """The angles are those of the curve, one tick late at most."""
+    """The angles follow the curve, with a delay of at most one tick."""
     tick = 1.0 / 60.0
     for time, angle in found:
         assert min(abs(angle - curve(time - lag * tick)) for lag in (0.0, 1.0)) < 1e-6
@@ -56,7 +56,7 @@ def test_cubic_between_velocities(run):
 
 def test_cubic_through_a_point_in_motion(run):
     sim = load(run)
-    # q = t^3 is a cubic: its values and slopes at 0.8 s and 1.2 s bring it back
+    # q = t^3 is a cubic: its values and slopes at 0.8 s and 1.2 s determine it
     points = [{"positions": second(t**3), "velocities": second(3.0 * t**2), "time_from_start": t} for t in (0.8, 1.2)]
     _, found = run_through(sim, {"points": points}, 70)
     assert_follows(found, lambda t: max(t, 0.0) ** 3)

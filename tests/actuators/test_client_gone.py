@@ -1,4 +1,4 @@
-"""A client that calls a service and goes away stops nothing."""
+"""A client that calls a service and disconnects stops nothing."""
 
 import contextlib
 import json
@@ -67,7 +67,7 @@ def test_what_was_begun_goes_on(tmp_path, monkeypatch, robot, height, actuator, 
             client.sendall(f"1 robot.motion {service} {json.dumps(arguments)}\n".encode())
             tick_until(sim, lambda: component.running_service == service)
         tick_until(sim, lambda: component.running_service is None and arrived(component))
-        # and whoever comes next is answered
+        # the next client gets an answer
         with socket.create_connection(("127.0.0.1", port(sim)), timeout=10) as client:
             client.sendall(b"2 robot.motion get_properties []\n")
             client.setblocking(False)

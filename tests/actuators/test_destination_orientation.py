@@ -1,4 +1,4 @@
-"""Actuators that take a robot to a place on a straight line, and that turn it."""
+"""Actuators that move a robot to a target on a straight line, and that turn it."""
 
 import math
 
@@ -86,7 +86,7 @@ def test_orientation_at_once_leaves_a_fall_to_gravity(run):
     sim.step(60)
     data = pose(sim)
     assert data["roll"] == pytest.approx(0.5, abs=1e-3)
-    # with a little damping
+    # with a small damping
     assert 20.0 - data["z"] == pytest.approx(9.81 / 2.0, rel=0.1)
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-# RMax is weightless and has 1 kg; without damping
+# RMax has no gravity and a mass of 1 kg; without damping
 SCENE = """
 robot = RMax()
 robot.translate(0, 0, 50)
@@ -46,7 +46,7 @@ def test_a_force_beside_the_origin_turns_the_robot(run):
     more = "motion = ForceTorque()\nmotion.translate(0, 0.5, 0)\nmotion.rotate(0, 0, 1.5707963)\nrobot.append(motion)"
     sim = load(run, more)
     inertia = body(sim).localInertia[2]
-    # along Y of the actuator, which is -X of the robot, 0.5 m to the left: it turns the nose to the left
+    # along Y of the actuator, which is -X of the robot, 0.5 m to the left: the torque turns the nose to the left
     sim.robot.motion.publish({"force": [0.0, 0.1, 0.0]})
     sim.step(30)
     assert body(sim).worldAngularVelocity[2] == pytest.approx(0.5 * 0.1 / inertia * 0.5, rel=0.05)

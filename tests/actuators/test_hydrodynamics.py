@@ -50,7 +50,7 @@ def test_out_of_the_water_it_falls(run: Any) -> None:
 
 
 def test_a_light_hull_floats_at_the_depth_of_archimedes(run: Any) -> None:
-    # a volume for which 40 % of the box carry the weight
+    # a volume for which 40 % of the box support the weight
     sim = load(run, "0, 0, 1", f"Volume={MASS / DENSITY / 0.4}")
     sim.step(1800)
     pose = sim.robot.pose.get()
@@ -85,7 +85,7 @@ def test_a_current_takes_it_away(run: Any) -> None:
 
 
 def test_at_the_surface_it_rights_itself(run: Any) -> None:
-    # the surface goes through the middle of a hull that is wider than it is high
+    # the surface intersects the middle of a hull that is wider than high
     sim = run(
         SCENE.format(
             mass=MASS, at="0, 0, 0.071", properties=f"Volume={2.0 * MASS / DENSITY}, Width=4.0, Height=1.0"

@@ -28,9 +28,9 @@ def ticks_to(wanted: float, limits: tuple[float, float, float]) -> int:
     ("limits", "time"),
     [
         ((0.0, 0.5, 0.0), 2.0 / 0.5),
-        # the acceleration is reached and taken back: v / a + a / j
+        # the acceleration limit is reached and left: v / a + a / j
         ((0.0, 1.0, 2.0), 2.0 / 1.0 + 1.0 / 2.0),
-        # it is never reached: 2 sqrt(v / j)
+        # the acceleration limit is never reached: 2 sqrt(v / j)
         ((0.0, 100.0, 2.0), 2.0 * math.sqrt(2.0 / 2.0)),
         ((0.0, 0.0, 0.5), 2.0 * math.sqrt(2.0 / 0.5)),
         ((0.0, 0.0, 0.0), 0.0),
@@ -68,7 +68,7 @@ def test_a_speed_is_reached_and_not_overshot(wanted: float, acceleration: float,
     ramp = Ramp()
     seen = [ramp.follow([wanted], DT, (0.0, acceleration, jerk))[0] for _ in range(10000)]
     assert seen[-1] == pytest.approx(wanted, abs=1e-9)
-    # what one step of the jerk gives in a tick
+    # the change of velocity by one step of the jerk in a tick
     assert max(map(abs, seen)) <= abs(wanted) + jerk * DT * DT
 
 

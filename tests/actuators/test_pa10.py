@@ -1,4 +1,4 @@
-"""The segments of a PA-10 arm, against rotations worked out by hand."""
+"""The segments of a PA-10 arm, against rotations computed by hand."""
 
 import math
 
@@ -21,7 +21,7 @@ AXES = "zyyzyz"
 
 
 def hand_of(angles):
-    """4x4 of the last segment: turn by turn, each at its height."""
+    """4x4 of the last segment: the product of the rotations, each at its height."""
     result, below = np.eye(4), 0.0
     for height, axis, angle in zip(HEIGHTS, AXES, angles, strict=True):
         step = np.eye(4)

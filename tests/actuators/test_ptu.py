@@ -1,4 +1,4 @@
-"""The pan-tilt unit: what rides on it looks where geometry says."""
+"""The pan-tilt unit: the direction of an attached camera agrees with geometry."""
 
 import math
 
@@ -46,7 +46,7 @@ def test_what_rides_on_it_is_turned_and_moved(run):
     sim.step(60)
     data = eye(sim)
     assert (data["yaw"], data["pitch"]) == pytest.approx((math.pi / 2, 0.3), abs=1e-3)
-    # the tilting part sits 1 cm before the axis of the pan
+    # the tilting part is 1 cm in front of the pan axis
     foot = sim.context.component("robot.ptu").bge_object.worldPosition
     assert (data["x"], data["y"]) == pytest.approx((foot[0], foot[1] + 0.01), abs=1e-3)
 

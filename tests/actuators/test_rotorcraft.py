@@ -60,7 +60,7 @@ def test_roll_and_pitch_are_those_of_autopilots(run, roll, pitch):
     sim.robot.motion.publish({"thrust": hover_share(sim), "roll": roll, "pitch": pitch})
     sim.step(180)
     data = pose(sim)
-    # to the right, and the nose up, as seen with Y to the left
+    # to the right, and nose up, in axes with Y to the left
     assert (data["roll"], data["pitch"]) == pytest.approx((roll, -pitch), abs=0.01)
     sideways = body(sim).worldLinearVelocity
     assert sideways[1] * roll <= 0.0
@@ -94,7 +94,7 @@ def test_a_yaw_angle_against_north(run):
     )
     sim.robot.motion.publish({"thrust": hover_share(sim), "yaw": 1.0})
     sim.step(420)
-    # X of the world is 0.3 rad to the left of east; the heading is counted from north to the right
+    # X of the world is 0.3 rad to the left of east; the heading is measured from north, clockwise
     assert pose(sim)["yaw"] == pytest.approx(math.pi / 2 - 1.0 - 0.3, abs=0.02)
 
 
@@ -162,7 +162,7 @@ def test_it_flies_to_a_place_and_a_heading(run, yaw):
     assert answer.result(60.0) == "Arrived"
     sim.step(60 * 30)
     data = pose(sim)
-    # it holds the place
+    # it holds the position
     assert (data["x"], data["y"], data["z"]) == pytest.approx((5.0, -3.0, 24.0), abs=0.1)
     assert turned(data["yaw"], 1.0) == pytest.approx(0.0, abs=0.03)
 
@@ -284,7 +284,7 @@ def test_banked_it_accelerates_sideways(run):
     between = pose(sim)["x"]
     sim.step(29)
     after = pose(sim)["x"]
-    # the lift is such that its vertical part carries: 10 tan(pitch)
+    # the vertical part of the lift equals the weight: 10 tan(pitch)
     assert (after - 2 * between + before) / 0.25 == pytest.approx(10.0 * math.tan(0.1), rel=0.05)
 
 

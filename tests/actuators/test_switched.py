@@ -221,13 +221,13 @@ def test_the_angles_of_a_marker_turn_in_the_order_y_z_x(run):
     assert found == pytest.approx(expected, abs=1e-6)
 
 
-# -- lights in rows ------------------------------------------------------------------------
+# -- LED arrays ----------------------------------------------------------------------------
 
 LEDS = "robot = ATRV()\nleds = LedArray(rows=2, columns=3)\nrobot.append(leds)"
 
 
 def seen(sim):
-    """(rows, columns, 3) colours as the view is told."""
+    """(rows, columns, 3) colours as sent to the view."""
     leds = sim.context.component("robot.leds")
     picture = np.zeros((leds.rows, leds.columns, 3))
     for part in leds.bge_object.children:
@@ -265,7 +265,7 @@ def test_the_first_light_is_at_the_top_left_of_who_looks_at_it(run):
     place = {
         (p["LedRow"], p["LedColumn"]): p.localPosition for p in sim.context.component("robot.leds").bge_object.children
     }
-    # from before one looks along -X, with Y to the right
+    # a view from the front along -X, with Y to the right
     assert place[0, 0][2] > place[1, 0][2]
     assert place[0, 0][1] < place[0, 2][1]
 

@@ -1,4 +1,4 @@
-"""The waypoint actuator: it arrives, turns by the law, and drives around what stands in the way."""
+"""The waypoint actuator: it arrives, turns by its control law, and drives around obstacles."""
 
 import math
 

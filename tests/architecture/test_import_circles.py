@@ -1,4 +1,4 @@
-"""Which files of MORSE import each other in circles; imports for types alone count, too."""
+"""Circular imports between files of MORSE; imports for type checking count, too."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROOT = Path(morse.__file__).parent
 
 
 def files(root: Path) -> dict[str, Path]:
-    """Every file below a package by the name of its module."""
+    """Every file below a package, by the name of its module."""
     found = {}
     for path in sorted(root.rglob("*.py")):
         parts = path.relative_to(root.parent).with_suffix("").parts
@@ -24,7 +24,7 @@ def files(root: Path) -> dict[str, Path]:
 
 
 def imports(module: str, path: Path, known: Iterable[str]) -> set[str]:
-    """The known modules that a file names in its imports, wherever they stand in it."""
+    """The known modules that a file imports, anywhere in the file."""
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     return {name for name in _named(package, path) if name in set(known) and name != module}
 
@@ -41,7 +41,7 @@ def _named(package: str, path: Path) -> Iterator[str]:
 
 
 def circles(graph: Mapping[str, set[str]]) -> list[set[str]]:
-    """The sets of modules each of which reaches all others of its set (Tarjan, 1972)."""
+    """The strongly connected sets of modules (Tarjan, 1972)."""
     order: dict[str, int] = {}
     low: dict[str, int] = {}
     stack: list[str] = []
@@ -67,12 +67,12 @@ def circles(graph: Mapping[str, set[str]]) -> list[set[str]]:
 
 
 def graph(root: Path) -> dict[str, set[str]]:
-    """Each module below a package to those that it imports; `from package import module` names the module alone."""
+    """Each module below a package with the modules that it imports; `from package import module` means the module."""
     known = files(root)
     drawn = {}
     for module, path in known.items():
         named = imports(module, path, known)
-        # `from morse.core import sensor` asks for the file sensor.py: the package itself is not in question
+        # `from morse.core import sensor` imports the file sensor.py; the package does not count
         drawn[module] = {name for name in named if not any(other.startswith(name + ".") for other in named)}
     return drawn
 

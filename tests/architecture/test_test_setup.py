@@ -1,4 +1,4 @@
-"""What the tests themselves rely on."""
+"""Assumptions of the tests."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_children_can_be_interrupted_in_a_background_job() -> None:
 
 
 def test_the_first_text_of_hypothesis_is_no_slower_than_others(tmp_path: Path) -> None:
-    """With an empty folder of its own hypothesis has its table of characters still to make."""
+    """With an empty directory, hypothesis has to create its table of characters."""
     (tmp_path / "test_texts.py").write_text(TEXTS)
     (tmp_path / "conftest.py").write_text((TESTS / "conftest.py").read_text())
     done = run_pytest(

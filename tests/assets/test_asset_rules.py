@@ -263,7 +263,7 @@ def test_loose_parts_stay_where_they_are() -> None:
     assert eye.parent is made
     for row, known in zip(eye.world_matrix(), before, strict=True):
         assert list(row) == pytest.approx(known, abs=1e-9)
-    # the numbers that scripts read
+    # the values that scripts read
     assert eye.location == [4, 5, 6]
 
 

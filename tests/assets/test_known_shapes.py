@@ -13,7 +13,7 @@ from morse.scene import BodySettings, Bounds, CollisionShape, Mesh, Node, NodeKi
 
 @pytest.fixture
 def computed(monkeypatch):
-    """The bounds of each mesh whose shapes are computed; nothing is known at first."""
+    """The bounds of each mesh whose shapes are computed; the cache is empty at first."""
     made = []
     compute = collision._parts
     monkeypatch.setattr(collision, "_EARLIER", KnownShapes())

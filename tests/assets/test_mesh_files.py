@@ -1,4 +1,4 @@
-"""glTF, OBJ, STL and PLY files as models: shapes, axes, looks, and files that are broken or hostile."""
+"""glTF, OBJ, STL and PLY files as models: shapes, axes, materials, and damaged or malicious files."""
 
 from __future__ import annotations
 
@@ -116,12 +116,12 @@ def test_a_thing_falls_and_rests_on_its_lower_side(tmp_path: Path, suffix: str) 
     with morse.load(scene) as simulation:
         simulation.step(180)
         body = next(body for body in simulation.world.objects() if body.name == "thing")
-        # glTF lies on its side: what was 0.2 m along its Z axis is its length, 0.2 m along Y its height
+        # glTF is converted to Z up: 0.2 m along its Z axis is the length, 0.2 m along Y the height
         assert body.worldPosition.z == pytest.approx(0.1 if suffix == "glb" else 0.3, abs=0.01)
         assert body.worldPosition.x == pytest.approx(2.0, abs=0.01)
 
 
-# -- what strangers send ---------------------------------------------------------------------------------
+# -- untrusted files ---------------------------------------------------------------------------------------
 
 
 def test_pictures_elsewhere_are_not_read(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""TGA images: what their specification says, compared with what Pillow reads from the PNG; and hostile files."""
+"""TGA images: their specification, compared with the PNG as read by Pillow; and malicious files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from PIL import Image
 
 from morse.assets.targa import HEADER_SIZE, TargaError, is_targa, png_of
 
-#: the corners of a picture: red, green above blue, white
+#: the corners of an image: red, green above blue, white
 CORNERS = np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [255, 255, 255]]], np.uint8)
 TOP_FIRST, RIGHT_TO_LEFT = 0x20, 0x10
 

@@ -1,4 +1,4 @@
-"""The work of the benchmarks has known answers, and every benchmark runs and is held to them."""
+"""The work of the benchmarks has known results, and every benchmark runs and checks them."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_wheels_turn_as_the_command_asks() -> None:
     assert (right - left) * work.WHEEL_RADIUS / work.TRACK == pytest.approx(work.RATE)
 
 
-# the gates ----------------------------------------------------------------------------------
+# targets ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_pictures_that_differ_are_found_out() -> None:
     assert work.depth_disagreement([1.0], [1.0, 2.0]) == 1.0
 
 
-# the picture --------------------------------------------------------------------------------
+# the plot -----------------------------------------------------------------------------------
 
 
 def test_the_plot_has_a_line_for_each_simulator() -> None:
@@ -171,7 +171,7 @@ def test_the_plot_has_a_line_for_each_simulator() -> None:
         details = {"morse": 300.0 / n, "count": n, "sensors": sensors}
         return Result("W1", "", 1.0, "x", peers={"bare <loop>": 500.0 / n}, details=details)
 
-    # less work is not a point of the same line
+    # other work is not a point of the same line
     lines = speed_lines([*(result(n, "scan") for n in (10, 1, 100)), result(1000, "pose")])
     assert lines["morse"] == [(1, 300.0), (10, 30.0), (100, 3.0)]
     picture = ElementTree.fromstring(draw(lines))
@@ -183,7 +183,7 @@ def test_nothing_to_draw_is_told() -> None:
         draw({})
 
 
-# everything, shortly ------------------------------------------------------------------------
+# a short run of everything ------------------------------------------------------------------
 
 
 @pytest.mark.timeout(300)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(autouse=True)
 def _fresh_builder(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Every test begins with an empty scene and leaves the interpreter as it was."""
+    """Every test begins with an empty scene and leaves the interpreter unchanged."""
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.setattr(sys, "argv", list(sys.argv))
     monkeypatch.delenv("MORSE_RESOURCE_PATH", raising=False)
@@ -50,7 +50,7 @@ def load(tmp_path: Path) -> Callable[..., Scene]:
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """The source folder of a project with a component of its own, ``sonars.sonar.Sonar``."""
+    """The source folder of a project with the component ``sonars.sonar.Sonar``."""
     package = tmp_path / "src" / "sonars"
     package.mkdir(parents=True)
     (package / "__init__.py").write_text("")

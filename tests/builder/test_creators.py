@@ -184,7 +184,7 @@ def test_class_paths_that_lead_nowhere(classpath: str, answer: str) -> None:
     ],
 )
 def test_every_component_of_morse_can_be_put_on_a_robot(package: str, base: type, name: str) -> None:
-    # a compound sensor is made of its members, an armature is one of a model
+    # a compound sensor consists of its members, an armature belongs to a model
     given = {"CompoundSensor": ([morse.builder.Pose()],), "Armature": ("arm", "kuka_armature", "kuka_lwr")}
     arguments = given.get(name, ())
     robot, component = morse.builder.FakeRobot(), getattr(morse.builder, name)(*arguments)
@@ -194,7 +194,7 @@ def test_every_component_of_morse_can_be_put_on_a_robot(package: str, base: type
     assert issubclass(cls, base), f"a class in {package}"
     assert declared.kind == {Sensor: "sensor", Actuator: "actuator"}[base]
     assert declared.frequency > 0.0
-    # arms and the palm of the gripper are solid, as those of 1.4 were, and shapes that feel stop nothing
+    # arms and the palm of the gripper collide, as in 1.4, and sensor shapes do not stop bodies
     arms = {arm: {PhysicsType.STATIC} for arm in ("Gripper", "Armature", "KukaLWR", "PA10")}
     bodies = {**arms, "Collision": {PhysicsType.SENSOR}, "Bumper": {PhysicsType.SENSOR}}
     assert {node.body.type for node in component.own_nodes()} - bodies.get(name, set()) <= {PhysicsType.NO_COLLISION}

@@ -1,4 +1,4 @@
-"""Components and modifiers that installed packages bring, by entry points."""
+"""Components and modifiers of installed packages, by entry points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files of the user that are called like a library."""
+"""Files of the user with the name of a library."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 if TYPE_CHECKING:
     from pathlib import Path
 
-# -P: no folder but that of the script is on the path, as for the installed command
+# -P: only the folder of the script is on the path, as for the installed command
 MORSE = (sys.executable, "-P", "-c", "import sys; from morse.cli import main; sys.exit(main())")
 SCENE = """from morse.builder import *
 import helper

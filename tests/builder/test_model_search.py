@@ -1,4 +1,4 @@
-"""Which file a model's name means, and that each file is read once."""
+"""The file that a model name refers to, and that each file is read once."""
 
 from __future__ import annotations
 

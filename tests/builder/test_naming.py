@@ -118,7 +118,7 @@ def test_robots_kept_in_a_list_still_have_distinct_names(load: Load) -> None:
 
 
 def test_environment_made_in_a_method(load: Load) -> None:
-    """The form that the test harness gives to scene scripts."""
+    """The format of scene scripts from the test harness."""
     scene = load(
         HEAD + "class MyEnv():\n"
         "    def setUpEnv(self):\n"

@@ -53,7 +53,7 @@ END = "env = Environment('empty', fastmode=True)\n"
 
 @pytest.fixture
 def lab(tmp_path: Path) -> Path:
-    """The package of a project that consists of files of components alone."""
+    """The package of a project that only contains files of components."""
     package = tmp_path / "src" / "lab"
     for kind, name, text in (("sensors", "sonar", SONAR), ("actuators", "eyes", EYES), ("robots", "rover", ROVER)):
         (package / kind).mkdir(parents=True)

@@ -216,7 +216,7 @@ def test_wheels_are_known_after_the_renaming(load: Callable[..., Any]) -> None:
 
 
 def test_painted_wheels_do_not_turn() -> None:
-    """The wheels of the ATRV are for show: they do not collide."""
+    """The wheels of the ATRV are only visual: they do not collide."""
 
     class Cart(WheeledRobot):
         def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Whatever is wrong with a scene script: which line, what was given, what would be right."""
+"""Errors in a scene script: the line, the given value, and the expected value."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def failure(load: Load, text: str, **options: object) -> ScriptError:
     return caught.value
 
 
-# mistake, line, words of the report
+# error, line, words of the report
 # fmt: off
 MISTAKES = [
     ("rover = FakeRobot(\n" + END, 2, ["SyntaxError", "'(' was never closed"]),

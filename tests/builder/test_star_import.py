@@ -10,7 +10,7 @@ from morse.core import exceptions
 NAMESPACE: dict[str, object] = {}
 exec("from morse.builder import *", NAMESPACE)
 
-# what scripts of MORSE 1.4 take from the star import
+# names that scripts of MORSE 1.4 take from the star import
 CLASSES = [
     "AbstractComponent",
     "Component",

@@ -1,4 +1,4 @@
-"""What editors and type checkers see of scene scripts."""
+"""The types of scene scripts for editors and type checkers."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def tool() -> ModuleType:
 
 
 def mypy(folder: Path, *files: str) -> str:
-    """What mypy says of files of a user."""
+    """The output of mypy for files of a user."""
     (folder / "mypy.ini").write_text(
         f"[mypy]\nmypy_path = {ROOT / 'src'}:{folder / 'src'}\ncheck_untyped_defs = True\nfollow_imports = silent\n"
         # the file that imports another one of the project

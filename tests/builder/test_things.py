@@ -57,7 +57,7 @@ def test_bodies_have_their_size_and_volume(make: type[Any], size: tuple[float, .
     extent = np.ptp(mesh.vertices, axis=0)
     assert extent == pytest.approx(size, rel=0.06)
     assert is_closed(mesh)
-    # a mesh of flat facets fills less than the round body it stands for
+    # a mesh of flat facets has a smaller volume than the round body
     assert content * 0.88 <= volume(mesh) <= content * 1.000001
     if mesh.normals is not None:
         assert np.linalg.norm(mesh.normals, axis=2) == pytest.approx(1.0)

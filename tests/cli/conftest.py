@@ -22,7 +22,7 @@ class Answer:
 
 
 class Terminal:
-    """Runs command lines as a user would, in a directory and with a home of its own."""
+    """Runs command lines as a user would, in its own directory and home."""
 
     def __init__(self, home: Path, directory: Path, capsys: pytest.CaptureFixture[str], patch: pytest.MonkeyPatch):
         self.home = home
@@ -44,7 +44,7 @@ class Terminal:
 
 @pytest.fixture
 def untouched_logging():
-    """Undo what `morse.core.log.setup` does: other tests capture the log in their own way."""
+    """Undo `morse.core.log.setup`: other tests capture the log in another way."""
     root = logging.getLogger("morse")
     before = root.level, root.propagate, list(root.handlers)
     yield
@@ -61,7 +61,7 @@ def morse(
     monkeypatch.setenv("HOME", str(home))
     monkeypatch.setenv("USERPROFILE", str(home))
     for variable in ("MORSE_ROOT", "MORSE_RESOURCE_PATH", "MORSE_NODE", "MORSE_BLENDER"):
-        # set at first, so that what a command sets is undone, too
+        # set first, so that the setting of a command is undone, too
         monkeypatch.setenv(variable, "")
         monkeypatch.delenv(variable)
     monkeypatch.chdir(directory)

@@ -1,4 +1,4 @@
-"""add: the files of a robot, a sensor and an actuator of one's own."""
+"""add: the files of your own robot, sensor and actuator."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def project(morse):
 
 @pytest.fixture
 def sources(project, monkeypatch):
-    """Makes the packages of the project importable; they are forgotten afterwards."""
+    """Makes the packages of the project importable; they are removed afterwards."""
     monkeypatch.syspath_prepend(str(project / "src"))
     before = set(sys.modules)
     yield project / "src"
@@ -259,7 +259,7 @@ def test_safe_names_can_be_imported(text):
         assert identifier.isidentifier()
         assert not keyword.iskeyword(identifier)
     assert not any(character in name for character in "/\\.\0")
-    # Python looks a class up by its normal form
+    # Python looks up the normalised form of an identifier
     namespace: dict[str, object] = {}
     exec(f"class {class_name(name)}: pass", namespace)
     assert class_name(name) in namespace

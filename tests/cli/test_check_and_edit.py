@@ -1,4 +1,4 @@
-"""check: what is there; edit: the right file in the right program."""
+"""check: the installed programs; edit: the right file in the right program."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from morse.kernel import loading, targets
 
 @pytest.fixture
 def blender(morse, monkeypatch):
-    """A program that stands in for Blender: it writes down with what it was started, and ends with status 3."""
+    """A program in place of Blender: it records its arguments, and ends with status 3."""
     program = morse.home / "blender"
     log = morse.home / "blender.log"
     program.write_text(

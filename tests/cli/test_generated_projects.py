@@ -1,4 +1,4 @@
-"""What create and add write can be simulated as it is."""
+"""The output of create and add can be simulated without changes."""
 
 from __future__ import annotations
 

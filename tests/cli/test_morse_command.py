@@ -1,4 +1,4 @@
-"""The `morse` and `morseexec` programs as processes of their own, and their help."""
+"""The `morse` and `morseexec` programs in separate processes, and their help."""
 
 from __future__ import annotations
 

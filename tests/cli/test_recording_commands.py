@@ -1,4 +1,4 @@
-"""run --record: what is asked for, and what is refused."""
+"""run --record: recordings, and refused options."""
 
 from __future__ import annotations
 

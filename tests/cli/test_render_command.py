@@ -94,7 +94,7 @@ def test_the_same_file_again(morse, scene):
 
 @pytest.mark.parametrize("name", ["film.gif", "film.webp"])
 def test_a_film_in_one_file(morse, scene, name):
-    # what moves is seen in another place: frames that are the same are one in such files
+    # a moving object has different positions: identical frames are merged in such files
     (morse.directory / scene).write_text(SCENE + "box.properties(Object=True)\nrobot.translate(z=3)\n")
     falling = SCENE.replace("box.color(1, 0, 0)", "box.color(1, 0, 0); box.location = (6, 0, 4); box.mass = 1") + (
         "box._bpy_object.game.physics_type = 'RIGID_BODY'\n"

@@ -1,4 +1,4 @@
-"""run: which scene, which options, what reaches the simulation."""
+"""run: the scene, the options, and their effect on the simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from morse.cli.run import color_scheme
 
 @pytest.fixture
 def started(monkeypatch):
-    """Stands in for the simulation: notes with what it was started; its exit status is 7."""
+    """Replaces the simulation: records its arguments; its exit status is 7."""
     runs = []
     module = types.ModuleType("morse.launch.run")
 

@@ -1,4 +1,4 @@
-"""What belongs to the user survives: several commands at once, closed streams, full disks."""
+"""Files of the user are not damaged: several commands at once, closed streams, full disks."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_reader_that_leaves_is_no_error(shell):
 
 
 def test_a_profile_that_cannot_be_written_is_a_message_after_a_good_run(shell, tmp_path):
-    # a folder in place of the file cannot be written by root either
+    # a folder in place of the file cannot be written even by root
     (tmp_path / "morse-profile.json").mkdir()
     done = shell(f"{RUN} --profile scene.py")
     assert done.returncode == 0, done.stdout + done.stderr

@@ -25,11 +25,11 @@ class Rig:
         self.simulation.step(round(seconds * self.clock.frequency))
 
     def hold(self, keys=(), axes=(), robot=None) -> None:
-        """What a person does at the live view from now on."""
+        """The input of the live view from now on."""
         self.simulation.set_controls(frozenset(keys), tuple(axes), robot)
 
     def command(self, name: str, **data) -> None:
-        """What a client publishes."""
+        """Publish a command, like a client."""
         self[name].local_data.update(data)
 
 

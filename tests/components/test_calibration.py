@@ -1,4 +1,4 @@
-"""What old scripts count on: where robots come to rest, and how far they get. The values are those of MORSE 1.4."""
+"""Values that old scripts rely on: the rest poses of robots, and their distances. The values are those of MORSE 1.4."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ env = Environment("empty")
 
 
 class Course:
-    """Drives a wheeled robot, and follows the ideal twist beside it."""
+    """Drives a wheeled robot, and integrates the ideal twist in parallel."""
 
     def __init__(self, rig, robot, yaw=0.0, world="empty"):
         self.made = rig(WHEELED.format(robot=robot, yaw=yaw, world=world))

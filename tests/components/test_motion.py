@@ -80,7 +80,7 @@ env = Environment("empty")
 """
 
 
-# the height of the origin above the ground, and how exactly the robot turns
+# the height of the origin above the ground, and the accuracy of the rotation
 @pytest.mark.parametrize(
     ("robot", "height", "exactness"),
     [("Pioneer3DX", 0.15, 0.04), ("PatrolBot", 0.17, 0.04), ("SegwayRMP400", 0.2, 0.04)],
@@ -117,7 +117,7 @@ def test_four_wheels_slide_steadily_in_a_turn_and_stop(rig):
         now = made["robot.pose"].local_data["yaw"]
         rates.append((now - yaw) * 60.0)
         yaw = now
-    # without sticking and slipping
+    # without stick-slip
     assert max(rates) - min(rates) < 0.05
     made.command("robot.motion", v=0.0, w=0.0)
     made.run(0.5)

@@ -14,7 +14,7 @@ from morse.scene import TimeStrategies
 
 
 def made(cls: type, **data: Any) -> Any:
-    """A component of a class that need not be one: its data and properties as declared."""
+    """A replacement for a component of a class: its data and properties as declared."""
     component = cls()
     component.local_data = {name: copy.deepcopy(field.default) for name, field in data_fields(cls).items()} | data
     for python_name, prop in properties(cls).items():
@@ -33,6 +33,6 @@ def made(cls: type, **data: Any) -> Any:
 
 
 def spoken(cls: type, **data: Any) -> Any:
-    """The one message kind of a class."""
+    """The only message kind of a class."""
     (bound,) = bind(made(cls, **data))
     return bound

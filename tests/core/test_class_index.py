@@ -1,4 +1,4 @@
-"""The index of the classes of components says what their files say."""
+"""The index of component classes agrees with their files."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ json_values = st.recursive(
 
 
 class Plain:
-    """Has data, and declares the fields as components of 1.4 do."""
+    """Has data, and declares its fields like components of 1.4."""
 
     add_data("v", 0.0, "float", "m/s")
     add_data("w", 0.0, "float", "rad/s")

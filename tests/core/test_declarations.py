@@ -1,4 +1,4 @@
-"""What component classes declare, and what is derived from it."""
+"""Declarations of component classes, and what is derived from them."""
 
 import pytest
 

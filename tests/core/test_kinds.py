@@ -1,4 +1,4 @@
-"""Message kinds: declared once, gathered and scattered, refused where they do not fit."""
+"""Message kinds: declared once, gathered and scattered, refused if invalid."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def test_the_slots_of_a_message_are_in_the_frame_of_the_first():
     assert bound.gather().torque == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
     fields, _ = bound.scatter({"torque": [0.0, 2.0, 0.0]})
     assert fields["torque"] == pytest.approx([2.0, 0.0, 0.0], abs=1e-12)
-    # a sender may say that it is all in the frame of the component
+    # a message may state that all slots are in the frame of the component
     assert bound.scatter({"force": [1.0, 0.0, 0.0]}, "own")[0]["force"] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
 
 
@@ -290,7 +290,7 @@ def test_the_covariance_follows_from_the_noise():
     assert spoken(Place).gather().covariance is None
 
 
-# -- what is refused -----------------------------------------------------------------------
+# -- errors --------------------------------------------------------------------------------
 
 
 def declare(**slots):

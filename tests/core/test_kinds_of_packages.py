@@ -1,4 +1,4 @@
-"""Message kinds that installed packages bring."""
+"""Message kinds of installed packages."""
 
 from __future__ import annotations
 

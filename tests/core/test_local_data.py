@@ -1,4 +1,4 @@
-"""Fields that are worked out when they are read look to every reader as if they had been there before."""
+"""Fields that are computed when they are read look to every reader as if they had always been there."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_value_is_worked_out_once_and_only_if_it_is_read() -> None:
     assert "seen" in data
     assert len(data) == 3
     assert calls == []
-    data["seen"].append(9.0)  # as a modifier may
+    data["seen"].append(9.0)  # like a modifier
     assert data["seen"] == [1.0, 9.0]
     assert calls == ["seen"]
 

@@ -1,4 +1,4 @@
-"""The form of the simulator's log, which other programs read."""
+"""The format of the simulator's log, which other programs read."""
 
 from __future__ import annotations
 

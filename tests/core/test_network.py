@@ -1,4 +1,4 @@
-"""The loop of the network: in its own thread, or in the one that waits."""
+"""The network loop: in its own thread, or in the waiting thread."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_who_waits_serves_the_network(network: Network) -> None:
     network.post(note)
     network.wait(10.0)
     network.post(note)
-    assert len(threads) < 2  # it is for the next wait to do it
+    assert len(threads) < 2  # the next wait starts it
     network.wait(10.0)
     assert threads[-1] == threading.get_ident()
     network.give_back()
@@ -89,7 +89,7 @@ def test_who_waits_may_be_in_a_loop_of_its_own_as_notebooks_are(network: Network
         return threads, asyncio.get_running_loop() is own
 
     ended: list[tuple[list[int], bool]] = []
-    # a thread that certainly has no loop yet
+    # a thread that has no loop yet
     thread = threading.Thread(target=lambda: ended.append(asyncio.run(cell())))
     thread.start()
     thread.join()
@@ -151,7 +151,7 @@ def test_it_ends_while_its_loop_is_borrowed() -> None:
     network.wait(0.0)
     network.stop()
     assert network.loop.is_closed()
-    network.post(print)  # too late, and no error
+    network.post(print)  # too late, but no error
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
 def test_what_was_sent_before_on_a_new_connection_is_read_before(
     network: Network, waiting: bool, pair: tuple[socket.socket, socket.socket]
 ) -> None:
-    """A connection that is just made has its say before a request that came after it on an old one."""
+    """Data of a new connection are processed before a later request on an old connection."""
     seen: list[bytes] = []
     done = threading.Event()
     caller, requests = pair
@@ -211,7 +211,7 @@ def test_what_was_sent_before_on_a_new_connection_is_read_before(
 def test_a_command_that_arrives_while_the_loop_is_busy_comes_before_the_request_that_follows_it(
     network: Network, waiting: bool, pair: tuple[socket.socket, socket.socket]
 ) -> None:
-    """The loop has looked at the sockets, then both arrive, and the request is read in the same round."""
+    """After the loop has polled, both arrive, and the request is read in the same round."""
     seen: list[bytes] = []
     done = threading.Event()
     caller, requests = pair
@@ -250,7 +250,7 @@ def test_a_command_that_arrives_while_the_loop_is_busy_comes_before_the_request_
 def test_who_is_served_quickly_watches_and_sleeps_all_the_same(network: Network) -> None:
     for _ in range(20):
         network.post(network.wake)
-        network.wait(10.0)  # ends at once, so that the next one looks for a while before it sleeps
+        network.wait(10.0)  # ends immediately, so that the next wait polls for a while before it sleeps
     begin, used = time.monotonic(), time.thread_time()
     network.wait(0.2)
     assert time.monotonic() - begin > 0.1

@@ -1,4 +1,4 @@
-"""Text from outside can stand in any message."""
+"""Text from outside can be quoted in any message."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One validator for everything that comes from outside."""
+"""One validator for all input from outside."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_undeclared_fields_are_bounded_in_number_and_size():
     for n in range(200):
         commands.take({f"k{n}": "x" * 30_000})
     assert sum(len(v) for k, v in component.local_data.items() if k.startswith("k")) <= 1 << 20
-    # one that is there may be replaced for ever
+    # an existing one may be replaced any number of times
     for n in range(200):
         commands.take({"k0": "y" * 30_000 + str(n)})
     assert component.local_data["k0"].endswith("199")

@@ -1,4 +1,4 @@
-"""The model files come from the scripts in tools/assets, which give the same bytes every time."""
+"""The model files are built by the scripts in tools/assets, with identical bytes every time."""
 
 from __future__ import annotations
 

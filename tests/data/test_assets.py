@@ -1,4 +1,4 @@
-"""Our model files have the names, places, sizes, masses and properties that scripts for MORSE rely on."""
+"""The model files have the names, positions, sizes, masses and properties that scripts for MORSE rely on."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 DATA = Path(morse.__file__).parent / "data"
 #: bounding boxes are those of 1.4 to a centimetre; the recorded positions have three digits
 SIZE, PLACE, ANGLE = 0.011, 0.006, 0.006
-#: names of shapes that only physics sees
+#: names of shapes that are only used by the physics
 COLLIDER = re.compile(r"_bb|^BB_|_bou|_collision$", re.IGNORECASE)
 
 
@@ -71,7 +71,7 @@ def position(node: Node) -> np.ndarray:
 
 
 def box(node: Node) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest corner in the node's own frame, after its scale."""
+    """Lowest and highest corner in the node's own frame, including its scale."""
     assert node.mesh is not None
     points = node.mesh.vertices * np.array(node.scale)
     return points.min(axis=0), points.max(axis=0)
@@ -155,7 +155,7 @@ def pieces(node: Node) -> list[np.ndarray]:
     assert node.mesh is not None
     _, ids = np.unique(np.round(node.mesh.vertices, 5), axis=0, return_inverse=True)
     ids = ids.reshape(-1)
-    triangles = node.mesh.triangles  # connected by vertices, not by places: boards that touch stay apart
+    triangles = node.mesh.triangles  # connected by vertices, not by positions: boards that touch stay separate
     label = np.arange(len(node.mesh.vertices))
     while True:
         lowest = label[triangles].min(axis=1)
@@ -178,7 +178,7 @@ def test_small_crate_can_be_made_into_a_robot_by_hand() -> None:
         corners = points[np.unique(node.mesh.triangles[triangles])]
         extent = np.ptp(corners, axis=0)
         if np.count_nonzero(extent > 0.6) == 2:
-            # a board along an edge fills its bounding box, a diagonal one leaves two corners free
+            # a board along an edge fills its bounding box, a diagonal board does not fill two corners
             low, high = corners.min(axis=0), corners.max(axis=0)
             flat = int(np.argmin(extent))
             across = [axis for axis in range(3) if axis != flat]

@@ -1,7 +1,7 @@
-"""The data files of MORSE 1.4 itself serve as worlds and as things.
+"""The original data files of MORSE 1.4 as worlds and as objects.
 
 They are in Debian's package morse-simulator-data (``usr/share/morse/data``) and are not part of this repository: the
-environment variable ``MORSE_ORIGINAL_DATA`` says where they are.
+environment variable ``MORSE_ORIGINAL_DATA`` is their directory.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def world_of(tmp_path: Path, *lines: str) -> World:
 
 
 def settle(world: World) -> None:
-    """Let 5 s pass: nothing may get energy from nowhere, whether it rests, falls or lies across something else."""
+    """Simulate 5 s: no body may gain energy, whether it rests, falls or overlaps."""
     bodies = [obj for obj in world.objects() if obj.is_dynamic and obj.parent is None]
     start = {obj.name: obj.worldPosition.z for obj in bodies}
     for _ in range(300):

@@ -1,4 +1,4 @@
-"""The indoor worlds for mapping, the meadow of the sandbox, and from where each world is seen first."""
+"""The indoor worlds for mapping, the meadow of the sandbox, and the initial viewpoint of each world."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ WORLDS = (
     "land-1/trees",
     "tum_kitchen/tum_kitchen",
 )
-#: in the office: the middle of the corridor's south side, a door in its wall, and a place without one; metres
+#: in the office: the middle of the corridor's south side, a door in its wall, and a position without one; metres
 CORRIDOR, WALL, DOOR, NO_DOOR = -3.2, -4.2, 12.5, 9.0
-#: metres from the middle of the office to the inside of its outer walls, along X and Y
+#: metres from the centre of the office to the inside of its outer walls, along X and Y
 OFFICE = (10.5, 12.925, 8.925)
 
 
@@ -57,7 +57,7 @@ def scene_of(world: str, *, robot: Callable[[], object] = FakeRobot) -> Scene:
 
 
 def drive(x: float) -> float:
-    """Drive south from the corridor of the office for eight seconds; where the robot ends, y in metres."""
+    """Drive south from the corridor of the office for eight seconds; returns the final y, metres."""
 
     def scene() -> None:
         robot = Morsy("robot")
@@ -94,7 +94,7 @@ def test_walls_and_racks_collide_as_boxes(world: str) -> None:
 
 @pytest.mark.parametrize("height", [0.3, 1.5])
 def test_the_office_is_closed(height: float) -> None:
-    """From the reception, a scan all around meets something within the building."""
+    """From the reception, all rays of a full scan hit something within the building."""
 
     def scene() -> None:
         robot = FakeRobot("robot")
@@ -109,7 +109,7 @@ def test_the_office_is_closed(height: float) -> None:
         points = np.array(simulation.robot.scan.get()["point_list"])
     assert len(points) >= 360
     middle, along, across = OFFICE
-    # a ray that meets nothing ends at (0, 0, 0)
+    # a ray without a hit ends at (0, 0, 0)
     assert np.all(np.hypot(points[:, 0], points[:, 1]) > 0.3)
     assert np.all(np.abs(points[:, 0] - middle) < along + 0.2)
     assert np.all(np.abs(points[:, 1]) < across + 0.2)
@@ -138,7 +138,7 @@ def test_doors_of_the_office_are_wide_enough() -> None:
 
 
 def test_the_sandbox_stands_on_a_meadow() -> None:
-    """A robot outside of the fence stands on the ground, as high as the floor inside."""
+    """A robot outside the fence is on the ground, at the height of the floor inside."""
 
     def scene() -> None:
         robot = ATRV("robot")
@@ -151,7 +151,7 @@ def test_the_sandbox_stands_on_a_meadow() -> None:
         assert simulation.robot.pose.get()["z"] == pytest.approx(0.1, abs=0.03)
 
 
-# --- from where a world is seen ------------------------------------------------------------------
+# --- initial viewpoints --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("world", WORLDS)
@@ -169,7 +169,7 @@ def test_the_view_of_a_world_begins_where_its_file_says(world: str) -> None:
 
 @pytest.mark.parametrize("world", WORLDS)
 def test_what_the_view_shows_first_is_the_world_around_the_origin(world: str) -> None:
-    """The camera stands above the ground and looks down, and the axis of its picture meets the floor of the world."""
+    """The camera is above the ground and looks down, and its axis intersects the floor of the world."""
     view = scene_of(world).settings.view
     x, y, z = view.camera_location
     ahead = -Euler(view.camera_rotation).to_matrix().col[2]

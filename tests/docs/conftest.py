@@ -12,7 +12,7 @@ __all__ = ["simulate"]
 
 @pytest.fixture(scope="module")
 def library():
-    """The extension that writes the component library."""
+    """The extension that generates the component library."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(DOCS))
         import component_library

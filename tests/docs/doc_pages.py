@@ -1,4 +1,4 @@
-"""The pages of the documentation, and what is in them."""
+"""The pages of the documentation, and their contents."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Block(NamedTuple):
 
     @property
     def is_client(self) -> bool:
-        """Whether it is a program that talks to a simulation, and wants nothing typed."""
+        """Whether it is a client program without interactive input."""
         return self.text.startswith("from pymorse import Morse") and "input(" not in self.text
 
 
@@ -64,13 +64,13 @@ def links() -> list[Link]:
 
 
 def anchors(page: Path) -> set[str]:
-    """What links can point to on a page."""
+    """The anchors of a page."""
     headings = _HEADING.findall(_BLOCK.sub("", page.read_text(encoding="utf-8")))
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
 def named(items: list[Block]) -> list[object]:
-    """Blocks as parameters of a test, called after their page."""
+    """Blocks as parameters of a test, named after their page."""
     import pytest
 
     return [pytest.param(item, id=f"{item.page.stem}-{i}") for i, item in enumerate(items)]

@@ -1,4 +1,4 @@
-"""The component library says what the components declare, and its examples run."""
+"""The component library contains the declarations of the components, and its examples run."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_pages_show_what_is_declared(pages: dict[str, str], kind: str, library):
 
 
 def test_a_unit_is_known_for_every_length_and_angle(pages: dict[str, str]):
-    """Fields called x or yaw are metres or radians: the page has to say which."""
+    """Fields called x or yaw are metres or radians: the page has to state which."""
     for name, text in pages.items():
         for field, unit in re.findall(r"^\| `(\w+)` \| float \| ([^|]*) \|", text, re.MULTILINE):
             if field in ("x", "y", "z", "yaw", "pitch", "roll", "v", "w", "timestamp"):
@@ -127,7 +127,7 @@ def test_the_documentation_builds_without_a_warning(tmp_path: Path):
 
 
 def test_every_component_and_robot_has_a_picture(pages: dict[str, str], library):
-    """``tools/gallery/components.py NAME`` takes it."""
+    """``tools/gallery/components.py NAME`` creates it."""
     for kind in ("sensors", "actuators", "robots"):
         for name in library.page_names():
             if name.startswith(f"{kind}/") and not name.endswith("/index"):
@@ -143,7 +143,7 @@ def test_formulas_name_their_source(pages: dict[str, str]):
     assert "data sheet" not in pages["sensors/imu"].partition("formula after")[2].partition("\n")[0]
 
 
-#: what of MORSE 1.4 is not there; whoever adds one takes it from here
+#: features of MORSE 1.4 that are not available; remove an entry when it becomes available
 MISSING = {"HumanPosture", "MocapControl", "BarePR2", "BasePR2", "Human", "LocalizedPR2", "NavPR2"}
 MISSING_MIDDLEWARES = {"hla", "mavlink", "moos", "pocolibs", "pprzlink", "ros", "yarp", "yarp_json", "text"}
 
@@ -151,12 +151,12 @@ MISSING_MIDDLEWARES = {"hla", "mavlink", "moos", "pocolibs", "pprzlink", "ros", 
 def test_the_coverage_of_1_4_is_told(pages: dict[str, str], library):
     text = pages["coverage"]
     absent = set(library.coverage_page.missing())
-    # others may have come in the meantime: nothing else has gone
+    # others may have been added in the meantime: nothing else is missing
     assert absent <= MISSING | MISSING_MIDDLEWARES
     for kind in ("sensors", "actuators", "robots"):
         for name in re.findall(rf"^\| \[(\w+)\]\({kind}/", text, re.MULTILINE):
             assert f"{kind}/{name.lower()}" in pages
     assert "| [Pose](sensors/pose.md) | yes | " in text
-    # a component that is there is used by a test of its own
+    # an available component is used by its own test
     untested = re.findall(r"^\| \[(\w+)\]\((?:sensors|actuators)/\S+ \| yes \|  \|$", text, re.MULTILINE)
     assert untested == []

@@ -1,4 +1,4 @@
-"""What the documentation says of files, commands, options and environment variables is so."""
+"""The files, commands, options and environment variables in the documentation exist."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ START = (
 TEST = (
     "python3 -m venv .venv && . .venv/bin/activate && pip install -q -U pip && pip install -q . --group dev && pytest"
 )
-#: options that old scripts give and that do nothing
+#: options of old scripts that have no effect
 _SILENT = {"--help", "--geometry", "--name"}
-# paths of the machine on which somebody wrote a page
+# paths of the machine of an author
 _FOREIGN = re.compile(r"(?<![\w.])/(?:home|root|work|tmp|Users|usr/local|opt|mnt)/|[A-Z]:\\\\")
 _VARIABLE = re.compile(r"\bMORSE_[A-Z_]+\b")
 
@@ -38,7 +38,7 @@ def test_links_lead_somewhere(link: Link, library):
     path, _, anchor = link.target.partition("#")
     target = (link.page.parent / path).resolve() if path else link.page
     if target.is_relative_to(DOCS / "library"):
-        # these pages are made with the documentation
+        # these pages are generated with the documentation
         known = library.page_names()
         assert target.relative_to(DOCS / "library").with_suffix("").as_posix() in known
         return
@@ -89,7 +89,7 @@ def test_commands_are_understood(page: str, words: list[str]):
     context = group.make_context("morse", [words[0]], resilient_parsing=True)
     command = group.get_command(context, words[0])
     assert command is not None, f"{page}: morse {words[0]}"
-    # raises for options and arguments that the command does not take
+    # raises for unknown options and arguments
     command.make_context(words[0], list(words[1:]), parent=context)
 
 
@@ -124,7 +124,7 @@ def test_python_is_valid(block: Block):
 
 
 def test_the_tutorial_is_the_one_that_is_tested():
-    """Its code is, word for word, what `tests/journey` follows."""
+    """Its code is identical to that in `tests/journey`."""
     shown = {block.text.strip() for block in blocks("python") if block.page.stem == "tutorial"}
     followed = {path.read_text(encoding="utf-8").strip() for path in (ROOT / "tests/journey/blocks").glob("*.py")}
     assert shown == followed
@@ -132,7 +132,7 @@ def test_the_tutorial_is_the_one_that_is_tested():
 
 @pytest.mark.parametrize("page", ["scenes", "physics", "socket"])
 def test_methods_in_tables_exist(page: str):
-    """What stands in code like a call is an attribute of one of the classes that a script or client uses."""
+    """Names that look like calls are attributes of one of the classes for scripts or clients."""
     builder = importlib.import_module("morse.builder")
     pymorse = importlib.import_module("pymorse")
     owners = [

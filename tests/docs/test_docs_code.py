@@ -1,4 +1,4 @@
-"""The examples of the documentation run, and do what the text says."""
+"""The examples of the documentation run, with the documented results."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from pymorse import MorseServiceFailed, MorseServicePreempted
 if TYPE_CHECKING:
     from pathlib import Path
 
-# tests/middleware runs those that need another side
+# tests/middleware runs the examples that need another program
 ELSEWHERE = {DOCS / f"{name}.md" for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "mavlink")}
 SCENES = [
     block
     for block in blocks("python")
     if block.is_scene and "ranger_sim" not in block.text and block.page not in ELSEWHERE
 ]
-# tests/journey runs those of the tutorial, in their own scenes
+# tests/journey runs the examples of the tutorial, in their own scenes
 CLIENTS = [block for block in blocks("python") if block.is_client and block.page != DOCS / "tutorial.md"]
 
 
 @pytest.fixture
 def template(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The scene that `morse create` makes: a robot with motion, keyboard and pose."""
+    """The scene that `morse create` creates: a robot with motion, keyboard and pose."""
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("USERPROFILE", str(tmp_path))
     monkeypatch.chdir(tmp_path)
@@ -55,7 +55,7 @@ def test_programs_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def block_with(page: str, text: str) -> str:
-    """The block of a page that has some text in it."""
+    """The block of a page that contains some text."""
     return next(block.text for block in blocks("python") if block.page == DOCS / page and text in block.text)
 
 
@@ -63,7 +63,7 @@ def block_with(page: str, text: str) -> str:
 def test_scenes_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture):
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     script = tmp_path / "example.py"
-    # two examples may ask for the same fixed port at once
+    # two examples may use the same fixed port at the same time
     script.write_text(block.text.replace("sync_port=6000", "sync_port=0"), encoding="utf-8")
     with morse.load(script, sockets=True, strict=True, speed=math.inf) as simulation:
         simulation.step(30)
@@ -112,7 +112,7 @@ def test_the_transcript_of_the_socket(simulate, template: Path):
 
 
 def own_component(folder: Path, code: str, name: str, kind: str, robot: str) -> Path:
-    """A scene with a component of one's own on a robot: path of the script."""
+    """A scene with a user's component on a robot: path of the script."""
     package = folder / "own"
     package.mkdir()
     (package / "__init__.py").write_text("")

@@ -1,4 +1,4 @@
-"""The examples on the pages of the component library run, with their clients, and their pictures are those of pages."""
+"""The examples on the pages of the component library run, with their clients, and their pictures are on the pages."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_the_example_runs_with_its_client(name, examples, tmp_path, monkeypatch,
                 monkeypatch.setenv("MORSE_SOCKET_PORT", str(manager.port))
                 program = tmp_path / "client.py"
                 program.write_text(clients[0], encoding="utf-8")
-                # a Collision says nothing until it touches something
+                # a Collision publishes nothing until it touches something
                 if name != "sensors/Collision":
                     runpy.run_path(str(program))
             finally:

@@ -11,7 +11,7 @@ from morse.cli.examples import example
 
 @pytest.fixture
 def run(monkeypatch):
-    """Runs an example with its client, faster than the wall clock, and returns what the client found out."""
+    """Runs an example with its client, faster than real time, and returns the result of the client."""
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     started = []
 

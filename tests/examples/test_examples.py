@@ -1,4 +1,4 @@
-"""Every example does what it says. The values are those of geometry and physics."""
+"""Every example works as described. The values are those of geometry and physics."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def test_each_example_is_tested_described_and_shown():
 @example_test("drive")
 def test_drive(run):
     by_wheels, in_world = run("drive")
-    # a square of 1 m ends where it began, but for the ways to stop
+    # a square of 1 m ends at its start, except for the stopping distances
     assert math.hypot(*by_wheels) < 0.25
-    # wheels that do not slip tell the truth
+    # odometry of wheels without slip is exact
     assert math.dist(by_wheels, in_world) < 0.03
 
 
@@ -67,7 +67,7 @@ def test_mapping(run):
 @example_test("camera")
 def test_camera(run):
     x, y = run("camera", 2.0)
-    # before the ball at (8, 2.5), and on the way to it
+    # in front of the ball at (8, 2.5), and on the way to it
     assert 1.0 < math.dist((x, y), (8.0, 2.5)) < 5.0
     assert math.atan2(y, x) == pytest.approx(math.atan2(2.5, 8.0), abs=0.12)
 
@@ -89,16 +89,16 @@ def test_semantic(run):
 def test_quadrotor(run):
     errors = run("quadrotor")
     assert len(errors) == 4
-    # 0.3 m, and what it flies until the client asks
+    # 0.3 m, and the distance until the client asks
     assert max(errors) < 0.8
 
 
 @example_test("imu")
 def test_imu(run):
     error, to_the_left = run("imu", math.inf)
-    # v w, by which a circle is driven
+    # v w, the centripetal acceleration on a circle
     assert to_the_left == pytest.approx(1.0 * 0.5, abs=0.02)
-    # 0.014 deg/s per root Hz over 8 s is 7e-4 rad; with its bias some times that
+    # 0.014 deg/s per root Hz over 8 s is 7e-4 rad; with its bias, several times as much
     assert 0.0 < abs(error) < 0.03
 
 
@@ -111,7 +111,7 @@ def test_gps(run):
 def test_gripper(run):
     held, carried = run("gripper", 2.0)
     assert held == "tape"
-    # a quarter of a turn at 1 m from the middle of the robot moves it by its square root of 2
+    # a quarter turn at 1 m from the centre of the robot moves it by the square root of 2
     assert carried == pytest.approx(math.sqrt(2.0), abs=0.35)
 
 
@@ -149,7 +149,7 @@ def test_submarine(run):
 def test_car(run):
     fast, turned, at_the_end = run("car", 2.0)
     assert fast > 2.5
-    # v tan(steer) / wheelbase, for two seconds and what the client takes
+    # v tan(steer) / wheelbase, for two seconds and the latency of the client
     assert turned == pytest.approx(2.0 * 3.1 * math.tan(0.3) / 3.9, rel=0.3)
     assert at_the_end < 0.05
 

@@ -1,4 +1,4 @@
-"""The errors of inertial sensors against the Allan deviations that their terms stand for (IEEE Std 952-1997)."""
+"""The errors of inertial sensors against the Allan deviations of their terms (IEEE Std 952-1997)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from morse.helpers.inertial_errors import ErrorTerms, InertialErrors
 
 
 def record(terms, count, step, seed=5):
-    """(N, 3) measurements of nothing."""
+    """(N, 3) measurements at rest."""
     errors = InertialErrors(np.random.default_rng(seed), terms)
     return np.array([errors.added((0.0, 0.0, 0.0), step) for _ in range(count)])
 

@@ -12,7 +12,7 @@ from morse.mathutils import Euler, Matrix, Vector
 
 
 class Body:
-    """An object with the attributes that user components know."""
+    """An object with the attributes that components of users use."""
 
     def __init__(self, position=(0, 0, 0), roll=0.0, pitch=0.0, yaw=0.0):
         self.worldPosition = Vector(position)
@@ -20,7 +20,7 @@ class Body:
 
 
 class QuickBody(Body):
-    """An object that hands over its pose as numbers."""
+    """An object that provides its pose as numbers."""
 
     def world_pose(self):
         return tuple(self.worldPosition), tuple(value for row in self.worldOrientation for value in row)

@@ -1,4 +1,4 @@
-"""A person, a browser and a terminal for the tutorial."""
+"""A user, a browser and a terminal for the tutorial."""
 
 from __future__ import annotations
 

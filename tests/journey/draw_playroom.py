@@ -49,7 +49,7 @@ named("Sun").data.energy = 3.0
 bpy.ops.object.light_add(type="POINT", location=(0.0, 0.0, 3.0))
 named("Lamp").data.energy = 300.0
 
-# what is around it: a bright sky
+# the background: a bright sky
 world = bpy.context.scene.world
 world.color = (0.5, 0.7, 0.9)
 world.use_nodes = True

@@ -31,7 +31,7 @@ EYE, PUPIL = material("Eye", (0.9, 0.9, 0.9)), material("Pupil", (0, 0, 0))
 
 
 def eye(name, side):
-    """A flat cylinder that looks along +X, with a pupil above its middle."""
+    """A flat cylinder that faces +X, with a pupil above its centre."""
     bpy.ops.mesh.primitive_cylinder_add(radius=0.16, depth=0.06, location=(0.54, side, 0.7))
     made = bpy.context.object
     made.name = name
@@ -45,7 +45,7 @@ def eye(name, side):
         polygon.material_index = 1
     for vertex in mesh.vertices[len(mesh.vertices) // 2 :]:
         vertex.co.x -= 0.08
-    # turned and fixed in the mesh, so that the angle of the object is the angle of the eye
+    # the rotation is applied to the mesh, so that the angle of the object is the angle of the eye
     made.rotation_euler = (0, math.radians(90), 0)
     bpy.ops.object.transform_apply(location=False, rotation=True, scale=True)
     return made

@@ -9,7 +9,7 @@ from PIL import Image
 
 
 def eyes(picture: Path) -> list[tuple[float, float, float]]:
-    """The eyes from left to right in the picture: x of the middle, and where the pupil sits in it.
+    """The eyes from left to right in the picture: x of the centre, and the position of the pupil.
 
     Returns:
         For each eye the column of its centre, and right and up offset of the pupil's centre, pixels.

@@ -1,4 +1,4 @@
-"""What the person who follows the tutorial does: types commands, edits files, looks at the view."""
+"""The actions of a user who follows the tutorial: types commands, edits files, looks at the view."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BLOCKS = Path(__file__).parent / "blocks"
 
 
 def block(name: str) -> str:
-    """A piece of code that the tutorial shows, word for word."""
+    """A piece of code of the tutorial, unchanged."""
     return (BLOCKS / name).read_text()
 
 
@@ -64,13 +64,13 @@ class Running:
 
     @property
     def url(self) -> str:
-        """The address of the live view, as the log gives it."""
+        """The address of the live view in the log."""
         found = [m.group() for line in self.lines for m in re.finditer(r"http://\S+", line)]
         assert found, "no address of the live view in the log:\n" + "\n".join(self.lines)
         return found[-1]
 
     def stop(self) -> None:
-        """Press Ctrl+C, and see that it ends cleanly."""
+        """Press Ctrl+C, and check that it ends cleanly."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
             self.until("EXITING SIMULATION")
@@ -78,7 +78,7 @@ class Running:
 
 
 class Person:
-    """Somebody with an empty home directory and the tutorial."""
+    """A user with an empty home directory and the tutorial."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -96,7 +96,7 @@ class Person:
         return self.folder / "ranger_sim"
 
     def types(self, *command: str, answer: str = "", cwd: Path | None = None) -> str:
-        """Run ``morse ...`` and return what it prints."""
+        """Run ``morse ...`` and return its output."""
         done = subprocess.run(
             [str(self.morse), *command],
             cwd=cwd or self.folder,
@@ -111,7 +111,7 @@ class Person:
         return done.stdout
 
     def runs(self, *arguments: str) -> Running:
-        """``morse run ...``, up to the point where everything is there."""
+        """``morse run ...``, until everything is ready."""
         process = subprocess.Popen(
             [str(self.morse), "run", *arguments],
             cwd=self.folder,
@@ -126,7 +126,7 @@ class Person:
         return running
 
     def leaves(self) -> None:
-        """Whatever went wrong, nothing keeps running."""
+        """End all processes, whatever failed."""
         for running in self.started:
             if running.process.poll() is None:
                 running.process.kill()

@@ -1,4 +1,4 @@
-"""The tutorial "A Journey to a New Simulation", chapter by chapter, as a person types it."""
+"""The tutorial "A Journey to a New Simulation", chapter by chapter, as a user types it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import pymorse
 pytestmark = [pytest.mark.browser, pytest.mark.blender]
 
 CRATES = Path(morse.__file__).parent / "data" / "props" / "crates.blend"
-#: true in the page once the world is there and moves
+#: true in the page once the world is loaded and moves
 SHOWN = "!!(window.morse?.world.value && window.morse?.poses.value)"
 FACING_THE_CAMERA = """
 env.set_camera_location([4.0, 0.0, 0.9])
@@ -89,7 +89,7 @@ def test_chapter_two_a_robot_of_our_own(person):
     with pymorse.Morse() as simu:
         assert simu.robots == ["robot"]
         assert {"motion", "pose"} <= set(simu.robot)
-        # the same look as before
+        # the same appearance as before
         objects = simu.rpc("simulation", "get_scene_objects")["robot"][0]
         assert any(name.startswith("morsy") for name in objects)
     simulation.stop()
@@ -103,7 +103,7 @@ def test_chapter_two_a_crate_with_eyes(person):
         assert {"left_eye", "right_eye"} <= set(parts)
         assert any("small_crate" in name for name in parts)
         assert not any(name.startswith("morsy") for name in parts)
-        # the crate stands on the floor and does not move by itself
+        # the crate is on the floor and does not move by itself
         start = simu.robot.pose.get()
         simu.sleep(1.0)
         assert math.dist(*[(p["x"], p["y"], p["z"]) for p in (start, simu.robot.pose.get())]) < 0.02
@@ -158,7 +158,7 @@ def test_chapter_three_read_the_pose(person):
 
 
 def inserted(text, after, lines):
-    """A text with lines below the one that contains ``after``, as deep as that."""
+    """A text with lines inserted below the line that contains ``after``, with the same indentation."""
     found = text.splitlines()
     last = max(i for i, line in enumerate(found) if after in line)
     indent = " " * (len(found[last]) - len(found[last].lstrip()))
@@ -181,7 +181,7 @@ def test_chapter_four_a_new_actuator(person):
 
 
 def angle_of(simu, eye):
-    """Rotation of an eye about the X axis of the robot, which stands upright, but for a little rocking."""
+    """Rotation of an eye about the X axis of the robot, which is upright, except for a small oscillation."""
     robot = simu.rpc("simulation", "get_scene_objects")["robot"]
     return turned_about_x(robot[0][eye][2]) - turned_about_x(robot[2])
 
@@ -207,7 +207,7 @@ def test_chapter_four_the_eyes_move(person, page, tmp_path):
         wait_for(lambda: abs(angle_of(simu, "left_eye") - 1.5) < 1e-3, "the left eye to turn")
         wait_for(lambda: abs(angle_of(simu, "right_eye") - 0.8) < 1e-3, "the right eye to turn")
         # from the front +Y is to the right: a turn about +X takes a pupil from above to the left
-        # the page may be some pictures behind the simulation
+        # the page may be some frames behind the simulation
         wanted = {1: 1.5 - 0.1, 0: 0.8 + 0.1}
 
         def turned():
@@ -234,7 +234,7 @@ def turn_of(eye):
 
 
 def where(simu, name):
-    """Where a thing is, metres."""
+    """The position of an object, metres."""
     return simu.rpc("simulation", "get_scene_objects")[name][1]
 
 
@@ -246,22 +246,22 @@ def test_chapter_five_a_world(person):
     with pymorse.Morse() as simu:
         assert {"battery", "motion", "pose", "eyes"} <= set(simu.robot)
         assert where(simu, "Ball")[:2] == pytest.approx([0.0, 0.0], abs=0.02)
-        # the ball lies on the floor, and the basket stands there
+        # the ball is on the floor, next to the basket
         assert where(simu, "Ball")[2] == pytest.approx(0.25, abs=0.02)
         assert where(simu, "basket")[:2] == pytest.approx([3.0, 3.0], abs=0.1)
-        # on the station nothing is lost
+        # on the station the charge does not fall
         assert simu.robot.battery.get()["charge"] == 100.0
         terminal = client(person, "play.py", "play.py")
         terminal.expect(r"(\w+), (\d+) %", timeout=60)
         assert terminal.match.group(1) == "Charging"
-        # at 1 m/s it takes 3.7 s out of the zone to x = 1.5 and as long back, at 2 % a second
+        # at 1 m/s it takes 3.7 s out of the zone to x = 1.5 and back, at 2 % per second
         assert 60 < int(terminal.match.group(2)) <= 100 - 2 * 2 * 3.5
         terminal.expect(pexpect.EOF)
         terminal.close()
         # it ran into the ball, which rolls
         assert math.hypot(*where(simu, "Ball")[:2]) > 0.5
         assert abs(simu.robot.pose.get()["x"] + 3.0) < 1.2
-        # the walls are 0.1 m thick on this side of their middle
+        # the inner side of the walls is 0.1 m from their centre
         simu.robot.motion.publish({"v": -2.0, "w": 0.0})
         simu.sleep(4.0)
         assert -5.0 < simu.robot.pose.get()["x"] < -4.0

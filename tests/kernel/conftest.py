@@ -12,7 +12,7 @@ _CHECKED = os.environ.get("MORSE_TESTED_KERNEL")
 
 
 def builds() -> list[int]:
-    """The levels that this machine has libraries for and can run."""
+    """The levels for which this machine has libraries and can run them."""
     if _CHECKED:
         return [0]
     host = targets.host()
@@ -27,7 +27,7 @@ def builds() -> list[int]:
 
 @pytest.fixture(params=builds() or [None], ids=lambda level: f"v{level}")
 def build(request: pytest.FixtureRequest) -> ctypes.CDLL:
-    """Each build of the kernel that runs here."""
+    """Each build of the kernel that this machine can run."""
     if request.param is None:
         if os.environ.get("CI"):
             pytest.fail("the kernel was not built")

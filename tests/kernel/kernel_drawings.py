@@ -27,7 +27,7 @@ def pyramid(rng, size):
 
 
 class RandomDrawing:
-    """Some clusters of triangles, each shown a few times."""
+    """Some clusters of triangles, each instantiated a few times."""
 
     def __init__(self, seed, clusters=3, triangles=12, instances=5):
         self.rng = rng = np.random.default_rng(seed)
@@ -43,7 +43,7 @@ class RandomDrawing:
         materials["emission"] = rng.uniform(0, 0.1, (6, 3))
         materials["metallic"], materials["roughness"] = rng.uniform(0, 1, (2, 6))
         materials["texture"] = [-1, -1, -1, 0, 0, 0]
-        # shadeless, two-sided, one-sided, with holes, seen through
+        # shadeless, two-sided, one-sided, with holes, translucent
         materials["flags"] = [0, 3, 2, 2, 2 | 4, 2 | 8]
         first = np.arange(clusters)
         numbers = np.column_stack([first * 3 * triangles, np.full(clusters, 3 * triangles), first * triangles,

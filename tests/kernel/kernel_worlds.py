@@ -18,7 +18,7 @@ def rotations(rng, count):
 
 
 def half_sizes(kind, size):
-    """Of the box around a primitive."""
+    """Half extents of the bounding box of a primitive."""
     if kind == primitives.SPHERE:
         return [size[0]] * 3
     if kind == primitives.CYLINDER:
@@ -29,7 +29,7 @@ def half_sizes(kind, size):
 
 
 def soup(rng, triangles):
-    """Triangles that have corners in common."""
+    """Triangles with shared corners."""
     vertices = rng.normal(size=(max(triangles, 3), 3))
     return TriangleMesh(vertices, rng.integers(0, len(vertices), (triangles, 3)).astype(np.int32))
 

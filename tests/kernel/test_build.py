@@ -28,7 +28,7 @@ def test_every_platform_has_libraries_of_its_own():
     }
 
 
-# the C library of Windows takes the compiler minutes
+# the compiler needs minutes for the C library of Windows
 @pytest.mark.parametrize(
     "name", ["macos-aarch64", "linux-musl-aarch64", pytest.param("windows-x86_64", marks=pytest.mark.soak)]
 )

@@ -1,4 +1,4 @@
-"""Pictures of the C functions and of numpy: the same bits, whatever the build and the number of threads."""
+"""Images of the C functions and of numpy are bit-identical, with any build and any number of threads."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_cameras_of_one_call_do_not_disturb_each_other(build):
     "what", ["vertices", "normals", "uv", "models", "turns", "eye", "axes", "lens", "lamps", "sky"]
 )
 def test_numbers_that_mean_nothing_harm_nothing(build, what, number):
-    """It is the sanitizers that see whether something was harmed."""
+    """Only the sanitizers can detect an error here."""
     made = RandomDrawing(8)
     d, cameras, light = made.drawing, made.cameras(), made.light()
     arrays = {

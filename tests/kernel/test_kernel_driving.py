@@ -1,4 +1,4 @@
-"""Driven robots: the C functions equal their twins in Python, to the bit."""
+"""Driven robots: the C functions and their twins in Python are bit-identical."""
 
 from __future__ import annotations
 

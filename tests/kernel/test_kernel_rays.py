@@ -1,4 +1,4 @@
-"""Rays of the C functions and of numpy: the same bits, whatever the build and the number of threads."""
+"""Rays of the C functions and of numpy are bit-identical, with any build and any number of threads."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_threads_change_nothing(build, monkeypatch, workers):
 
 
 def test_of_surfaces_at_the_same_distance_the_first_counts(build):
-    """Twins, and a mesh that has each triangle twice: in whatever order a tree holds them."""
+    """Duplicate solids, and a mesh with duplicate triangles: the order of a tree does not matter."""
     vertices = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
     faces = np.array([[0, 1, 2], [0, 2, 3]] * 40, dtype=np.int32)
     mesh, count = TriangleMesh(vertices, faces), 30
@@ -116,7 +116,7 @@ def test_of_surfaces_at_the_same_distance_the_first_counts(build):
 
 
 def test_no_ray_slips_through_an_edge(build):
-    """Rays at the very vertices and edges of a closed surface, from inside."""
+    """Rays exactly at the vertices and edges of a closed surface, from inside."""
     t = (1 + 5**0.5) / 2
     vertices = np.array([(0, a, b * t) for a in (-1, 1) for b in (-1, 1)])
     vertices = np.concatenate([np.roll(vertices, shift, axis=1) for shift in range(3)])
@@ -154,7 +154,7 @@ def test_no_ray_slips_through_an_edge(build):
     assert np.isfinite(caster.cast(fan, poses, np.zeros(1, dtype=np.int64)).distances).all()
 
 
-# -- nonsense --------------------------------------------------------------------------------
+# -- invalid input ---------------------------------------------------------------------------
 
 
 @some
@@ -164,7 +164,7 @@ def test_no_ray_slips_through_an_edge(build):
     number=st.sampled_from(NUMBERS),
 )
 def test_numbers_that_make_no_sense(build, seed, where, number):
-    """No crash, no hang, no NaN; and what is not concerned is seen as ever."""
+    """No crash, no hang, no NaN; and unaffected rays give the usual results."""
     made = random_world(seed, 12)
     fan = made.fan()
     arrays = {
@@ -211,7 +211,7 @@ def test_empty_arrays(build, solids, sensors, rays):
 
 
 def test_many_boxes_at_one_place(build):
-    """A tree cannot part them."""
+    """A tree cannot separate them."""
     made = random_world(4, 2000, slots=1)
     made.solids.kinds[:], made.solids.centres[:] = primitives.BOX, 0.0
     made.solids.places[:] = 1.0
@@ -221,7 +221,7 @@ def test_many_boxes_at_one_place(build):
 
 
 def test_boxes_whose_sizes_grow_without_bounds(build):
-    """The deepest tree that there can be: each cut parts one box from all others."""
+    """The deepest possible tree: each split separates one box from all others."""
     made = random_world(4, 400, slots=1)
     made.solids.kinds[:], made.solids.centres[:] = primitives.BOX, 0.0
     scale = 1.3 ** np.arange(400)

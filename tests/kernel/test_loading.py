@@ -1,4 +1,4 @@
-"""Which library is loaded, and what happens when it is not there."""
+"""The loaded library, and the behaviour if it is missing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HOST = targets.host()
 
 @pytest.fixture(autouse=True)
 def forget(monkeypatch):
-    """What was loaded before."""
+    """Clear the cache of the loaded library."""
     loading.library.cache_clear()
     monkeypatch.delenv(loading.VARIABLE, raising=False)
     yield

@@ -1,4 +1,4 @@
-"""The C formulas and those of numpy give the same bits."""
+"""The C formulas and those of numpy are bit-identical."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from morse.kernel import build
 
 CHECKED = "MORSE_TESTED_KERNEL"
 OPTIONS = ["-O1", "-g", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
-#: tests of Python alone
+#: tests of Python only
 _NOT_NATIVE = ("test_build.py", "test_loading.py", "test_sanitizers.py")
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
@@ -56,7 +56,7 @@ def test_no_access_out_of_bounds_and_nothing_undefined(tmp_path):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the compiler of Linux is asked")
 def test_the_sanitizers_see_what_they_shall_see(tmp_path):
-    """A test of tests: a library that reads behind the end of an array ends the program."""
+    """A test of the method: a library that reads beyond the end of an array ends the program."""
     compiler = shutil.which("gcc")
     if compiler is None:
         pytest.skip("gcc is not installed")

@@ -1,4 +1,4 @@
-"""A project with components of its own, in a folder of its own."""
+"""A project with its own components, in its own folder."""
 
 from __future__ import annotations
 

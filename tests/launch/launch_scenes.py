@@ -1,4 +1,4 @@
-"""Scenes as functions, for tests that start processes: those find them by import."""
+"""Scenes as functions, for tests with processes, which import them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 def driving() -> None:
-    """A robot that drives, sees a wall, and measures with noise; a ball falls."""
+    """A robot that drives, scans a wall, and measures with noise; a ball falls."""
     from morse.builder import ATRV, Environment, MotionVW, PassiveObject, Pose, Sick
 
     robot = ATRV()

@@ -1,4 +1,4 @@
-"""Loading, running and closing a simulation change nothing of the process."""
+"""Loading, running and closing a simulation leave the process unchanged."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LIBRARIES = ("morse.", "pymorse", "numpy", "mujoco", "embreex", "zstandard", "ms
 
 
 def process() -> dict[str, Any]:
-    """All of a process that a library has to leave alone."""
+    """The parts of a process that a library must not change."""
     return {
         "path": list(sys.path),
         "argv": list(sys.argv),
@@ -50,7 +50,7 @@ def process() -> dict[str, Any]:
 
 
 def files() -> set[str]:
-    """What is open, sockets included; the operating system may not say."""
+    """Open descriptors, including sockets, if the operating system lists them."""
     try:
         return {os.readlink(f"/proc/self/fd/{fd}") for fd in os.listdir("/proc/self/fd")}
     except OSError:
@@ -67,7 +67,7 @@ def scene(request: pytest.FixtureRequest, project: Path) -> Any:
 
 
 def test_nothing_is_changed(scene: Any) -> None:
-    morse.load(launch_scenes.driving).close()  # whatever libraries set up once
+    morse.load(launch_scenes.driving).close()  # one-time initialisation of libraries
     before, modules, opened = process(), set(sys.modules), files()
     with morse.load(scene, arguments=["--loud", "3"]) as simulation:
         assert process() == before

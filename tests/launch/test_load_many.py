@@ -101,7 +101,7 @@ def test_memory_stays_where_it_was_after_many_simulations(project: Path, cycles:
         cycle()
     tracemalloc.start()
     try:
-        cycle()  # what each cycle makes anew, such as modules, is traced before, too
+        cycle()  # objects that each cycle creates again, such as modules, are traced before, too
         gc.collect()
         before, _ = tracemalloc.get_traced_memory()
         for _ in range(cycles):

@@ -1,4 +1,4 @@
-"""Options of ``morse.load`` that cannot be: refused before anything is loaded."""
+"""Invalid options of ``morse.load``: refused before anything is loaded."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def test_each_simulation_has_variables_of_its_own(project: Path) -> None:
         first.step(3)
         second.step(5)
         assert (first.robot.counter.data["n"], second.robot.counter.data["n"]) == (3, 5)
-        first.restart()  # makes the components again, not the modules
+        first.restart()  # creates the components again, not the modules
         first.step()
         assert first.robot.counter.data["n"] == 4
 

@@ -1,4 +1,4 @@
-"""What the tests of vectors and rotations are given, and how they compare."""
+"""Strategies for the tests of vectors and rotations, and comparisons."""
 
 from math import pi
 
@@ -21,6 +21,6 @@ quaternions = (
 
 
 def close(a, b, tolerance=1e-9):
-    """True if two sequences (or nested ones) hold equal numbers, relative to their size."""
+    """True if two (nested) sequences contain equal numbers, relative to their magnitude."""
     a, b = np.array(a, float), np.array(b, float)
     return a.shape == b.shape and bool(np.all(np.abs(a - b) <= tolerance * (1.0 + np.abs(b).max())))

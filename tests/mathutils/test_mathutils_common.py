@@ -1,4 +1,4 @@
-"""What all the types share: copies, pickles, freezing, text, and being sequences."""
+"""Common behaviour of all types: copies, pickles, freezing, text, and the sequence protocol."""
 
 import copy
 import json

@@ -1,4 +1,4 @@
-"""A simulation reduced to what the socket needs: it ticks when the test says so."""
+"""A minimal simulation for the socket: the test runs its ticks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ READER = "morse.middleware.socket_datastream.SocketReader"
 
 
 def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
-    """What ``condition`` returns, as soon as that is true; fails after ``timeout`` seconds."""
+    """The first true value of ``condition()``; fails after ``timeout`` seconds."""
     deadline = time.monotonic() + timeout
     while not (result := condition()):
         if time.monotonic() > deadline:
@@ -41,7 +41,7 @@ def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
 
 
 class Body(dict):
-    """An object of the world that never moves."""
+    """A static object of the world."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -103,7 +103,7 @@ class Arm(AbstractObject):
     @interruptible
     @async_service
     def goto(self, x: float, y: float, z: float) -> None:
-        """Goes on until the test completes it."""
+        """Active until the test completes it."""
 
     @noninterruptible
     @async_service
@@ -192,7 +192,7 @@ class Bench:
         return peer
 
     def call(self, peer: Peer, request: bytes, replies: int = 1) -> bytes:
-        """Send a request and tick until that many lines have come back."""
+        """Send a request and tick until that many lines have arrived."""
         peer.send(request)
         before = len(peer.lines())
         self.tick_until(lambda: len(peer.lines()) >= before + replies)
@@ -218,7 +218,7 @@ class Peer:
         self.socket.sendall(data)
 
     def lines(self) -> list[bytes]:
-        """The whole lines that have arrived so far."""
+        """The complete lines received so far."""
         self.socket.setblocking(False)
         try:
             while data := self.socket.recv(1 << 20):

@@ -1,4 +1,4 @@
-"""What the base of middlewares does for those who write one."""
+"""The services of the base classes for authors of middlewares."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Wheels(Actuator):
 
 
 class Pigeons(DatastreamManager):
-    """Carries messages by pigeon: everything is put into a list."""
+    """A middleware that appends every message to a list."""
 
     manager_options: ClassVar = {"loft": Option(str, "roof", "where the pigeons live")}
 
@@ -80,7 +80,7 @@ class FastPigeons(Pigeons):
 
 
 class Recorder(AbstractDatastream):
-    """A stream of a user's own."""
+    """A stream class of a user."""
 
     made: list[Recorder] = []  # noqa: RUF012 - the test empties it
 
@@ -168,7 +168,7 @@ def test_the_base_keeps_the_streams(bench: Bench) -> None:
     old.action()
     assert first.events == ["initialize", "OUT", {"colour": "grey"}, "default"]
 
-    new = Place(Body("robot1.place"))  # as after a reset
+    new = Place(Body("robot1.place"))  # like after a reset
     pigeons.connect(new, declared("OUT", stream))
     assert first.events[-1] == "finalize"
     assert [s.component_instance for s in pigeons.streams["robot1.place"]] == [new]
@@ -235,7 +235,7 @@ def test_the_port_of_a_component_that_is_deleted_is_closed(bench: Bench) -> None
     assert bench.port_of("robot1.pose") == port
 
 
-# -- packages that bring a middleware -------------------------------------------------------------
+# -- packages with a middleware -------------------------------------------------------------------
 
 MAPPING = """
 from morse.core.declarations import Option

@@ -17,7 +17,7 @@ POINTS = np.array([[1.0, 2.0, 3.0], [-1.5, 0.25, 10.0]], dtype=np.float32)
 
 
 class Camera(Sensor):
-    """A camera that sees one picture, one pixel high and three wide."""
+    """A camera with a constant image, one pixel high and three wide."""
 
     add_data("image", b"", "bytes", "RGBA")
     add_data("points", b"", "bytes", "x, y, z")

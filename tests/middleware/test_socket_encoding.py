@@ -39,7 +39,7 @@ def test_any_value_of_json_survives_in_one_line(value: object) -> None:
 def test_the_data_of_a_sensor_looks_as_the_json_module_writes_it(data: dict[str, object]) -> None:
     text, plain = to_json(data).decode(), json.dumps(data)
     assert same(json.loads(text), data)
-    # numbers may be written in another way (1e16 for 1e+16), but all that is between them is the same
+    # numbers may have another notation (1e16 for 1e+16), but everything between them is the same
     digits = str.maketrans("", "", "0123456789.+-e")
     assert text.translate(digits) == plain.translate(digits)
 

@@ -1,4 +1,4 @@
-"""What one client takes is bounded, and nobody has to wait for it."""
+"""The resources of one client are limited, and no other client has to wait for it."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Caller:
-    """A client as far as turns and calls are concerned."""
+    """The part of a client that turns and calls use."""
 
     def __init__(self) -> None:
         self.calls = 0
@@ -125,7 +125,7 @@ def test_services_take_a_share_of_the_time_only(bench: Bench) -> None:
         before = time.perf_counter()
         bench.tick()
         spent += time.perf_counter() - before
-        time.sleep(0.005)  # what a tick does besides
+        time.sleep(0.005)  # other work of a tick
     assert spent < 0.6
     greedy.close()
 
@@ -390,7 +390,7 @@ def test_nothing_that_clients_send_gets_into_the_log_raw(
         assert not any(line.startswith("[ERROR]") for line in written)
 
 
-# -- characters that are none ----------------------------------------------------------------
+# -- invalid characters ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

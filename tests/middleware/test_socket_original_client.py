@@ -1,4 +1,4 @@
-"""The client of MORSE 1.4 itself, as PyPI has it, against our server."""
+"""The original client of MORSE 1.4 from PyPI with this server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The client and the server of this project, together."""
+"""The client and the server of this project together."""
 
 from __future__ import annotations
 
@@ -101,14 +101,14 @@ def test_closing_waits_for_a_service_that_goes_on(ticking: Bench) -> None:
 
 @pytest.fixture
 def stepping() -> Iterator[Bench]:
-    """Ticks only when a client asks for it."""
+    """Ticks only when a client requests it."""
     bench = Bench()
     asked = threading.Event()
     bench.context.wake = asked.set
     bench.sensor("robot1.pose", port=0)
     bench.actuator("robot1.motion", port=0)
     pose, motion = bench.components
-    # the sensor measures what the actuator was told
+    # the sensor measures the command of the actuator
     pose.default_action = lambda: pose.local_data.__setitem__("temperature", motion.local_data["v"])
     bench.components.reverse()
     bench.requests.register_service("simulation", lambda: DETAILS, "details")

@@ -1,4 +1,4 @@
-"""Programs that mean another server, browsers above all, are turned away before anything of theirs is used."""
+"""Clients with another protocol, above all browsers, are disconnected before any of their data are processed."""
 
 from __future__ import annotations
 

@@ -51,14 +51,14 @@ def test_an_inactive_sensor_sends_nothing(bench: Bench) -> None:
 
 
 def test_a_client_that_vanishes_without_a_word_is_noticed(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing is ever sent to the clients of an actuator, so that none of it can fail."""
+    """Nothing is ever sent to the clients of an actuator, so that sending cannot fail."""
     monkeypatch.setattr(line_server, "_SILENCE", 1)
     bench.actuator("robot1.motion", port=0)
     server = bench.streams._servers["robot1.motion"]
     client = socket.create_connection(("127.0.0.1", port_of(server._listener)))
     wait_until(lambda: server.connected == 1)
     try:
-        client.setsockopt(socket.IPPROTO_TCP, 19, 1)  # TCP_REPAIR: it is closed in silence
+        client.setsockopt(socket.IPPROTO_TCP, 19, 1)  # TCP_REPAIR: closed without a packet
     except OSError:
         client.close()
         pytest.skip("the system lets nobody close a connection in silence")
@@ -414,7 +414,7 @@ def test_an_unknown_option_of_the_manager_is_refused(bench: Bench) -> None:
 
 
 def test_a_component_that_is_made_again_keeps_its_port_and_its_clients(bench: Bench) -> None:
-    """As when the simulation starts anew with another seed."""
+    """As after a restart of the simulation with another seed."""
     old = bench.actuator(port=0)
     port = bench.port_of("robot1.motion")
     client = bench.connect("robot1.motion")
@@ -475,10 +475,10 @@ def test_a_thousand_clients_come_and_go_and_leave_nothing(bench: Bench) -> None:
         peer.close()
         if n % 50 == 0:
             bench.tick()
-    # one that has asked something and gone stays until that is answered, in a tick
+    # a client that has sent a request and disconnected is kept until the reply, in a tick
     wait_until(lambda: bench.tick() or not any(server.connected for server in servers if server))
     bench.tick()
-    # a connection is forgotten a moment before its descriptor is closed
+    # a connection is removed shortly before its descriptor is closed
     wait_until(lambda: next_descriptor() <= before)
     client = bench.connect()
     assert bench.call(client, b"1 robot1.motion nothing\n") == b"1 SUCCESS\n"

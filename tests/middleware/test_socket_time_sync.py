@@ -32,7 +32,7 @@ def paced(sync_port: int) -> Iterator[Bench]:
 
 @pytest.fixture
 def running(paced: Bench) -> Iterator[Callable[[], int]]:
-    """Ticks in a thread of its own; call it for the number of ticks so far."""
+    """Ticks in a separate thread; call it for the number of ticks so far."""
     ended = False
 
     def run() -> None:

@@ -1,4 +1,4 @@
-"""Text files as MORSE 1.4 wrote them."""
+"""Text files in the format of MORSE 1.4."""
 
 from __future__ import annotations
 
@@ -153,5 +153,5 @@ def test_the_example_of_the_documentation(tmp_path: Path, capsys: pytest.Capture
     begin = page.split("```text\n")[1].splitlines()[0]
     assert (tmp_path / "robot.pose.txt").read_text().startswith(begin + "\n==> Data at X,Y,Z: [")
     done = subprocess.run([sys.executable, "-c", reader], cwd=tmp_path, capture_output=True, text=True, check=True)
-    # a battery that loses 0.05 % a second, the default, has lost no more than that by now
+    # a battery with the default discharge of 0.05 % per second has lost no more than that
     assert re.fullmatch(r"\d+ measurements, charge at the end (99\.\d\d|100\.00) %\n", done.stdout)

@@ -1,4 +1,4 @@
-"""Modifiers that give places on the earth, against published points and by going there and back."""
+"""Modifiers for geographic coordinates, against published points and by inversion."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAMES = ("ECEF", "geodetic", "geocentric")
 
 
 def scene(modifier: str, command: str | None = None, place: Any = (0.0, 0.0, 0.0), **where: float) -> Any:
-    """A robot with a pose sensor, and perhaps a teleport, whose coordinates are those of the earth."""
+    """A robot with a pose sensor, and optionally a teleport, with geographic coordinates."""
 
     def build() -> None:
         robot = FakeRobot()

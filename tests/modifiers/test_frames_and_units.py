@@ -1,4 +1,4 @@
-"""Modifiers that give data in other frames and units: known points, and there and back."""
+"""Modifiers for other frames and units: known points, and inversion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _angles = st.floats(-3.1, 3.1)
 def pose_of(
     *modifiers: str, place: tuple[float, ...] = (10.0, 8.0, 1.0), turned: Any = (0, 0, 0), **options: Any
 ) -> Any:
-    """What a pose sensor with a modifier measures."""
+    """The measurement of a pose sensor with a modifier."""
 
     def scene() -> None:
         robot = FakeRobot()

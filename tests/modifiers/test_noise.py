@@ -1,4 +1,4 @@
-"""Modifiers that add noise: mean and deviation over many measurements, and paths in closed form."""
+"""Modifiers that add noise: mean and standard deviation over many measurements, and paths in closed form."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def measured(scene: Callable[[], None], field: str, seed: int = 1) -> list[float
 )
 def test_the_noise_has_the_deviations_of_the_specification(field: str, true: float, deviation: float) -> None:
     values = measured(with_pose(), field)
-    # four standard errors of a mean, and of a deviation, of that many values
+    # four standard errors of the mean, and of the standard deviation, of that many values
     assert statistics.fmean(values) == pytest.approx(true, abs=4 * deviation / COUNT**0.5)
     assert statistics.stdev(values) == pytest.approx(deviation, rel=4 / (2 * COUNT) ** 0.5)
 

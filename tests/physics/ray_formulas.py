@@ -1,6 +1,6 @@
-"""Where a ray meets a shape, worked out one surface at a time: the answers that tests expect.
+"""Intersections of rays and shapes, one surface at a time: the expected values of tests.
 
-Every candidate point on the full surfaces (planes, tubes, spheres) is checked for lying within
+Every candidate point on the full surfaces (planes, tubes, spheres) is tested for lying within
 its part of the shape.
 """
 
@@ -39,7 +39,7 @@ def _plane(o, d, axis, height):
 
 
 def candidates(kind, size, o, d):
-    """Distances at which a ray in the frame of a shape meets its surface."""
+    """Distances at which a ray in the frame of a shape intersects its surface."""
     found = []
     if kind is ShapeKind.BOX:
         for axis in range(3):
@@ -74,7 +74,7 @@ def first_hit(shapes, origin, direction):
 
 
 def grazes(shapes, origin, direction, by=1e-4):
-    """Whether a slightly different ray gives quite another answer: then neither is wrong."""
+    """Whether a slightly different ray has a very different result: then both results are accepted."""
     side = np.cross(direction, [0.3, -0.5, 0.8])
     side /= np.linalg.norm(side)
     up = np.cross(direction, side)

@@ -1,4 +1,4 @@
-"""A world in which everything sleeps needs no steps of the engine, and is the same to the bit as with them."""
+"""A world in which everything sleeps needs no engine steps, and is bit-identical to a world with steps."""
 
 import mujoco
 import pytest
@@ -15,7 +15,7 @@ def make():
 
 @pytest.fixture
 def steps(monkeypatch):
-    """How often the engine steps."""
+    """The number of engine steps."""
     count, step = [0], mujoco.mj_step
 
     def counted(*arguments):

@@ -1,4 +1,4 @@
-"""Where bodies touch, for those who watch."""
+"""Contact points, for observers."""
 
 import numpy as np
 import pytest

@@ -73,7 +73,7 @@ def test_a_robot_with_friction_is_slower_than_one_without():
 
     run(w, 2.0, drive)
     assert w.game_object("smooth").worldPosition.x == pytest.approx(2.0, abs=0.01)
-    # the floor, of friction 0.5, takes mu 0.5 g dt off the speed in each half of a tick: 3/4 of it on average
+    # the floor, with friction 0.5, reduces the speed by mu 0.5 g dt in each half of a tick: 3/4 of it on average
     assert w.game_object("rough").worldPosition.x == pytest.approx(2.0 * (1 - 0.75 * 0.5 * 0.5 * 9.81 / 60), abs=0.01)
 
 

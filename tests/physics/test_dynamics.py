@@ -13,7 +13,7 @@ def test_free_fall_follows_the_parabola():
     run(w, 1.0)
     x, y, z = w.game_object("Ball").worldPosition
     assert (x, y) == pytest.approx((0, 0), abs=1e-9)
-    # semi-implicit steps of h end h*v/2 lower than the parabola
+    # semi-implicit steps of length h end h*v/2 below the parabola
     assert z == pytest.approx(10 - 0.5 * G, abs=G / 240)
     assert w.game_object("Ball").worldLinearVelocity.z == pytest.approx(-G, rel=1e-6)
 

@@ -1,4 +1,4 @@
-"""Robots that glide over a level floor move exactly as robots whose feet are pushed up by it."""
+"""Robots that glide over a level floor move exactly like robots whose feet are in contact with it."""
 
 import math
 
@@ -13,7 +13,7 @@ TICK = 1 / 60
 
 
 class Twins:
-    """The same world twice: in one, robots may glide, in the other they always stand on their feet."""
+    """The same world twice: in one, robots may glide, in the other, they always stand on their feet."""
 
     def __init__(self, make):
         self.gliding, self.standing = make(), make()
@@ -21,7 +21,7 @@ class Twins:
         self.glided = 0
 
     def run(self, seconds, act):
-        """``act(world, time)`` before each tick; the largest distance of any two twins, and of their axes."""
+        """``act(world, time)`` before each tick; returns the largest distance between twins, and between their axes."""
         worst = 0.0
         for k in range(round(seconds * 60)):
             for twin in (self.gliding, self.standing):
@@ -49,7 +49,7 @@ def with_ground(*others, at=(0, 0, 0.25), shape=None, **settings):
     return make
 
 
-# the same motion ----------------------------------------------------------------------------
+# equal motion -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("shape", [box(0.6, 0.4, 0.5), CollisionShape(ShapeKind.CYLINDER, (0.2, 0.25))])
@@ -116,7 +116,7 @@ def test_a_box_on_its_side_carries_as_well():
     assert twins.glided > 100
 
 
-# whatever touches it ------------------------------------------------------------------------
+# contacts -----------------------------------------------------------------------------------
 
 
 def test_a_wall_stops_it_alike():
@@ -126,7 +126,7 @@ def test_a_wall_stops_it_alike():
 
 
 def test_a_box_is_pushed_alike():
-    # a box that is pushed by a robot sticks and slips: a nanometre decides when, so that ways part later
+    # a box that is pushed by a robot has stick-slip: a nanometre decides when, so that the paths differ later
     twins = Twins(with_ground(lambda: rigid("Box", box(0.3, 0.3, 0.3), at=(1.0, 0.05, 0.15))))
     assert twins.run(0.7, lambda w, t: drive(w, 0.8)) < 1e-6
     assert twins.gliding.game_object("Box").worldPosition.x == pytest.approx(1.0, abs=0.02)
@@ -232,7 +232,7 @@ def test_it_falls_when_the_floor_goes(take_away):
     assert w.game_object("robot").worldPosition.z < 0.0
 
 
-# whatever acts on it ------------------------------------------------------------------------
+# other influences ---------------------------------------------------------------------------
 
 
 def test_a_force_lifts_it_alike():
@@ -288,7 +288,7 @@ def test_it_still_touches_the_floor_for_those_who_ask():
     assert len(touching[0]) == 4
 
 
-# again --------------------------------------------------------------------------------------
+# restart ------------------------------------------------------------------------------------
 
 
 def test_after_a_reset_everything_happens_again_bit_by_bit():
@@ -319,7 +319,7 @@ def test_a_robot_without_weight_is_left_alone():
 
 
 def long_steps(w, monkeypatch):
-    """Counts the ticks that are done in one step."""
+    """Counts the ticks that are computed in one step."""
     done = []
     for part, name in ((w._lone_glider, "step"), (w._steps, "_drift"), (w._steps, "_stride")):
         original = getattr(part, name)
@@ -366,7 +366,7 @@ def test_robots_that_pass_closely_do_not_slow_each_other_forever(monkeypatch):
 
 
 def test_a_sleeping_box_is_woken_alike():
-    # the box lies still for seconds before the robot comes
+    # the box is at rest for seconds before the robot arrives
     twins = Twins(with_ground(lambda: rigid("Box", box(0.3, 0.3, 0.3), at=(2.6, 0.0, 0.15))))
     assert twins.run(5.0, lambda w, t: drive(w, 0.4)) < 1e-5
     twins.run(1.5, lambda w, t: drive(w, 0.4))
@@ -384,7 +384,7 @@ def test_lightening_another_body_leaves_the_floor_under_a_robot_that_glides():
     assert w.game_object("robot").worldPosition.z == pytest.approx(0.25, abs=1e-3)
 
 
-# drifting: no step of the engine at all ---------------------------------------------------------
+# drifting: no engine steps ----------------------------------------------------------------------
 
 
 def drifters(*others, count=1):

@@ -1,4 +1,4 @@
-"""Things come, go and are replaced while a world runs; the others do not notice."""
+"""Objects are added, removed and replaced while a world runs, without an effect on the others."""
 
 import gc
 import random
@@ -27,7 +27,7 @@ def make_cart(name, at):
 
 
 def make_busy():
-    """A glider, a robot on wheels, one without forces, a held box, a sleeping stack, a falling ball."""
+    """A gliding robot, a wheeled robot, a robot without forces, a held box, a sleeping stack, a falling ball."""
     glider = robot("glider", at=(-6, 0, 0.25))
     cart, wheels = make_cart("cart", (-6, 4, 0.15))
     pusher = node("pusher", box(0.2, 0.2, 0.2), at=(-3, 6, 0.2))
@@ -96,7 +96,7 @@ def test_coming_and_going_changes_no_bit_of_the_others():
 
 
 def test_what_is_there_goes_on_to_rounding_beside_something_that_came():
-    # the engine's solver stops at a tolerance for the whole model: that of a larger one differs in the last digits
+    # the engine's solver has one tolerance for the whole model: in a larger model, the last digits differ
     changed, quiet = twins()
     changed.add(guests())
     for _ in range(20):
@@ -148,7 +148,7 @@ def test_a_state_from_before_is_of_another_scene():
         w.set_state(before)
 
 
-# coming -------------------------------------------------------------------------------------------
+# adding -------------------------------------------------------------------------------------------
 
 
 def test_a_robot_comes_with_its_wheels_and_drives():
@@ -158,7 +158,7 @@ def test_a_robot_comes_with_its_wheels_and_drives():
     come = w.add([cart], [wheels])
     assert [obj.name for obj in come] == ["cart", "cart.left_wheel", "cart.right_wheel", "cart.caster"]
     run(w, 2.0, lambda: [wheel.set_speed(5.0) for wheel in w.game_object("cart").wheels()])
-    # the start takes a little of the way
+    # the initial acceleration takes a little of the distance
     assert w.game_object("cart").worldPosition.x == pytest.approx(5.0 * 0.1 * 2.0, rel=0.1)
 
 
@@ -176,7 +176,7 @@ def test_something_that_comes_onto_a_sleeper_wakes_it():
     w = world(ground(), rigid("sleeper", box(0.3, 0.3, 0.3), at=(0, 0, 0.15)))
     run(w, 2.0)
     assert (w.data.tree_asleep >= 0).all()
-    # a wall that stands in it: the engine itself would let it sleep on
+    # a wall that intersects it: the engine itself would let it sleep
     w.add([node("wall", box(1, 1, 1), at=(0.5, 0, 0.5))])
     run(w, 2.0)
     assert w.game_object("sleeper").worldPosition.x < -0.1
@@ -202,7 +202,7 @@ def test_a_shape_that_the_engine_refuses_changes_nothing():
     run(w, 0.1)
 
 
-# going --------------------------------------------------------------------------------------------
+# removing -----------------------------------------------------------------------------------------
 
 
 def test_what_rested_on_something_that_goes_falls():
@@ -336,7 +336,7 @@ def test_a_replacement_that_lacks_what_carries_components_is_refused():
     assert [c.node for c in made.components] == [body, body.children[0]]
 
 
-# who looks on ---------------------------------------------------------------------------------------
+# observers ----------------------------------------------------------------------------------------
 
 
 def test_rays_see_what_comes_and_no_longer_what_goes():
@@ -407,7 +407,7 @@ def test_a_reset_keeps_who_came_and_puts_all_to_their_places():
     assert bits(w.get_state()) == bits(fresh.get_state())
 
 
-# again and again ------------------------------------------------------------------------------------
+# repetition -----------------------------------------------------------------------------------------
 
 
 def come_and_go(w, times, chance):
@@ -440,7 +440,7 @@ def test_coming_and_going_leaves_memory_where_it_was(times):
             w.rays.cast([bundle])
             gc.collect()
             grown.append(tracemalloc.get_traced_memory()[0] - first)
-        # one object alone takes more than that for each time; a table of Python that grows, grows once
+        # one leaked object would take more than that in total; a dictionary of Python grows once
         assert min(grown) < 1_700 * times
     finally:
         tracemalloc.stop()

@@ -1,4 +1,4 @@
-"""Bodies that are kept from moving along some axes, and robots that only commands turn."""
+"""Bodies that cannot move along some axes, and robots that only commands turn."""
 
 import math
 

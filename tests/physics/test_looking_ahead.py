@@ -1,4 +1,4 @@
-"""Robots that drift after a look far ahead move to the bit as if the engine looked in every tick."""
+"""Robots that drift after a contact check with a large margin are bit-identical to robots checked in every tick."""
 
 import math
 
@@ -13,7 +13,7 @@ ROBOTS = 3
 
 
 def crowded():
-    """Robots between walls, with a box that sleeps."""
+    """Robots between walls, with a sleeping box."""
     robots = [robot(f"robot{i}", at=(1.2 * i - 1.2, 0.3 * i, 0.25)) for i in range(ROBOTS)]
     walls = [node(f"Wall{x}", box(0.2, 6, 1), at=(x, 0, 0.5)) for x in (-3.5, 3.5)]
     return world(ground(), rigid("Box", box(0.3, 0.3, 0.3), at=(0.6, 1.8, 0.15)), *walls, *robots, robots=robots)
@@ -21,7 +21,7 @@ def crowded():
 
 @pytest.fixture
 def looks(monkeypatch):
-    """How often the engine looked for contacts."""
+    """The number of contact checks of the engine."""
     count, look = [0], mujoco.mj_collision
 
     def counted(model, data):
@@ -33,7 +33,7 @@ def looks(monkeypatch):
 
 
 def journey(seed, ticks=600):
-    """Poses (T, K, 3) of a world whose robots are driven at random, slowly and suddenly fast."""
+    """Poses (T, K, 3) of a world whose robots are driven randomly, slowly and suddenly fast."""
     numbers, w, places = np.random.default_rng(seed), crowded(), []
     for tick in range(ticks):
         if tick % 15 == 0:

@@ -44,7 +44,7 @@ def test_a_child_turns_in_place_and_takes_its_children_along():
     before = eye.worldPosition
     eye.orientation = Euler([0, 0, math.pi / 2]).to_matrix()
     assert tuple(eye.worldPosition) == pytest.approx(tuple(before))
-    # a quarter turn of the robot and one of the eye: its X axis looks along -X of the world
+    # a quarter turn of the robot and one of the eye: its X axis points along -X of the world
     assert tuple(eye.worldOrientation @ Vector([1, 0, 0])) == pytest.approx((-1, 0, 0), abs=1e-9)
     pupil = eye.children[0]
     assert tuple(pupil.worldPosition - eye.worldPosition) == pytest.approx((-0.02, 0, 0), abs=1e-9)

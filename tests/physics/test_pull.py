@@ -1,4 +1,4 @@
-"""Pulling a body by a point, as the pointer in the view does."""
+"""Pulling a body at a point, like the pointer in the view."""
 
 import math
 

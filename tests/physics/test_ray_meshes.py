@@ -1,4 +1,4 @@
-"""Rays against triangle meshes: their own triangles count, not the convex parts that stand for them in contacts."""
+"""Rays against triangle meshes: the triangles count, not the convex parts for contacts."""
 
 import math
 
@@ -49,7 +49,7 @@ def triangle_hits(corners, origin, direction):
 
 
 def edge_distance(corners, origin, direction):
-    """How near the ray passes an edge: there a rounding error decides what is hit."""
+    """The distance of the ray from an edge: near an edge, a rounding error decides what is hit."""
     starts, ends = corners.reshape(-1, 3), np.roll(corners, -1, axis=1).reshape(-1, 3)
     along = ends - starts
     across = np.cross(along, direction)
@@ -59,7 +59,7 @@ def edge_distance(corners, origin, direction):
 
 
 def shelf():
-    """Plates of a box of 2 m that is open towards -X, as single walls."""
+    """Faces of a box of 2 m that is open towards -X, as single walls."""
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     quads = [(4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
     return corners, [tri for a, b, c, d in quads for tri in ((a, b, c), (a, c, d))]
@@ -95,7 +95,7 @@ def test_bounds_that_a_model_names_are_what_rays_hit():
     place=st.tuples(*[st.floats(-5, 5)] * 3),
 )
 def test_rays_at_meshes_match_the_rule_of_cramer(seed, moves, count, scale, turn, place):
-    """Crumpled sheets, stretched and turned, that stand still or move."""
+    """Crumpled sheets, stretched and rotated, fixed or moving."""
     rng = np.random.default_rng(seed)
     vertices = np.array([(x, y, 0.0) for x in (-1, 0, 1) for y in (-1, 0, 1)]) + rng.uniform(-0.4, 0.4, (9, 3))
     triangles = [t for i in (0, 1, 3, 4) for t in ((i, i + 1, i + 4), (i, i + 4, i + 3))]
@@ -114,7 +114,7 @@ def test_rays_at_meshes_match_the_rule_of_cramer(seed, moves, count, scale, turn
 
 
 def globe(rings=12, segments=36, radius=1.0):
-    """A sphere of triangles with a ring of vertices at the height of its centre."""
+    """A triangulated sphere with a ring of vertices at the height of its centre."""
     rows = [(0.0, 0.0, radius)]
     for ring in range(1, rings):
         polar = math.pi * ring / rings
@@ -138,7 +138,7 @@ def globe(rings=12, segments=36, radius=1.0):
 
 @pytest.mark.parametrize("kind", [PhysicsType.STATIC, PhysicsType.RIGID_BODY])
 def test_no_ray_slips_through_an_edge(kind):
-    """A planar scan exactly at the height of a ring of vertices, from inside of a globe."""
+    """A planar scan exactly at the height of a ring of vertices, from inside a sphere."""
     rows, triangles = globe()
     rows[5] = tuple(1.3 * np.array(rows[5]))  # a dent: no primitive, and not convex
     w = world_of(mesh_node("Globe", rows, triangles, kind=kind), eye())
@@ -162,7 +162,7 @@ def test_each_face_throws_back_the_light_of_its_own_material(kind):
     ways = [[-1, 0, 0], [0, 0, 1]]
     assert look(w, ways).remissions.tolist() == pytest.approx([0.1, 0.0])
     assert look(w, [[1, 0, 0], *directions(100, 1)], of="left").remissions[0] == pytest.approx(0.9)
-    # without any material: what a new material has
+    # without a material: as with a new material
     assert look(w, [[-3, 5, 0]]).remissions.tolist() == [Material("new").specular]
 
 

@@ -1,4 +1,4 @@
-"""Rays against worlds whose answers are known."""
+"""Rays against worlds with known results."""
 
 import math
 
@@ -55,7 +55,7 @@ def directions(count, seed):
 
 
 def eye(name="eye", *, at=(0, 0, 0), **settings):
-    """A robot that sees without being seen."""
+    """A robot with sensors but without a shape."""
     return Node(name, location=list(at), **settings)
 
 
@@ -76,7 +76,7 @@ def names(bundle):
 @settings(max_examples=examples(50), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(solids=solids, at=places, count=st.sampled_from([20, 200]), seed=st.integers(0, 1000))
 def test_rays_at_primitives_match_closed_formulas(engine, solids, at, count, seed):
-    """Few rays or many, at bodies that move or stand still, from outside or inside of them."""
+    """Few or many rays, at fixed or moving bodies, from outside or inside."""
     nodes = [
         node(f"solid{i}", shape, at=place, turned=turn, kind=kind)
         for i, (shape, place, turn, kind) in enumerate(solids)
@@ -113,7 +113,7 @@ def test_casting_together_changes_nothing(engine, solids, ats, seed):
 
 
 def test_distances_are_exact_far_from_the_origin():
-    """Coordinates as in a map projection, where single precision knows half metres only."""
+    """Coordinates as in a map projection, where single precision has a resolution of half a metre."""
     east, north = 512_345.25, 5_412_345.5
     spot = robot("eye", box(0.3, 0.3, 0.3), at=(east, north, 0.5))
     w = world(
@@ -163,7 +163,8 @@ def test_a_bundle_may_be_turned_to_other_directions():
         seen.turn_to([[math.cos(turn), math.sin(turn), 0]])
     seen.refresh()
     assert seen.distances.tolist() == pytest.approx([2.0])
-    # a sensor that turns all day does not fill the memory
+    # a sensor that rotates continuously does not fill the memory
+    # -- hits ----------------------------------------------------------------------------------
     assert len(w.rays._known) <= kept + 1
     with pytest.raises(ValueError, match="needs one to go to"):
         seen.turn_to([[0, 0, 0]])
@@ -199,7 +200,7 @@ def test_a_robot_is_no_obstacle_to_its_own_sensors_but_to_those_of_others():
 
 
 def test_a_robot_that_reaches_into_the_outline_of_another_is_seen():
-    """The hand of one lies in the box around the other, between its post and its arm."""
+    """The hand of one is in the bounding box of the other, between its post and its arm."""
     one, two = robot("one", box(0.2, 0.2, 0.2), at=(0, 0, 0)), robot("two", box(0.1, 0.1, 0.1), at=(0, 2, 0))
     one.attach(node("far_arm", box(0.2, 0.2, 0.2), at=(2, 0, 0), kind=PhysicsType.RIGID_BODY))
     two.attach(node("hand", sphere(0.1), at=(1, -2, 0), kind=PhysicsType.RIGID_BODY))
@@ -213,7 +214,7 @@ def test_a_robot_that_reaches_into_the_outline_of_another_is_seen():
 
 @pytest.mark.parametrize("count", [1, 200])
 def test_touching_and_nested_boxes_do_not_hide_each_other(count):
-    """Faces that coincide: crates on each other, a ball in its own bounding box, twins."""
+    """Coincident faces: stacked crates, a ball in its own bounding box, twins."""
     w = world(
         rigid("Low", box(1, 1, 1), at=(3, 0, 0.5)),
         rigid("High", box(1, 1, 1), at=(3, 0, 1.5)),
@@ -234,7 +235,7 @@ def test_touching_and_nested_boxes_do_not_hide_each_other(count):
 
 
 def test_a_viewpoint_within_the_outline_of_another_robot():
-    """The sensor is in the box around a ball, not in the ball: the ball is behind and beside it, then a wall."""
+    """The sensor is in the bounding box of a ball, not in the ball: the ball is behind and beside it, then a wall."""
     w = world(
         rigid("Ball", sphere(1.0), at=(0, 0, 0)),
         rigid("Wall", box(0.1, 9, 9), at=(1.2, 0, 0)),
@@ -248,7 +249,7 @@ def test_a_viewpoint_within_the_outline_of_another_robot():
         assert seen.distances[1] == pytest.approx(0.8 * math.sqrt(2) - 1.0)
 
 
-# -- things that move ----------------------------------------------------------------------
+# -- moving objects ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("count", [1, 200])
@@ -277,7 +278,7 @@ def test_what_is_put_elsewhere_is_seen_there_at_once(count):
 
 
 def test_a_body_at_rest_that_is_put_elsewhere_is_seen_there():
-    """The engine lets bodies sleep, and looks at them no more."""
+    """Sleeping bodies, which the engine no longer updates."""
     w = world(
         node("Ground", box(20, 20, 1), at=(0, 0, -0.5)),
         rigid("Crate", box(1, 1, 1), at=(3, 0, 0.5)),

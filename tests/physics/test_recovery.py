@@ -1,4 +1,4 @@
-"""No number ends a simulation: the absurd is refused, what blows up is put back alone, the others go on."""
+"""No number ends a simulation: absurd values are refused, a diverged body is reset alone, the others continue."""
 
 import contextlib
 import math
@@ -18,7 +18,7 @@ ABSURD = [1e11, -1e150, 1e308, math.inf, -math.inf, math.nan]
 
 
 def crowd():
-    """Three boxes side by side that touch, one on top, one far away, and a robot that glides."""
+    """Three adjacent boxes in contact, one on top, one far away, and a gliding robot."""
     body = robot("robot", at=(-4, 0, 0.25))
     boxes = [rigid(f"b{i}", box(0.3, 0.3, 0.3), at=(0.3 * i, 0, 0.15)) for i in range(3)]
     top = rigid("top", box(0.3, 0.3, 0.3), at=(0.3, 0, 0.45))
@@ -29,7 +29,7 @@ def drive(w):
     w.game_object("robot").drive((0.5, 0, 0), (0, 0, 0), ground=True)
 
 
-# the absurd is refused ------------------------------------------------------------------------------
+# absurd values are refused --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("value", ABSURD)
@@ -118,11 +118,11 @@ def test_a_wheel_turns_as_fast_as_it_can(speed):
         w.game_object("cart").wheels()[0].set_speed(math.nan)
 
 
-# what blows up all the same -------------------------------------------------------------------------
+# divergence -----------------------------------------------------------------------------------------
 
 
 def spoil(w, name, what, value):
-    """Writes into the engine, past all limits, as a fault of its own would."""
+    """Writes into the engine without limits, like an internal error."""
     slot = w.slots[w.named[name]]
     if what == "position":
         w.data.qpos[slot.qpos] = value
@@ -249,7 +249,7 @@ def test_a_runaway_is_stopped_before_it_is_no_number():
 
 def test_what_cannot_be_mended_ends_with_the_name_of_a_body():
     w = crowd()
-    # weight itself is not a number: nothing can be put back against that
+    # gravity itself is NaN: resetting bodies cannot help
     w.model.opt.gravity[2] = math.nan
     with pytest.raises(UnstableError, match="diverged"):
         w.step()

@@ -1,4 +1,4 @@
-"""A state that was saved goes on as if nobody had saved it, in whatever world of the scene, to the bit."""
+"""A restored state has a bit-identical future, in any world of the scene."""
 
 import multiprocessing
 import random
@@ -19,7 +19,7 @@ IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def make(blocks):
-    """A glider with an eye, a robot on wheels, a kinematic one, a hovering one without shape, a wall, and blocks."""
+    """A gliding robot with an eye, a wheeled, a kinematic, a hovering robot without shape, a wall, and blocks."""
     glider = robot("glider", at=(-2, 0, 0.25))
     eye = Node("eye", location=[0.2, 0.0, 0.3])
     eye.shapes = [sphere(0.05)]
@@ -38,7 +38,7 @@ def make(blocks):
 
 
 class Hands:
-    """Does to a world, at each tick, what a seed says: the same to every world."""
+    """Acts on a world in each tick, as determined by a seed: the same in every world."""
 
     def __init__(self, seed, blocks):
         self.seed, self.names = seed, [f"b{i}" for i in range(blocks)]
@@ -113,7 +113,7 @@ class Hands:
 
 
 def go_on(state, blocks, seed, first, last):
-    """The states at the end of some ticks that follow a state, in a fresh world."""
+    """The states at the end of some ticks after a state, in a new world."""
     w, hands = make(blocks), Hands(seed, len(blocks))
     if state is not None:
         w.set_state(state)
@@ -141,7 +141,7 @@ def test_a_saved_state_goes_on_as_without_a_break(blocks, seed, at, act_before_s
         w.step()
     first = at
     if act_before_saving:
-        # commands, forces and places that wait for the next tick are saved as well
+        # commands, forces and poses that wait for the next tick are saved as well
         hands.act(w, at)
     saved = w.get_state()
     fresh = make(blocks)
@@ -173,7 +173,7 @@ def test_another_process_goes_on_with_the_same_bits():
     assert without_break[120:] == expected
 
 
-# what a state says -----------------------------------------------------------------------------
+# contents of a state ---------------------------------------------------------------------------
 
 
 def glided(ticks=60):
@@ -188,7 +188,7 @@ def test_a_world_that_holds_something_has_another_state():
     holding, free = make(BLOCKS), make(BLOCKS)
     for w in (holding, free):
         w.step()
-    # collisions are switched off for what is held: let them be, to see the attachment alone
+    # collisions are disabled for a held body: enable them, to test only the attachment
     holding.attachments.set_state(_held("b0", "eye"), holding.objects_by_name)
     assert bits(holding.get_state()) != bits(free.get_state())
     assert holding.get_state()["attachments"]["held"][0]["holder"] == "eye"
@@ -279,7 +279,7 @@ def test_rays_see_the_world_of_a_state():
     assert bundle.distances.tolist() == seen
 
 
-# states that are refused ------------------------------------------------------------------------
+# refused states ---------------------------------------------------------------------------------
 
 
 def damaged(path, value):

@@ -1,4 +1,4 @@
-"""Shapes that are too thin for a hull keep no world from being made."""
+"""Shapes that are too thin for a hull do not prevent a world from being created."""
 
 import logging
 import math
@@ -32,7 +32,7 @@ def test_a_part_that_the_engine_refuses_is_left_out_and_its_objects_are_named(sh
         w = world(ground(), wall, other, rigid("Ball", sphere(0.1), at=(3, 0, 1.2)))
     (record,) = [r for r in caplog.records if "too thin" in r.message]
     assert "'Wall', 'Other'" in record.message
-    # what can be used of it still collides
+    # the usable parts still collide
     run(w, 2.0)
     assert w.game_object("Ball").worldPosition.z == pytest.approx(1.1, abs=2e-3)
 
@@ -72,7 +72,7 @@ def test_every_mesh_becomes_a_world(points, bounds, kind, data):
 
 @pytest.mark.parametrize("width", [1e-6, 2e-6, 5e-6, 2e-5])
 def test_slivers_between_faces_do_not_keep_a_world_from_starting(width):
-    # three faces of a cube around a corner, which a triangle of a few micrometres cuts off
+    # three faces of a cube around a corner that is cut off by a triangle of a few micrometres
     e, w = 0.4, width
     points = [
         [-w, 0, 0], [0, -w, 0], [0, 0, -w],

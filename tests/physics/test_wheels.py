@@ -1,4 +1,4 @@
-"""Robots that wheels move."""
+"""Wheeled robots."""
 
 import math
 
@@ -19,7 +19,7 @@ def wheeled(name="robot", caster=0.04, **pose):
     body.shapes[0].position = (-0.03, 0, 0.06)
     wheel = CollisionShape(ShapeKind.CYLINDER, (RADIUS, 0.02))
     for side, y in (("Wheel_L", TRACK / 2), ("Wheel_R", -TRACK / 2)):
-        # modelled as in Blender: a cylinder along Z, laid on its side
+        # modelled as in Blender: a cylinder along Z, rotated onto its side
         body.attach(
             node(f"{name}.{side}", wheel, at=(0.05, y, 0), turned=(math.pi / 2, 0, 0), kind=PhysicsType.RIGID_BODY)
         )
@@ -58,7 +58,7 @@ def test_differential_speeds_give_speed_and_rate(driven, v, w):
     run(driven, 1.0, drive)
     total = 0.0
     heading = robot.worldOrientation.to_euler().z
-    # the point between the wheels runs on the circle
+    # the point between the wheels moves on the circle
     start, angle = robot.worldTransform @ AXLE, (left.angle + right.angle) / 2
     for _ in range(240):
         drive()

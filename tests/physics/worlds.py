@@ -70,7 +70,7 @@ def run(world: World, seconds: float, each_tick=None) -> None:
 
 
 def bits(state):
-    """The whole state as text, to the bit."""
+    """The complete state as text, with all bits."""
     if isinstance(state, dict):
         return "{" + ",".join(f"{key}:{bits(state[key])}" for key in sorted(state)) + "}"
     if isinstance(state, (list, tuple)):

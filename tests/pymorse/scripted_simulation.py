@@ -1,4 +1,4 @@
-"""A stand-in for a simulation: answers service calls from a script, records every byte it gets."""
+"""A replacement for a simulation: answers service calls from a script, records every received byte."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STREAM_MANAGER = "morse.middleware.socket_datastream.SocketDatastreamManager"
 
 
 def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
-    """What ``condition`` returns, as soon as that is true; fails after ``timeout`` seconds."""
+    """The first true value of ``condition()``; fails after ``timeout`` seconds."""
     deadline = time.monotonic() + timeout
     while not (result := condition()):
         if time.monotonic() > deadline:
@@ -27,7 +27,7 @@ def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
 
 
 class Endpoint:
-    """A TCP server on a free port that records lines and can send to everybody connected."""
+    """A TCP server on a free port that records lines and can send to all clients."""
 
     def __init__(self, on_line: Callable[[socket.socket, bytes], None] | None = None) -> None:
         self.lines: list[bytes] = []

@@ -1,4 +1,4 @@
-"""Connections that cannot be made, break, or are closed."""
+"""Connections that cannot be opened, break, or are closed."""
 
 from __future__ import annotations
 
@@ -162,7 +162,7 @@ def test_a_large_message_arrives_before_closing(simulation: ScriptedSimulation) 
 
 def script(simulation: ScriptedSimulation, body: str) -> subprocess.Popen[str]:
     text = textwrap.dedent(body).replace("PORT", str(simulation.port))
-    # tests that run in the background of a shell are told to ignore Ctrl+C, and so would be their children
+    # in background jobs of a shell, tests ignore Ctrl+C, and so would their children
     text = f"import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n{text}"
     return subprocess.Popen(
         [sys.executable, "-W", "error", "-c", text],
@@ -228,7 +228,7 @@ def test_ctrl_c_ends_a_script_whatever_it_waits_for(simulation: ScriptedSimulati
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "waiting\n"
-    time.sleep(0.05)  # it cannot say that it has begun to wait
+    time.sleep(0.05)  # it cannot signal that it waits
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=20)
     assert err == ""
@@ -253,7 +253,7 @@ def test_ctrl_c_ends_a_script_without_a_traceback(simulation: ScriptedSimulation
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "waiting\n"
-    time.sleep(0.05)  # it cannot say that it has begun to wait
+    time.sleep(0.05)  # it cannot signal that it waits
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=20)
     assert (out, err) == ("", "")

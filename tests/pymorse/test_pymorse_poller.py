@@ -1,4 +1,4 @@
-"""The thread that serves connections, and the guests that serve them in its place."""
+"""The thread that serves connections, and waiting threads that serve them in its place."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pymorse.poller import Poller
 def test_a_guest_whom_the_system_lets_wait_is_served_all_the_same(
     courtesy: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # so short a courtesy is over when the thread looks whether there is a guest, as on a machine that stutters
+    # with such a short grace period, it has expired when the thread checks for a waiting thread, as on a loaded machine
     monkeypatch.setattr(pymorse.poller, "_COURTESY", courtesy)
     poller = Poller()
     poller.start()

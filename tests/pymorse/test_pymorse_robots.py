@@ -1,4 +1,4 @@
-"""How what is in the simulation appears in Python."""
+"""The representation of the simulation in Python."""
 
 from __future__ import annotations
 

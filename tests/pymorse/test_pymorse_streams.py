@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Collecting(StreamB):
-    """Cuts bytes into lines without a network."""
+    """Splits bytes into lines without a network."""
 
     def __init__(self) -> None:
         self.seen: list[bytes] = []

@@ -1,4 +1,4 @@
-"""What the client and a simulation say to each other, byte for byte."""
+"""The bytes between the client and a simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene with noise, rays, frames and inputs, and how others read the files of its recordings."""
+"""A scene with noise, rays, frames and inputs, and independent readers of its recordings."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Environment("empty")
 
 
 def drive(sim: Simulation, ticks: int = 60) -> None:
-    """Let time pass, with inputs."""
+    """Step, with inputs."""
     sim.step(10)
     sim.robot.motion.publish({"v": 1.0, "w": 0.5})
     sim.step(ticks - 20)

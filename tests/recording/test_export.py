@@ -1,4 +1,4 @@
-"""Recordings as tables: what is in them is what was recorded."""
+"""Recordings as tables: the tables contain the recorded data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The seconds before a failure are kept, and can be run again."""
+"""The seconds before a failure are saved, and can be simulated again."""
 
 from __future__ import annotations
 

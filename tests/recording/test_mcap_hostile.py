@@ -1,4 +1,4 @@
-"""Files that are broken, or made to do harm."""
+"""Damaged and malicious files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 _HEAD = records.MAGIC + records.header("ros2", "test")
-#: reading a hostile file may take this much memory, bytes
+#: maximum memory for reading a malicious file, bytes
 _MEMORY = 2 * LARGEST + (256 << 20)
 
 
@@ -70,7 +70,7 @@ def test_changed_bytes_never_crash_the_reader(
 
 
 def chunk(size: int, compressed: bytes, announced: int | None = None) -> bytes:
-    """A chunk that says that it has so many bytes."""
+    """A chunk with a given declared size."""
     content = records.CHUNK_HEAD.pack(0, 1, size, 0) + records.text("zstd")
     content += struct.pack("<Q", len(compressed) if announced is None else announced) + compressed
     return records.record(records.CHUNK, content)

@@ -1,4 +1,4 @@
-"""However a recording ends, what was written before can be read."""
+"""However a recording ends, the data written before can be read."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ with morse.load(sys.argv[1]) as sim:
 
 
 def clocks(path: Path) -> list[int]:
-    """The ticks of which a file holds the time."""
+    """The ticks whose time is in a file."""
     with contextlib.suppress(RecordingError, FileNotFoundError), McapFile(path) as file:
         numbers = [c.number for c in file.channels.values() if c.topic == "/clock"]
         return [one.sequence for one in file.messages(numbers)]
@@ -87,7 +87,7 @@ def test_a_file_that_breaks_off_anywhere_opens(tmp_path: Path) -> None:
         part.write_bytes(data[:size])
         with McapFile(part) as file:
             count = sum(1 for _ in file)
-        assert count >= before  # nothing that is complete is lost
+        assert count >= before  # no complete data are lost
         before = count
     assert before > 100
 
@@ -103,7 +103,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_run(tmp_path: Path) -> None:
     assert "File too large" in error[0]
     assert str(path) in error[0]
     assert path.stat().st_size <= 100_000
-    # a fast machine writes many ticks at once: it depends on the machine how many have been written before the end
+    # a fast machine writes many ticks at once: the number of ticks written before the end depends on the machine
     written = clocks(path)
     assert written
     assert written == list(range(1, len(written) + 1))

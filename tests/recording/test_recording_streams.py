@@ -1,4 +1,4 @@
-"""What a recording holds, as readers of others see it: the MCAP library and rosbags."""
+"""The contents of a recording, read by the MCAP library and rosbags."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_time_goes_on_after_a_restart_and_new_robots_are_followed(tmp_path: Path
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for _, m in topics["/robot/pose"]]
     assert len(times) == 54
     assert times == sorted(times)
-    assert stamps[30] == pytest.approx(TICK, abs=1.0)  # the stamp says what the sensor said
+    assert stamps[30] == pytest.approx(TICK, abs=1.0)  # the stamp is that of the sensor
     assert times[30] > times[29] - 1
 
 
@@ -182,5 +182,5 @@ def test_definitions_are_read_by_rosbags_as_those_of_ros(name: str) -> None:
     read = get_types_from_msg(definition(name), name)
     assert name in read
     for inner, (_, fields) in read.items():
-        if inner in known.fielddefs:  # vision_msgs is not a package of the store
+        if inner in known.fielddefs:  # vision_msgs is not in the type store
             assert fields == known.fielddefs[inner][1], inner

@@ -1,4 +1,4 @@
-"""A recorded run is simulated again: the same, or where it departs."""
+"""A recorded run is simulated again: it is equal, or the first difference is reported."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def script(tmp_path: Path) -> Path:
 
 
 def busy(sim: Simulation) -> None:
-    """Inputs of every kind that a file can hold."""
+    """Inputs of every kind that a file can contain."""
     drive(sim, ticks=40)
     sim.set_controls(frozenset(["ArrowUp"]))
     before = sim.save()

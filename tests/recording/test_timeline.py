@@ -1,4 +1,4 @@
-"""A recorded run goes to any of its ticks, and is there what it was."""
+"""A recorded run can be set to any of its ticks, with the original state."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_every_position_has_the_state_of_the_run(
         for target in [0, 90, 0, 5, 45, *(rng.randrange(91) for _ in range(20)), *range(60, 40, -1)]:
             arrive(timeline, target)
             assert timeline.position == target
-            # commands that the actuators have not taken yet are a part of neither
+            # commands that the actuators have not processed yet are in neither state
             assert sim.state_hash() == wanted[target], target
         arrive(timeline, 90)
         assert timeline.at_end

@@ -1,4 +1,4 @@
-"""Small worlds to look at, made by hand."""
+"""Small worlds for images, built by hand."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def ball(name, location, radius, **more):
 
 
 def floor(height=0.0, half=30.0, **more):
-    """A thin slab whose upper side is that high."""
+    """A thin slab with its upper side at that height."""
     return box("Floor", (0, 0, height - 0.05), (half, half, 0.05), **more)
 
 
 def lamp(kind, towards, energy=1.0, location=(0, 0, 0)):
-    """A lamp that shines along -Z: its +Z looks ``towards`` where the light comes from."""
+    """A lamp that shines along -Z: its +Z points ``towards`` the source of the light."""
     node = Node("Lamp", kind=NodeKind.LIGHT, light=Light(type=kind, energy=energy))
     x, y, z = np.array(towards) / np.linalg.norm(towards)
     node.rotation_euler[:] = (math.acos(z), 0.0, math.atan2(x, -y))
@@ -54,7 +54,7 @@ def triangles(points, faces, uvs=None, normals=None, index=None):
 
 
 class Tripod:
-    """Something to put a camera on: it looks at a place; X to the right, Y down."""
+    """A mount for a camera that looks at a point; X to the right, Y down."""
 
     def __init__(self, position, target, up=(0.0, 0.0, 1.0)):
         forward = np.subtract(target, position) / np.linalg.norm(np.subtract(target, position))
@@ -67,7 +67,7 @@ class Tripod:
         return tuple(self.position), tuple(self.axes.ravel())
 
     def project(self, points, lens):
-        """(N, 2) pixels and (N,) depths of places, by the formula of a pinhole camera."""
+        """(N, 2) pixels and (N,) depths of points, by the pinhole model."""
         own = (np.atleast_2d(points) - self.position) @ self.axes
         return np.column_stack(
             [lens.fx * own[:, 0] / own[:, 2] + lens.cx, lens.fy * own[:, 1] / own[:, 2] + lens.cy]

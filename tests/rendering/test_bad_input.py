@@ -1,4 +1,4 @@
-"""Meshes, pictures and numbers that are not good."""
+"""Invalid meshes, images and numbers."""
 
 import math
 
@@ -129,7 +129,7 @@ def test_things_far_from_everything_cast_no_endless_shadow_map():
 
 
 def test_what_is_drawn_needs_little_memory_for_each_triangle():
-    """A tenth of a million triangles: what ten million need follows."""
+    """A hundred thousand triangles: the memory for ten million is extrapolated."""
     side = 224
     x, y = np.meshgrid(np.linspace(-1, 1, side + 1), np.linspace(-1, 1, side + 1))
     points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
@@ -146,6 +146,6 @@ def test_what_is_drawn_needs_little_memory_for_each_triangle():
     drawing = studio.renderer.contents.drawing
     count = len(drawing.triangles)
     assert count == 2 * side * side
-    # neighbours share their corners: fewer than one of 32 bytes for a triangle, and 16 bytes for itself
+    # neighbours share corners: less than one corner of 32 bytes per triangle, and 16 bytes for the triangle
     kept = sum(array.nbytes for array in drawing)
     assert kept / count < 56

@@ -1,4 +1,4 @@
-"""What moves, hides, comes and goes is seen as it is."""
+"""Moved, hidden, added and removed objects are rendered correctly."""
 
 import numpy as np
 import pytest
@@ -83,7 +83,7 @@ def test_a_part_that_turns_on_its_parent():
 
 
 def test_the_same_picture_whenever_it_is_drawn(made):
-    """A renderer that is made later, when things have moved, draws what the first one draws."""
+    """A renderer that is created later, when objects have moved, renders the same image as the first one."""
     box = made.world.game_object("Box")
     made.look(AHEAD, LENS)
     box.set_pose((5.0, 0.4, 1.2), box.world_pose()[1])

@@ -1,4 +1,4 @@
-"""Lenses that bend straight lines, held to the formulas of OpenCV's documentation."""
+"""Lenses with distortion, compared with the formulas of OpenCV's documentation."""
 
 import math
 
@@ -108,17 +108,17 @@ def test_more_than_half_of_the_world_has_no_depth_behind_the_camera():
 
 
 def test_colours_do_not_depend_on_the_way_they_are_made():
-    """A lens without distortion, once flat and once by way of flat pictures."""
+    """A lens without distortion, rendered directly and by way of undistorted images."""
     studio = Studio(floor(), box("Box", (4, 0, 0.5), (0.5, 0.5, 0.5)))
     tripod = Tripod((0, 0, 1), (4, 0, 0.5))
     flat = studio.look(tripod, Lens(160, 120, 120.0, 120.0, 80.0, 60.0, 0.1, FAR))
     bent = studio.look(tripod, DistortedLens(160, 120, 120.0, 120.0, 80.0, 60.0, 0.1, FAR))
     assert (flat.ids == bent.ids).mean() > 0.99
     inner = np.abs(flat.rgb.astype(int) - bent.rgb).max(axis=2)
-    # along edges they may differ
+    # at edges they may differ
     assert np.percentile(inner, 95) <= 3
     same = flat.ids == bent.ids
-    # but for the row along the horizon
+    # except for the row along the horizon
     assert (np.abs(bent.depth[same] - flat.depth[same]) <= 0.002 * flat.depth[same]).mean() > 0.985
 
 

@@ -1,4 +1,4 @@
-"""Where things are in pictures, and how far: against formulas, and against rays."""
+"""Positions and depths of objects in images: against formulas, and against rays."""
 
 import itertools
 
@@ -24,11 +24,11 @@ def test_the_corners_of_a_box_are_where_the_pinhole_formula_has_them(position):
     corners = np.array(list(itertools.product(*((-h, h) for h in half))))
     pixels, _ = tripod.project(corners, LENS)
     rows, columns = np.nonzero(picture.ids >= 0)
-    # the middle of a pixel is at 0.5; a corner can be as much as a pixel outside of the last pixel that is covered
+    # the centre of a pixel is at 0.5; a corner can be up to one pixel outside the last covered pixel
     for axis, found in ((0, columns), (1, rows)):
         assert found.min() == pytest.approx(pixels[:, axis].min() - 0.5, abs=1.0)
         assert found.max() == pytest.approx(pixels[:, axis].max() - 0.5, abs=1.0)
-    # pixels are covered exactly if their middles lie in the hull of the corners
+    # a pixel is covered if its centre is in the hull of the corners
     inside = _in_hull(pixels, np.column_stack([columns, rows]) + 0.5)
     assert inside.all()
     outside = np.argwhere(picture.ids < 0)[:, ::-1] + 0.5
@@ -36,7 +36,7 @@ def test_the_corners_of_a_box_are_where_the_pinhole_formula_has_them(position):
 
 
 def _in_hull(corners, points, slack=-1e-3):
-    """Whether points lie in the convex hull of corners, but for so many pixels."""
+    """Whether points are in the convex hull of corners, with a margin in pixels."""
     inside = np.ones(len(points), bool)
     for a, b in itertools.permutations(corners, 2):
         normal = np.array([a[1] - b[1], b[0] - a[0]])
@@ -66,11 +66,11 @@ def test_the_depth_of_a_sphere_in_closed_form():
     a, b, c = (ray**2).sum(axis=2), ray[..., 2] * 4.0, 15.0
     square = b**2 - a * c
     depth = (b - np.sqrt(np.maximum(square, 0))) / a
-    # triangles lie within the sphere, by no more than their sagitta
+    # triangles are within the sphere, by at most their sagitta
     inner = square > 0.3
     assert inner.sum() > 1000
     assert np.abs(picture.depth - depth)[inner].max() < 4e-3
-    # the silhouette: an ellipse whose half axes are f / sqrt(4^2 - 1)
+    # the silhouette: an ellipse with semi-axes f / sqrt(4^2 - 1)
     columns = np.nonzero((picture.ids >= 0).any(axis=0))[0]
     assert columns[-1] - columns[0] + 1 == pytest.approx(2 * LENS.fx / np.sqrt(15.0), abs=2)
 
@@ -115,7 +115,7 @@ def test_depth_and_ids_are_those_of_rays_pixel_by_pixel():
     ids = picture.ids.ravel()
     assert (ids >= 0).mean() > 0.15
     agree = ids == solids
-    # an edge that passes through the middle of a pixel may be seen either way
+    # a pixel whose centre is on an edge may show either side
     assert agree.mean() > 0.9995
     both = agree & (ids >= 0)
     np.testing.assert_allclose(picture.depth.ravel()[both], depth[both], rtol=2e-5)

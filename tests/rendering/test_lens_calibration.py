@@ -1,4 +1,4 @@
-"""OpenCV calibrates a camera from pictures of a chessboard, and finds the lens that drew them."""
+"""OpenCV calibrates a camera from images of a chessboard, and finds the parameters of the lens."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_the_lens_is_found_from_pictures_of_a_chessboard():
         picture = studio.look(
             Tripod(middle + np.array([x, y, z]), middle + np.array([0.05 * x, 0, 0]), up=(0, 1, 0)), LENS
         )
-        # light, not codes of sRGB: these would shift what lies between black and white
+        # linear light, not sRGB codes: these would shift the edges between black and white
         gray = (LINEAR[picture.rgb[..., 0]] * 255 + 0.5).astype(np.uint8)
         seen, corners = cv2.findChessboardCorners(gray, inner)
         if seen:
@@ -54,7 +54,7 @@ def test_the_lens_is_found_from_pictures_of_a_chessboard():
     size, flags = (LENS.width, LENS.height), cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST
     error, matrix, distortion, _, _ = cv2.calibrateCamera(places, found, size, None, None, flags=flags)
     assert error < 0.1
-    # the middle of the first pixel is at 0 for OpenCV, at 0.5 for us
+    # the centre of the first pixel is at 0 in OpenCV, at 0.5 here
     assert [matrix[0, 0], matrix[1, 1]] == pytest.approx([LENS.fx, LENS.fy], abs=0.5)
     assert [matrix[0, 2], matrix[1, 2]] == pytest.approx([LENS.cx - 0.5, LENS.cy - 0.5], abs=0.15)
     assert abs(distortion.ravel()[0]) < 0.005

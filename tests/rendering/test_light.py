@@ -60,7 +60,7 @@ def test_a_shadow_moves_with_what_casts_it_and_leaves_nothing_behind():
 
 
 def test_surfaces_shine_by_the_cosine_of_the_angle_to_the_lamp():
-    """The light of a diffuse surface, before tone mapping, is what the sky gives, and the cosine times the rest."""
+    """The light of a diffuse surface, before tone mapping, is the light of the sky plus the cosine times the sun."""
     values = []
     for towards in ((0, 0, 1), (np.sqrt(3), 0, 1)):
         made = Studio(floor(material=Material("", color=(0.2, 0.2, 0.2, 1), roughness=1.0)), lamp("SUN", towards, 0.5))
@@ -111,7 +111,7 @@ def picture_of(pixels):
 
 
 def plate(image, size=1.0, **more):
-    """A square in the plane z = 0 whose picture is upright for who looks from above with Y upward."""
+    """A square in the plane z = 0 whose texture is upright in a view from above with Y up."""
     corners = [(-size, -size, 0), (size, -size, 0), (size, size, 0), (-size, size, 0)]
     uvs = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], np.float32)
     material = Material("", color=(1, 1, 1, 1), image=image, shadeless=True, **more)

@@ -1,4 +1,4 @@
-"""How the picture of points moves, in closed form."""
+"""The motion of points in the image, in closed form."""
 
 import math
 
@@ -51,7 +51,7 @@ def test_what_is_infinitely_far_moves_by_turning_alone():
         studio, Tripod((0, 0, 0), (1, 0, 0)), Tripod((3, 1, 0), (3 + math.cos(angle), 1 + math.sin(angle), 0))
     )
     assert (picture.ids == -1).all()
-    # turned to the left: what is in the middle was to the left of it by f tan(angle), and moved to the right
+    # rotated to the left: the centre of the image was to the left of it by f tan(angle), and moved to the right
     assert flow[60, 80, 0] == pytest.approx(120 * math.tan(angle), abs=0.01)
     assert flow[60, 80, 1] == pytest.approx(0.0, abs=0.01)
 
@@ -110,7 +110,7 @@ def test_opencv_finds_the_same_flow():
     one, other = Tripod((0, 0, 0), (1, 0, 0)), Tripod((0.1, 0.08, 0.03), (1.1, 0.1, 0.02))
     grey = [cv2.cvtColor(studio.look(t, LENS).rgb, cv2.COLOR_RGB2GRAY) for t in (one, other)]
     flow, _ = flow_between(studio, one, other)
-    # from the later picture to the earlier one, turned around
+    # from the later image to the earlier one, with the opposite sign
     found = -cv2.calcOpticalFlowFarneback(grey[1], grey[0], None, 0.5, 4, 15, 8, 7, 1.5, 0)
     inner = (slice(20, 100), slice(20, 140))
     error = np.linalg.norm(found - flow, axis=2)[inner]

@@ -1,4 +1,4 @@
-"""Pictures of a world without a camera in the scene."""
+"""Images of a world without a camera in the scene."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_it_looks_where_the_live_view_looks(simulation):
 
 
 def test_it_may_stand_anywhere(simulation):
-    # from above, 1 m aside of the ball: it lies on the left of the picture, whose upper side is north
+    # from above, 1 m beside the ball: it is on the left of the image, whose upper side is north
     columns, rows = red(simulation.picture(320, 200, location=(1.0, 0.0, 9.0), rotation=(0.0, 0.0, 0.0)))
     assert columns.mean() + 0.5 == pytest.approx(160.0 - 320.0 / 8.0, abs=1.5)
     assert rows.mean() + 0.5 == pytest.approx(100.0, abs=1.5)

@@ -1,4 +1,4 @@
-"""Noise of the chip: mean, spread and repetition, in light."""
+"""Sensor noise: mean, standard deviation and repetition, in linear light."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def test_shot_noise_is_the_square_root_of_the_electrons(code):
     light = LIGHT[exposed(Chip(full_well=electrons), flat(code), *generators())]
     mean = float(LIGHT[code])
     assert light.mean() == pytest.approx(mean, rel=0.01)
-    # sigma of n electrons is sqrt(n): in units of the full well sqrt(mean / electrons); codes add a little
+    # sigma of n electrons is sqrt(n): in units of the full well sqrt(mean / electrons); quantization adds a little
     assert light.std() == pytest.approx(np.sqrt(mean / electrons), rel=0.05)
 
 

@@ -1,4 +1,4 @@
-"""Pictures have the same bits with any number of threads, with each build of the kernel, and without one."""
+"""Images are bit-identical with any number of threads, with each build of the kernel, and without the kernel."""
 
 import os
 import subprocess

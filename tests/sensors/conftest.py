@@ -8,7 +8,7 @@ from ticking import Ticking
 
 @pytest.fixture
 def simulate(tmp_path, monkeypatch):
-    """Makes simulations from scene scripts; they are ticked by hand."""
+    """Creates simulations from scene scripts; tests run their ticks."""
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     monkeypatch.setattr(sys, "argv", sys.argv[:])
     monkeypatch.setattr(sys, "path", sys.path[:])

@@ -40,7 +40,7 @@ def light(eye):
 def test_a_stop_less_halves_the_light(look):
     plain, dark, bright = (light(look(more)[0]) for more in ("", "exposure=-1.0", "exposure=1.0"))
     assert dark < plain < bright
-    # the curve of the film is nearly straight in the dark: the tones of ACES bend it by a third at most
+    # tone mapping is nearly linear in the dark: the ACES curve deviates by a third at most
     darker = light(look("exposure=-2.0")[0])
     assert 0.25 < darker / dark < 0.6
 

@@ -1,4 +1,4 @@
-"""Cameras on robots: what their data and messages hold."""
+"""Cameras on robots: the contents of their data and messages."""
 
 import base64
 import json
@@ -158,7 +158,7 @@ def test_properties_can_change_while_it_runs(camera):
 
 
 def first_line(simulation, name):
-    """What a client of the socket gets first."""
+    """The first message of a client of the socket."""
     (services,) = simulation.simulation.context.services.request_managers().values()
     _, (_, port) = services.on_incoming_request("simulation", "get_stream_port", [name])
     with socket.create_connection(("127.0.0.1", port)) as client:
@@ -220,7 +220,7 @@ def test_a_cloud_lies_on_what_is_seen(camera):
     assert box[:, 0].min() >= 0.8 - 0.05
     assert box[:, 0].max() <= 1.2 + 0.05
     assert box[:, 1].max() <= -0.8 + 0.05
-    # the lowest row comes first
+    # the bottom row comes first
     assert points[0, 1] > 0 > points[-1, 1]
 
 
@@ -266,7 +266,7 @@ def test_things_are_seen_where_they_are(camera):
 
 
 def test_relative_poses_are_in_the_frame_of_the_camera(camera):
-    """As the test of MORSE 1.4 has them: a box 2.2 m ahead and 0.2 m up, of a robot that looks along -X."""
+    """As in the test of MORSE 1.4: a box 2.2 m ahead and 0.2 m up, of a robot that faces -X."""
     more = """
 robot.rotate(z=math.pi)
 eye.properties(relative=True)
@@ -356,11 +356,11 @@ def test_a_vlp16_joins_the_clouds_of_its_cameras_in_the_frame_of_the_first(simul
     parts = [simulation[f"robot.lidar.cam{i}"].local_data["points"] for i in (1, 2, 3)]
     assert sum(map(len, parts)) == len(points)
     np.testing.assert_allclose(points[: len(parts[0])], parts[0], atol=1e-5)
-    # the wall is 5 m ahead of the robot: the master looks 60 degrees to the right of that
+    # the wall is 5 m ahead of the robot: the master is rotated 60 degrees to the right
     ahead = points[:, 2] * math.cos(math.radians(60)) - points[:, 0] * math.sin(math.radians(60))
     on_wall = np.abs(ahead - 5.0) < 1e-3
     assert on_wall.mean() > 0.2
-    # no row of a camera but those sixteen
+    # only those sixteen rows of each camera
     middle = parts[1]
     rows = np.unique(np.round(middle[:, 1] / middle[:, 2] * (512 * 27.7 / 32) + 128 - 0.5))
     assert len(rows) <= 16

@@ -1,4 +1,4 @@
-"""What OpenCV makes of the pictures of cameras on robots."""
+"""OpenCV functions applied to images of cameras on robots."""
 
 import math
 
@@ -26,7 +26,7 @@ env = Environment("empty")
 
 def seen(simulate, more="", pan=0.07, tilt=-0.03):
     simulation = simulate("import math\n" + MARKER.format(more=more, pan=pan, tilt=tilt))
-    # Y is down: 1 m above the robot that holds it
+    # Y is down: 1 m above the robot that carries it
     simulation["holder.marker"].local_data["y"] = -1.0
     simulation.run(0.2)
     return simulation
@@ -36,7 +36,7 @@ def seen(simulate, more="", pan=0.07, tilt=-0.03):
 def test_a_marker_is_found_where_it_is(simulate, more, error):
     simulation = seen(simulate, more)
     eye = simulation["robot.eye"]
-    # light, not codes of sRGB: these would make what is white larger
+    # linear light, not sRGB codes: these would enlarge white areas
     grey = (LINEAR[eye.local_data["image"][..., 1]] * 255 + 0.5).astype(np.uint8)
     parameters = cv2.aruco.DetectorParameters()
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
@@ -49,13 +49,13 @@ def test_a_marker_is_found_where_it_is(simulate, more, error):
     half = 0.04
     square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
     matrix = np.array(eye.local_data["intrinsic_matrix"])
-    # the middle of the first pixel is at 0 for OpenCV, at 0.5 for us
+    # the centre of the first pixel is at 0 in OpenCV, at 0.5 here
     matrix[:2, 2] -= 0.5
     bend = np.array(getattr(eye.lens, "coefficients", np.zeros(5)))
     _, _, place = cv2.solvePnP(square, corners[0].reshape(4, 2), matrix, bend, flags=cv2.SOLVEPNP_IPPE_SQUARE)
     here, turned = eye.bge_object.world_pose()
     found = np.reshape(turned, (3, 3)) @ place.ravel() + here
-    # the face of the marker is 1 mm before its middle
+    # the face of the marker is 1 mm in front of its centre
     np.testing.assert_allclose(found, (0.0, 0.0, 1.0), atol=error)
     assert math.dist(here, (0, 0, 1)) > 2
 

@@ -1,4 +1,4 @@
-"""Collision and bumper against the geometry of what they run into."""
+"""Collision and bumper against the geometry of obstacles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def scene(simulate, kind="Collision", robot="FakeRobot", setting="", ahead=0.8, 
 
 
 def drive(simulation, distance):
-    """Forward, at 0.6 m/s: a centimetre a tick."""
+    """Forward, at 0.6 m/s: a centimetre per tick."""
     motion = simulation["robot.motion"]
     motion.local_data["x"] = 0.6 if distance > 0 else -0.6
     simulation.run(abs(distance) / 0.6)
@@ -96,7 +96,7 @@ def test_only_objects_with_a_property(simulate):
 
 def test_another_robot_is_named(simulate):
     more = "other = ATRV()\nother.translate(x=2.0)\n"
-    # the hull of an ATRV begins 0.57 m behind its middle
+    # the hull of an ATRV begins 0.57 m behind its centre
     simulation = drive(scene(simulate, more=more), 0.55)
     assert simulation["robot.sensor"].local_data["collision"] is False
     assert drive(simulation, 0.15)["robot.sensor"].local_data["objects"] == "other"

@@ -1,4 +1,4 @@
-"""What every sensor keeps to beyond the contract: its rate, and rays that follow properties."""
+"""Rules for every sensor beyond the contract: its rate, and rays that depend on properties."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 import morse
 from morse.middleware.socket.encoding import to_json
 
-#: on a robot of their own: all but those that take arguments, or take pictures
+#: on their own robot: all except sensors with arguments, and cameras
 SENSORS = (
     "Accelerometer", "ADIS16448", "Airspeed", "Attitude", "Barometer", "Battery", "BMI088", "Bumper", "Clock",
     "Collision", "GPS", "Gyroscope", "IMU", "Magnetometer", "Odometry", "Pose", "Proximity", "RadarAltimeter",
@@ -53,7 +53,7 @@ def make(request, tmp_path):
 
 
 def drive(simulation, ticks=90):
-    """What it publishes on the way: JSON, one a measurement."""
+    """The published messages: JSON, one per measurement."""
     said = []
     simulation.context.components["robot.sensor"].output_functions.append(
         lambda sensor: said.append(to_json(sensor.local_data))
@@ -67,7 +67,7 @@ def test_it_publishes_at_its_rate(make):
     simulation = make()
     said = drive(simulation)
     component = simulation.context.components["robot.sensor"]
-    if type(component).__name__ != "Collision":  # it publishes while it touches something
+    if type(component).__name__ != "Collision":  # which publishes only during a contact
         assert len(said) == pytest.approx(1.5 * component.frequency, abs=1)
     for line in said:
         assert next(iter(json.loads(line))) == "timestamp"

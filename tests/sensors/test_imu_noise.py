@@ -32,7 +32,7 @@ def at_rest(simulate, kind="IMU", setting="", seconds=20.0, seed=None):
 )
 def test_real_devices(simulate, kind, degrees, micro_g):
     _, (gyro, force) = at_rest(simulate, kind)
-    # white noise of a density, sixty times a second; biases hardly change within seconds
+    # white noise of a given density, sixty times per second; biases hardly change within seconds
     assert np.diff(gyro, axis=0).std() / math.sqrt(2) == pytest.approx(math.radians(degrees) * math.sqrt(60), rel=0.05)
     assert np.diff(force, axis=0).std() / math.sqrt(2) == pytest.approx(micro_g * 9.80665e-6 * math.sqrt(60), rel=0.05)
     assert force.mean(axis=0) == pytest.approx([0.0, 0.0, 9.81], abs=0.03)

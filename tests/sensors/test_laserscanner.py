@@ -1,4 +1,4 @@
-"""Laser scanners against rooms and objects whose distances follow from geometry."""
+"""Laser scanners against rooms and objects with distances known from geometry."""
 
 import json
 import math
@@ -122,7 +122,7 @@ def test_remission_is_that_of_the_material_where_there_is_an_echo(simulate):
 def test_the_scanner_is_where_and_how_it_is_mounted(simulate):
     setting = "laser.translate(1, 0, 0.5); laser.rotate(0, 0, math.pi / 2)"
     laser = simulate(in_room(setting=setting)).run(0.1)["robot.laser"]
-    # it looks north; its right is east
+    # it faces north; its right is east
     ranges = laser.local_data["range_list"]
     assert [ranges[0], ranges[90], ranges[180]] == pytest.approx([3.0, 3.0, 7.0], abs=1e-5)
     assert laser.local_data["point_list"][90] == pytest.approx([3, 0, 0], abs=1e-5)
@@ -244,7 +244,7 @@ env = Environment("indoors-1/boxes", fastmode=True)
 
 
 def test_a_robot_made_by_a_user_may_have_rays_of_its_own(simulate, tmp_path, monkeypatch):
-    """A sensor as a user writes it: two eyes, 10 cm apart."""
+    """A user's sensor: two eyes, 10 cm apart."""
     (tmp_path / "my_eyes.py").write_text(
         "from morse.core.sensor import Sensor\n"
         "from morse.helpers.components import add_data\n"

@@ -1,4 +1,4 @@
-"""A sensor measures, noise is added, and what follows from the measurement follows from the noisy values."""
+"""A sensor measures, noise is added, and dependent fields are computed from the noisy values."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_actuators_look_along_rays_before_they_act(simulate_parts):
     rays.cast = lambda bundles: casts.append(len(bundles)) or cast(bundles)
     simulation.run(10.0)
     assert simulation["robot.shy"].local_data["seen"] == pytest.approx(2.0, abs=0.05)
-    # of all that are due, in one call: actuators before the physics, sensors after it
+    # of all components that are due, in one call: actuators before the physics, sensors after it
     assert set(casts) == {1, 2}
 
 
@@ -166,7 +166,7 @@ def test_what_is_infinitely_far_stays_so():
 
 def test_generators_go_on_from_a_state():
     generator = np.random.Generator(np.random.PCG64(3))
-    generator.integers(0, 10, dtype=np.int32)  # leaves half of a draw
+    generator.integers(0, 10, dtype=np.int32)  # leaves half of a draw in the generator
     state = generator_state(generator)
     expected = [generator.integers(0, 1000, dtype=np.int32) for _ in range(5)] + generator.normal(size=3).tolist()
     other = np.random.Generator(np.random.PCG64(4))

@@ -1,4 +1,4 @@
-"""What the sensors and actuators that stand say as message kinds."""
+"""The message kinds of sensors and actuators at rest."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_flat_scan(component):
     assert message.angle_min == pytest.approx(-math.pi / 2)
     assert message.angle_increment == pytest.approx(math.radians(1.0))
     assert (message.range_min, message.range_max) == (0.0, 30.0)
-    # index 0 looks to the right, along the wall: nothing there
+    # index 0 points to the right, along the wall: no hit
     assert message.ranges[0] == np.inf
     for degrees in (0, 30, -30):
         assert message.ranges[90 + degrees] == pytest.approx(5.0 / math.cos(math.radians(degrees)), abs=1e-4)
@@ -108,7 +108,7 @@ def test_odometry_gives_the_rates_of_the_body(component):
     (bound,) = bind(odometry)
     message = bound.gather()
     assert message.frame == "start"
-    # the same from rotation matrices a moment apart: [w] = R^T dR/dt
+    # the same from rotation matrices at two close times: [w] = R^T dR/dt
     from morse.mathutils import Euler
 
     step = 1e-6

@@ -107,7 +107,7 @@ def test_a_falling_imu_feels_nothing_but_the_drag(simulate):
     simulation = simulate(script.replace('Environment("empty", fastmode=True)', 'Environment("empty")'))
     simulation["robot.motion"].active = False
     data = simulation.run(1.0)["robot.sensor"].local_data
-    # the damping of the model keeps 1 - 0.025 of the velocity a second; after a second of fall that is 9.7 m/s
+    # the damping of the model keeps 1 - 0.025 of the velocity per second; after a fall of one second that is 9.7 m/s
     drag = -math.log(1.0 - 0.025) * 9.7
     assert data["linear_acceleration"] == pytest.approx([0.0, 0.0, drag], abs=0.02)
 
@@ -150,7 +150,7 @@ def test_attitude_against_north(simulate):
     script = HELD.format(parts=setting, roll=0.0, pitch=0.1, yaw=3.0, move="")
     simulation = simulate(script + "env.properties(angle_against_north=0.5)\n").run(0.1)
     attitude = simulation["robot.sensor"]
-    # 0.5 rad farther round than against the X axis of the world, that is beyond half a turn
+    # 0.5 rad beyond the -X axis of the world is more than half a turn
     assert list(attitude.local_data["rotation"]) == pytest.approx([0.0, 0.1, 3.5 - 2 * math.pi], abs=1e-9)
     assert bind(attitude)[0].gather().frame == "enu"
 
@@ -159,7 +159,7 @@ def test_what_they_say_as_message_kinds(simulate):
     parts = part("IMU", name="imu") + part("Velocity", name="velocity") + part("Accelerometer", name="accelerometer")
     parts += part("Gyroscope", name="gyroscope")
     simulation = held(simulate, parts, yaw=1.0, pitch=math.radians(30)).run(0.1)
-    (imu,) = bind(simulation["robot.imu"])  # no magnetometer, as the world is nowhere on the earth
+    (imu,) = bind(simulation["robot.imu"])  # no magnetometer, because the world has no geographic position
     assert imu.gather().linear_acceleration == pytest.approx([-G / 2, 0.0, G * math.sqrt(0.75)], abs=1e-6)
     assert [bind(simulation[f"robot.{name}"])[0].kind.name for name in ("velocity", "accelerometer", "gyroscope")] == [
         "twist",

@@ -1,4 +1,4 @@
-"""GPS and magnetometers: places by the geometry of WGS84, fields by published values."""
+"""GPS and magnetometers: positions by the geometry of WGS84, fields by published values."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def gps(level):
 
 
 def radii(latitude):
-    """Of curvature of the ellipsoid along the meridian and across it, m."""
+    """Radii of curvature of the ellipsoid along the meridian and across it, m."""
     a, e2 = 6378137.0, 0.00669437999014
     w2 = 1.0 - e2 * math.sin(math.radians(latitude)) ** 2
     return a * (1.0 - e2) / w2**1.5, a / math.sqrt(w2)

@@ -33,7 +33,7 @@ def test_the_wall_moves_as_the_robot_does(moving):
     eye = moving["robot.eye"]
     moving.run(1.0)
     assert eye.local_data["image"].shape == (72, 96, 2)
-    # 1 m/s to the left, ten pictures a second, 5 m to the wall, f = 96 px
+    # 1 m/s to the left, ten images per second, 5 m to the wall, f = 96 px
     np.testing.assert_allclose(upper(eye)[..., 0], 96 * 0.1 / 5, rtol=0.02)
     np.testing.assert_allclose(upper(eye)[..., 1], 0.0, atol=0.02)
 

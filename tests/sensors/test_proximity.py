@@ -1,4 +1,4 @@
-"""What is near."""
+"""The proximity sensor."""
 
 import math
 

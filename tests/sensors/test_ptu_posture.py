@@ -1,4 +1,4 @@
-"""Angles of a pan-tilt unit as it was told to take them."""
+"""Angles of a pan-tilt unit after commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Heights above what is below."""
+"""The radar altimeter: heights above the surface below."""
 
 import math
 

@@ -59,7 +59,7 @@ def test_a_cone_meets_what_is_beside_its_axis(simulate):
     # the post is 0.1 m in radius, its centre 10 degrees off the axis: within the cone of 15 degrees to each side
     place = f"{1.5 * math.cos(math.radians(10))}, {1.5 * math.sin(math.radians(10))}"
     seen = distance(simulate, kind="UltrasonicRangeFinder", post=place)
-    # no ray need pass through its middle; neighbours are 3 degrees apart, at most 2 degrees from it
+    # rays need not pass through its centre; neighbours are 3 degrees apart, at most 2 degrees from it
     missed = 1.5 * math.sin(math.radians(2))
     nearest = 1.5 * math.cos(math.radians(2)) - math.sqrt(0.1**2 - missed**2)
     assert 1.4 - 1e-6 <= seen <= nearest + 1e-3

@@ -1,4 +1,4 @@
-"""Rays of sensors as pages get them."""
+"""Rays of sensors, as sent to pages."""
 
 from types import SimpleNamespace
 
@@ -25,7 +25,7 @@ env = Environment("empty", fastmode=True)
 
 
 class Pages:
-    """What the pages wish for, and what they got."""
+    """The requests of the pages, and the data sent to them."""
 
     def __init__(self):
         self.wishes = SimpleNamespace(overlays=frozenset())

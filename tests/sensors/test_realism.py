@@ -37,7 +37,7 @@ def messages(simulate, name, seconds=2.0, seed=None, **parts):
     return collected
 
 
-# -- when ----------------------------------------------------------------------------------
+# -- times ---------------------------------------------------------------------------------
 
 
 def test_an_ideal_sensor_measures_at_once(simulate):
@@ -89,14 +89,14 @@ def test_modifiers_work_on_the_measurement_not_on_its_arrival(simulate):
     assert {round(m["x"], 6) for m in seen} == {101.0}
 
 
-# -- with what errors ----------------------------------------------------------------------
+# -- errors --------------------------------------------------------------------------------
 
 
 def test_white_noise_has_the_deviation_asked_for(simulate):
     seen = messages(simulate, "robot.pose", 100.0, setting="pose.noise(gaussian=0.1, field='x')")
     errors = np.array([m["x"] for m in seen]) - 1.0
     assert len(errors) == 1000
-    # five standard errors of mean and deviation
+    # five standard errors of mean and standard deviation
     assert abs(errors.mean()) < 5 * 0.1 / math.sqrt(1000)
     assert errors.std() == pytest.approx(0.1, abs=5 * 0.1 / math.sqrt(2000))
     assert abs(np.corrcoef(errors[1:], errors[:-1])[0, 1]) < 5 / math.sqrt(1000)
@@ -149,7 +149,7 @@ def test_a_lost_value_stays_as_it_was(simulate):
 
 
 def test_noise_does_not_add_up_in_sensors_that_add_up(simulate):
-    """The integrated odometry of a robot at rest: its errors stay as large as they are."""
+    """The integrated odometry of a robot at rest: its errors do not grow."""
     extra = "odometry = Odometry()\nodometry.noise(gaussian=0.1)\nrobot.append(odometry)"
     simulation = simulate(scene(extra=extra))
     seen = published(simulation["robot.odometry"])

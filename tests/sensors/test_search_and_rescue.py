@@ -61,7 +61,7 @@ def test_a_cone_of_sixty_degrees_and_ten_metres(scene):
     victims = "".join(
         victim(name, r * math.cos(math.radians(a)), r * math.sin(math.radians(a))) for name, (a, r) in places.items()
     )
-    # half a metre lower than the sensor: the angle of what is at 29 degrees is 29.5
+    # half a metre below the sensor: at a horizontal angle of 29 degrees, the angle is 29.5
     assert seen(scene(victims)) == {"ahead", "left"}
     assert seen(scene(victims, "sar.properties(Angle=64.0, Distance=11.0)")) == {"ahead", "left", "right", "far"}
 
@@ -71,7 +71,7 @@ def test_healing_takes_ten_measurements(scene):
     healing = simulation.robot.sar.heal()
     severities = []
     for _ in range(10):
-        simulation.step(10)  # six measurements a second
+        simulation.step(10)  # six measurements per second
         victims = simulation.robot.sar.data["victim_dict"]
         severities.append(victims["bob"]["severity"] if victims else 0)
         assert healing.done() == (len(severities) == 10)

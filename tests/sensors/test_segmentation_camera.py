@@ -1,4 +1,4 @@
-"""Which thing each pixel shows, and the boxes around things."""
+"""The object in each pixel, and bounding boxes of objects."""
 
 import base64
 import json
@@ -71,7 +71,7 @@ def test_things_of_one_class_share_its_id(look):
 def test_a_robot_is_one_thing_with_its_wheels(look):
     eye, _ = look()
     other = seen(eye)["other"]
-    # its middle is 7 m ahead and 3 m to the left, it is 1.2 m long and 1 m wide at most
+    # its centre is 7 m ahead and 3 m to the left, it is 1.2 m long and 1 m wide at most
     window = eye.local_data["image"][60:100, 100 - 56 : 100 - 31]
     assert (window == other["id"]).sum() == other["pixels"] > 50
 
@@ -85,7 +85,7 @@ def test_the_classes_may_be_given(look):
 def test_the_flat_box_is_that_of_the_pinhole_formula(look):
     eye, _ = look()
     x0, y0, x1, y1 = seen(eye)["THING"]["box"]
-    # its front, 1 m x 1 m, is 3.5 m from the camera: pixels whose middles it covers
+    # its front, 1 m x 1 m, is 3.5 m from the camera: the pixels whose centres it covers
     half = 100 * 0.5 / 3.5
     assert (x0, x1) == (math.ceil(100 - half - 0.5), math.floor(100 + half - 0.5) + 1)
     # from 1 m below to the upper edge: 0 to 1 m above the camera

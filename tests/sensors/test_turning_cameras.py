@@ -1,4 +1,4 @@
-"""Depth cameras that turn, and those that are joined: walls at known distances."""
+"""Rotating depth cameras, and aggregated ones: walls at known distances."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ def test_velodynes_go_round_in_their_steps(load, name):
     camera = simulation.context.component("robot.camera")
 
     def heading():
-        """Of the optical axis, which is Z of the camera."""
+        """Along the optical axis, which is Z of the camera."""
         rotation = camera.bge_object.world_pose()[1]
         return math.atan2(rotation[5], rotation[2])
 
     before = heading()
     simulation.step(3)
-    # the step of the script of 1.4: 0.8578 rad after each picture, to the left
+    # the step of the script of 1.4: 0.8578 rad after each image, to the left
     assert math.remainder(heading() - before - 3 * 0.8578, math.tau) == pytest.approx(0.0, abs=1e-6)
 
 

@@ -1,4 +1,4 @@
-"""Angles of wheels against the way that they roll."""
+"""Angles of wheels against the distance that they roll."""
 
 from __future__ import annotations
 

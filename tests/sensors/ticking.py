@@ -1,4 +1,4 @@
-"""A whole simulation, ticked by hand."""
+"""A complete simulation whose ticks are run by the test."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Ticking:
 
 
 def published(component):
-    """What a component publishes from now on."""
+    """The messages that a component publishes from now on."""
     messages = []
     component.output_functions.append(lambda sensor: messages.append(dict(sensor.local_data)))
     return messages

@@ -1,4 +1,4 @@
-"""A simulation that the tests of one file share: it is paused, and passes time as tests ask for it."""
+"""A simulation that the tests of one file share: it is paused, and tests run its ticks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HZ = 60
 
 @pytest.fixture(scope="module")
 def process(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimulationProcess]:
-    """The scene is what the function `scene` of the test file says."""
+    """The scene is the function `scene` of the test file."""
     scene: Callable[[], Any] = request.module.scene
     directory = tmp_path_factory.mktemp(inspect.getmodulename(request.module.__file__) or "scene")
     (directory / "scene.py").write_text(script_of_function(scene), encoding="utf-8")

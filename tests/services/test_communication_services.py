@@ -1,4 +1,4 @@
-"""The pseudo component ``communication``: who is how far, and who sees whom."""
+"""The pseudo component ``communication``: distances between robots, and visibility."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A client holds the clock: pause, step, resume, reset."""
+"""A client controls the clock: pause, step, resume, reset."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def scene():
 
 
 class Wire:
-    """A raw connection that carries lines."""
+    """A raw connection for lines."""
 
     def __init__(self, port: int) -> None:
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=10)
@@ -48,7 +48,7 @@ class Wire:
         return self._lines.readline()
 
     def waiting(self) -> bytes:
-        """All that has arrived; nothing is waited for."""
+        """All received data; non-blocking."""
         self.socket.setblocking(False)
         received = b""
         try:
@@ -61,7 +61,7 @@ class Wire:
 
 
 def connected(host: str, port: int, source: int) -> socket.socket:
-    """A connection from a certain port, which several may share if they go to different ports."""
+    """A connection from a given port, which several connections to different ports may share."""
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     connection.bind((host, source))
@@ -92,7 +92,7 @@ def test_steps_are_so_many_ticks(simu: Morse, ticks: int) -> None:
 
 
 def test_the_answer_to_a_step_comes_after_its_data(simu: Morse, services: Wire) -> None:
-    """What every stream has to say of the steps lies at the client when it hears that they are done."""
+    """The messages of every stream about the steps arrive at the client before the reply of step."""
     ports = simu.rpc("simulation", "get_all_stream_ports")
     pose, slow = Wire(ports["robot.pose"]), Wire(ports["robot.slow"])
     for round_ in range(50):
@@ -184,7 +184,7 @@ def test_a_new_beginning_ends_the_steps(simu: Morse) -> None:
 
 
 def test_connections_from_the_same_port_are_told_apart(simu: Morse, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The system does so when many are open: one stream does not wait for the messages of the other."""
+    """As the system does with many connections: one stream does not wait for the messages of the other."""
     listener = connected("127.0.0.1", simu.get_stream_port("robot.pose"), 0)
     shared = listener.getsockname()[1]
     monkeypatch.setattr("pymorse.stream.connect", lambda host, port: connected(host, port, shared))
@@ -228,7 +228,7 @@ def test_the_seed(simu: Morse) -> None:
 
 
 def test_a_new_beginning_is_a_beginning(simu: Morse) -> None:
-    """Time, poses, commands and data are as at the start; a client that was connected stays so."""
+    """Time, poses, commands and data are as at the start; connected clients stay connected."""
     simu.reset(seed=42)
     start = simu.rpc("simulation", "state_hash")
     motion, pose = simu.robot.motion, simu.robot.pose
@@ -267,7 +267,7 @@ def test_the_state_is_told_by_a_hash(simu: Morse) -> None:
 
 
 def test_a_paused_simulation_answers_at_once(simu: Morse, services: Wire) -> None:
-    """Not only when the next tick would be due: 60 calls take far less than a second."""
+    """Not only when the next tick would be due: 60 calls take much less than a second."""
     begin = time.monotonic()
     for _ in range(60):
         services.send(b"1 time now\n")

@@ -126,7 +126,7 @@ def test_dynamics_are_suspended_and_restored(simu: Morse) -> None:
 
 
 def test_dynamics_of_one_object(simu: Morse) -> None:
-    assert call(simu, "set_object_dynamics", "Ball", False) is None  # a value that is false is left out
+    assert call(simu, "set_object_dynamics", "Ball", False) is None  # false values are omitted
     simu.step(10)
     assert position(simu, "Ball")[2] == pytest.approx(2.0, abs=1e-6)
     assert call(simu, "set_object_dynamics", "Ball", True) is True
@@ -198,7 +198,7 @@ def test_the_viewpoint_is_moved(simu: Morse) -> None:
     assert call(simu, "get_camarafp_position") == [-5.0, 1.0, 4.0]
     call(simu, "set_camarafp_position", [1.0, 2.0, 3.0])
     assert call(simu, "get_camarafp_position") == [1.0, 2.0, 3.0]
-    # turned by 90 degrees about Z, at (4, 5, 6)
+    # rotated by 90 degrees about Z, at (4, 5, 6)
     transform = [[0.0, -1.0, 0.0, 4.0], [1.0, 0.0, 0.0, 5.0], [0.0, 0.0, 1.0, 6.0], [0.0, 0.0, 0.0, 1.0]]
     call(simu, "set_camarafp_transform", transform)
     assert call(simu, "get_camarafp_position") == [4.0, 5.0, 6.0]

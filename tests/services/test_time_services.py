@@ -53,7 +53,7 @@ def test_sleeping_ends_in_the_tick_that_is_due(simu: Morse) -> None:
     nap, night = simu.call("time", "sleep", 0.5), simu.call("time", "sleep", 1.0)
     simu.step(30)
     assert not nap.done()
-    # alarms ring at the beginning of the tick after
+    # alarms are triggered at the beginning of the next tick
     simu.step(1)
     assert nap.result(5) is None
     simu.step(29)
@@ -81,7 +81,7 @@ def test_the_time_scale(simu: Morse) -> None:
     assert simu.rpc("time", "set_time_scale", 20.0) is True
     begin = time.monotonic()
     simu.sleep(4.0)
-    # at the scale of 1 it takes 4 s; a busy machine may be slow, but not that slow
+    # at a time scale of 1 it takes 4 s; a loaded machine may be slow, but not that slow
     assert time.monotonic() - begin < 3.0
     assert simu.rpc("time", "set_time_scale", 1) is True
 

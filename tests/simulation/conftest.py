@@ -1,4 +1,4 @@
-"""Simulations in this process: ticked by the test, or running in a thread of their own."""
+"""Simulations in this process: ticked by the test, or running in a separate thread."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Components and modifiers of users, which note what happens to them."""
+"""Components and modifiers of users that record their events."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from morse.core.overlay import MorseOverlay
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, noninterruptible, service
 
-#: what happened: the object, and the word for it
+#: the events: the object, and a word
 events: list[tuple[Any, str]] = []
 
 
 def of_kind(kind: type, word: str) -> list[Any]:
-    """The objects of a class to which that happened, in that order."""
+    """The objects of a class with that event, in order."""
     return [obj for obj, happened in events if isinstance(obj, kind) and happened == word]
 
 
@@ -40,7 +40,7 @@ class Counter(Sensor):
 
 
 class Arm(Actuator):
-    """Has services that go on until the simulation starts anew."""
+    """Has services that are active until the simulation restarts."""
 
     add_data("v", 0.0, "float", "m/s")
 
@@ -51,12 +51,12 @@ class Arm(Actuator):
     @interruptible
     @async_service
     def reach(self, far: float) -> None:
-        """Goes on for ever."""
+        """Never ends."""
 
     @noninterruptible
     @async_service
     def hold(self) -> None:
-        """Goes on for ever."""
+        """Never ends."""
 
     def interrupt(self) -> None:
         events.append((self, "interrupted"))
@@ -64,7 +64,7 @@ class Arm(Actuator):
 
 
 class Clumsy(Arm):
-    """Cannot be interrupted without an accident."""
+    """Its interruption raises an exception."""
 
     def interrupt(self) -> None:
         raise KeyError("a mistake of the user")
@@ -84,7 +84,7 @@ class Scale(AbstractModifier):
 
 
 class Other(MorseOverlay):
-    """The same arm by another name."""
+    """The same arm with another name."""
 
     def name(self) -> str:
         return "other"

@@ -1,4 +1,4 @@
-"""Components as users write them, with all kinds of attributes."""
+"""Components of users, with attributes of all kinds."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Window(list):  # type: ignore[type-arg]
 
 
 class Own:
-    """Knows what its state is; the rest can be worked out."""
+    """Defines its own state; the other attributes can be computed."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -77,7 +77,7 @@ class Own:
 
 
 class Everything(Sensor):
-    """Works with everything that a component may hold; its number depends on all of it."""
+    """Uses every kind of attribute; its number depends on all of them."""
 
     add_data("number", 0.0, "float", "Follows from all attributes")
 
@@ -179,7 +179,7 @@ class Everything(Sensor):
 
 
 class Unsaveable(Sensor):
-    """Holds what has a life of its own."""
+    """Has an attribute that cannot be saved."""
 
     add_data("count", 0, "int", "Ticks")
 

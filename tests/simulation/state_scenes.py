@@ -1,4 +1,4 @@
-"""Scenes as plain numbers, so that another process can build the same, and what is done in them."""
+"""Scenes as plain numbers, so that another process can create the same scene, and actions in them."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def load(plan: dict[str, Any]) -> Any:
 
 
 def go(simulation: Any, plan: dict[str, Any], ticks: int) -> None:
-    """Let time pass, with commands, services and keys that follow from the tick alone."""
+    """Step, with commands, services and keys that only depend on the tick."""
     for _ in range(ticks):
         tick = simulation.ticks
         for number in range(len(plan["robots"])):

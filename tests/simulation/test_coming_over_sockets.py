@@ -1,4 +1,4 @@
-"""Robots come and go while clients are connected."""
+"""Robots are added and removed while clients are connected."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_streams_and_services_come_and_go(running: Callable[..., Any]) -> None:
     pose, before = simu.robot.pose, streams(simu)
     assert pose.last() is None
     for cycle in range(3):
-        # the simulation is paused: nothing happens between two requests but what they ask for
+        # the simulation is paused: only the requests have an effect
         run.simulation.spawn("late", newcomer, (5.0, 0.0, 0.1))
         assert streams(simu) == before | {"late.pose", "late.motion"}
         assert set(simu.rpc("simulation", "list_robots")) == {"robot", "late"}

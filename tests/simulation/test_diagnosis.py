@@ -1,4 +1,4 @@
-"""Why a simulation cannot keep up."""
+"""The reasons why a simulation cannot keep up."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ BUDGET = 0.016
 
 
 def diagnose(tick: float, share: float = 1.0, component: float = 0.0) -> str:
-    """What is said of ticks that take so long, of a process that gets that share of a processor.
+    """The diagnosis for ticks of a given duration, of a process with a given share of a processor.
 
     Args:
-        component: seconds a tick that one component takes; the rest is spread over the phases.
+        component: seconds per tick of one component; the rest is distributed over the phases.
     """
     clock = SimpleNamespace(wall=0.0, processor=0.0)
     diagnosis = Diagnosis(None, lambda: clock.wall, lambda: clock.processor)
@@ -63,7 +63,7 @@ def test_where_nothing_stands_out_no_cause_is_named() -> None:
 
 
 class Watcher(Observer):
-    """Keeps what it is told of the pace."""
+    """Records the reported paces."""
 
     def __init__(self) -> None:
         self.told: list[tuple[float, str]] = []
@@ -74,11 +74,11 @@ class Watcher(Observer):
 
 @pytest.fixture
 def slow(load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A simulation of which the pages were told that it is slow."""
+    """A simulation that was reported as slow to the pages."""
     simulation = load("robot = ATRV()\nenv = Environment('empty', fastmode=True)")
     watcher = Watcher()
     simulation.observers.append(watcher)
-    # each tick finds that five seconds were lost until somebody is told
+    # each tick has lost five seconds until this is reported
     pacer = simulation.pacer
     monkeypatch.setattr(pacer, "wait", lambda: setattr(pacer, "lost", 0.0 if watcher.told else 5.0))
     simulation.run((TICKS + 3) / simulation.clock.frequency)

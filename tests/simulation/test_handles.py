@@ -1,4 +1,4 @@
-"""The words of pymorse for a simulation in the process."""
+"""The interface of pymorse for a simulation in the process."""
 
 from __future__ import annotations
 
@@ -246,7 +246,7 @@ def test_robots_that_a_loop_made_and_names_that_are_taken(caplog: pytest.LogCapt
     assert any("'step' is taken" in record.getMessage() for record in caplog.records)
 
 
-# coming and going ---------------------------------------------------------------------------------
+# adding and removing ------------------------------------------------------------------------------
 
 
 def sensing_robot() -> Any:
@@ -378,7 +378,7 @@ def test_memory_stays_where_it_was_after_many_came_and_went(sim: Any, cycles: in
     before = counted()
     for number in range(cycles):
         cycle(number)
-    # a robot with two components is made of hundreds of objects
+    # a robot with two components consists of hundreds of objects
     assert counted() - before < 1000
 
 

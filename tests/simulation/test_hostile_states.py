@@ -1,4 +1,4 @@
-"""Saved states that are damaged, or made to do harm: refused, nothing changed, nothing executed."""
+"""Damaged and malicious states: refused, with nothing changed and nothing executed."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def refused(simulation: Any, state: Any, text: str = ".") -> None:
 
 
 def with_attribute(simulation: Any, value: Any, name: str = "new") -> State:
-    """A state whose component has one more attribute."""
+    """A state of a component with an additional attribute."""
     parts = copy.deepcopy(simulation.save().parts)
     parts[PART][1].append([name, value])
     return State.from_bytes(State(parts).to_bytes())
@@ -174,7 +174,7 @@ def test_parts_that_are_damaged_are_refused(simulation: Any, part: str, value: A
 
 
 def _names(data: Any, path: tuple[int, ...] = ()) -> Iterator[tuple[int, ...]]:
-    """The places of all strings in what was saved: names of attributes and of classes, words of the format."""
+    """The positions of all strings in a saved state: names of attributes and classes, words of the format."""
     if isinstance(data, str):
         yield path
     elif isinstance(data, list):
@@ -183,7 +183,7 @@ def _names(data: Any, path: tuple[int, ...] = ()) -> Iterator[tuple[int, ...]]:
 
 
 def test_names_that_are_damaged_are_refused_or_harmless(simulation: Any) -> None:
-    """An attribute under another name is missing under its own: what changed until that was noticed is put back."""
+    """A renamed attribute is missing under its own name: changes before the detection are undone."""
     kept = simulation.save()
     refusals = 0
     for part, saved in kept.parts.items():
@@ -213,7 +213,7 @@ def test_a_state_that_lacks_parts_or_has_others_is_refused(simulation: Any) -> N
 @given(data=st.data())
 @settings(max_examples=examples(150), suppress_health_check=list(HealthCheck))
 def test_damaged_files_are_refused_or_harmless(simulation: Any, data: st.DataObject) -> None:
-    """Bytes that are lost or changed: the state is refused, or it is another valid one; nothing else is raised."""
+    """Lost or changed bytes: the state is refused, or it is another valid state; no other exception is raised."""
     content = bytearray(simulation.save().to_bytes())
     kept = simulation.save()
     if data.draw(st.booleans()):
@@ -246,7 +246,7 @@ def test_another_kind_of_file_is_refused(simulation: Any, tmp_path: Path) -> Non
 
 
 def test_nothing_was_executed(simulation: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """While harmful states are read, no file is opened and no process is started."""
+    """While malicious states are read, no file is opened and no process is started."""
     events: list[str] = []
     watched = ("os.system", "subprocess.Popen", "exec", "open", "os.remove", "socket.connect", "import")
     active = True

@@ -1,4 +1,4 @@
-"""Objects that start inside each other are named, once."""
+"""Objects that overlap at the start are named once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keeping up with the wall clock, or not."""
+"""Keeping up with the wall clock."""
 
 import itertools
 import math
@@ -14,7 +14,7 @@ from morse.simulation.pacing import Pacer
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A wall clock that is moved by hand; waiting moves it, too."""
+    """A wall clock that the test controls; waiting advances it, too."""
 
     class Clock:
         now = 100.0

@@ -1,4 +1,4 @@
-"""A run is the same again, to the bit, from its scene, its seed and its inputs."""
+"""A run is determined by its scene, its seed and its inputs: its replay is bit-identical."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def scene() -> None:
-    """A robot that is commanded, one that keys drive, and a crate to push."""
+    """A robot with commands, a robot that keys drive, and a crate to push."""
     robot = ATRV()
     motion, pose = MotionVW(), Pose()
     robot.append(motion)
@@ -37,7 +37,7 @@ def scene() -> None:
 
 
 def teleporting() -> Any:
-    """A robot that is put somewhere."""
+    """A robot with a teleport."""
     robot = Morsy()
     there = Teleport()
     robot.append(there)

@@ -1,4 +1,4 @@
-"""What a reset takes from the scene script: what was read when the simulation was loaded."""
+"""A reset uses the scene script as it was when the simulation was loaded."""
 
 from __future__ import annotations
 

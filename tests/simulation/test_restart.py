@@ -1,4 +1,4 @@
-"""A simulation that starts anew: what it makes again, what it ends, and what it keeps."""
+"""A restart: what is created again, what ends, and what is kept."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_connections_and_ports_stay(run: Any) -> None:
 
 
 def test_messages_are_sent_once(run: Any) -> None:
-    """Streams of components that are gone send nothing any more."""
+    """Streams of deleted components send nothing."""
     simu = run.client
     received: list[Any] = []
     simu.robot.counter.subscribe(received.append)
@@ -131,7 +131,7 @@ def test_services_that_go_on_are_preempted(run: Any) -> None:
         with pytest.raises(MorseServicePreempted):
             call.result(10)
     assert len(parts.of_kind(parts.Arm, "interrupted")) == 1
-    # the new arm is free
+    # the new arm has no active service
     held = simu.robot.arm.hold()
     simu.time()
     assert not held.done()

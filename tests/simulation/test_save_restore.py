@@ -1,4 +1,4 @@
-"""All that determines the future is saved, and restored to the bit."""
+"""Everything that determines the future is saved, and restored bit by bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Components that act together do what they do alone, to the bit; their data are there for whoever reads them."""
+"""Components that act together are bit-identical to components that act alone; all readers see their data."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def test_somebody_else_s_dictionary_is_taken(sim):
     assert pose.local_data["timestamp"] == sim.clock.time
 
 
-# who does not ------------------------------------------------------------------------------------
+# exceptions --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e9, "fast", None, [1.0]])
@@ -270,7 +270,7 @@ def test_functions_that_publish_and_read_are_called(sim):
     assert said[-1]["x"] == pose.bge_object.worldPosition[0] > 3.2
 
 
-# the classes of users ------------------------------------------------------------------------------
+# classes of users ----------------------------------------------------------------------------------
 
 
 class Height(Sensor):
@@ -413,7 +413,7 @@ def test_a_scan_that_was_read_stays_as_it_was():
         assert not np.array_equal(named(simulation, "r0.sick").local_data["range_list"], before)
 
 
-# inertial units and satellite receivers -------------------------------------------------------------
+# inertial sensors and GPS ----------------------------------------------------------------------------
 
 
 def travellers():

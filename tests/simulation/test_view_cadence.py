@@ -1,4 +1,4 @@
-"""How often the live view is shown what, by a clock that the test turns."""
+"""The update rates of the live view, with a clock that the test controls."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ env = Environment("empty", fastmode=True)
 
 
 class Server:
-    """Keeps what pages would get."""
+    """Records the data for pages."""
 
     watched = True
     wishes = Wishes(overlays=frozenset({"robot.laser"}))
@@ -42,10 +42,10 @@ class Server:
         return "http://127.0.0.1/"
 
     def stop(self) -> None:
-        """Nothing is open."""
+        """No connection."""
 
     def set_scene(self, *_: Any) -> None:
-        """Nobody looks."""
+        """No page."""
 
     def take_events(self) -> list[Any]:
         return []
@@ -58,7 +58,7 @@ class Server:
 
 
 class Watched:
-    """A simulation that is watched, and the wall clock that its view sees."""
+    """A simulation with a page, and the wall clock of its view."""
 
     def __init__(self, simulation: Simulation, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now = time.monotonic()
@@ -71,7 +71,7 @@ class Watched:
         self.server: Server = view._server  # type: ignore[assignment]
 
     def run(self, seconds: float, each: float = 0.0005) -> int:
-        """Ticks that take so long each; how many snapshots are shown meanwhile."""
+        """Ticks of a given duration; returns the number of snapshots."""
         before = len(self.server.shown)
         for _ in range(round(seconds / each)):
             self.now += each

@@ -31,7 +31,7 @@ env = Environment("empty", fastmode=True)
 
 
 class Shown:
-    """What a simulation shows, looked at whenever asked."""
+    """The displayed properties of a simulation, on request."""
 
     def __init__(self, simulation: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         self.said: list[DebugProperties] = []
@@ -40,7 +40,7 @@ class Shown:
         self._debug = ViewDebug(simulation, SimpleNamespace(send=self.said.append))  # type: ignore[arg-type]
 
     def look(self, after: float = 0.25) -> dict[str, str]:
-        """The properties, after some more wall-clock time."""
+        """The properties, after some wall-clock time."""
         self._now += after
         self._debug.update()
         return {f"{p.node}.{p.name}": p.value for p in self.said[-1].properties} if self.said else {}
@@ -104,7 +104,7 @@ def test_profiled_sensors_show_their_share_of_the_time(show: Any) -> None:
         simulation.tick()
     most = time.perf_counter() - begin
     seen = shown.look(after=1.0)
-    assert list(seen) == ["robot.writer.profile"]  # properties are not asked for, nor is the other sensor
-    # 20 actions of at least 2 ms in what the clock says is one second
+    assert list(seen) == ["robot.writer.profile"]  # neither properties nor the other sensor were requested
+    # 20 actions of at least 2 ms in one second of the clock
     assert 4.0 <= float(seen["robot.writer.profile"].removesuffix(" %")) <= 100.0 * most
     assert shown.look(after=1.0)["robot.writer.profile"] == "0.0 %"

@@ -1,4 +1,4 @@
-"""What pages are told of a simulation: its log, its viewpoint, data of any kind."""
+"""The data that a simulation sends to pages: its log, its viewpoint, data of any kind."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LOG = logging.getLogger("morse.morse.test")
 
 
 class Page:
-    """A page of a simulation that is ticked by the test."""
+    """A page of a simulation whose ticks are run by the test."""
 
     def __init__(self, simulation: Any) -> None:
         self.simulation = simulation
@@ -44,14 +44,14 @@ class Page:
         self.connect()
 
     def connect(self) -> None:
-        """Be a new page."""
+        """Reconnect as a new page."""
         self.close()
         self.socket = self._stack.enter_context(connect(self.view.url.replace("http", "ws") + "ws", max_size=None))
         self.send("hello", version=VERSION)
         self.expect("welcome")
 
     def close(self) -> None:
-        """Leave."""
+        """Disconnect."""
         self._stack.close()
 
     def send(self, kind: str, **fields: Any) -> None:

@@ -1,4 +1,4 @@
-"""What the driving page asks of components."""
+"""Requests of the driving page to components."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ env = Environment("empty", fastmode=True)
 
 
 class Asked:
-    """The requests of a page to a simulation, and what is said in return."""
+    """The requests of a page to a simulation, and the messages in return."""
 
     def __init__(self, simulation: Any) -> None:
         self.said: list[Any] = []
@@ -56,7 +56,7 @@ class Asked:
         return [self.components[f"robot.{name}"].capturing for name in ("left", "right")]
 
     def take(self) -> list[Any]:
-        """What was said since the last call."""
+        """The messages since the last call."""
         self.states.update()
         said = list(self.said)
         self.said.clear()
@@ -72,7 +72,7 @@ def test_every_event_of_a_page_is_handled(load: Callable[..., Any]) -> None:
     view = View(load(SCENE, view="web", view_port=0))
     try:
         events = {kind for kind in page_message_types() if issubclass(kind, ViewEvent)}
-        # time goes backward in recorded runs only
+        # time can only go backward in recorded runs
         assert set(view._handlers) == events - {page.PlayBackward}
     finally:
         view.close()
@@ -151,7 +151,7 @@ def test_data_of_an_actuator_are_taken_as_a_command(asked: Asked) -> None:
     actuator = asked.components["robot.motion"]
     asked.requests.command(page.Command(1, "robot.motion", {"v": 0.5}))
     assert asked.said == [Answer(1, True)]
-    assert actuator.local_data["v"] == 0.0  # not yet: the tick takes commands in
+    assert actuator.local_data["v"] == 0.0  # not yet: commands take effect in the tick
     asked.simulation.tick()
     assert actuator.local_data["v"] == 0.5
     before = asked.simulation.context.robots["robot"].bge_object.worldPosition[0]

@@ -91,14 +91,14 @@ def run(project: Project, monkeypatch: pytest.MonkeyPatch) -> Iterator[Simulatio
 
 
 def edited(run: Simulation, project: Project, **parts: Any) -> None:
-    """Save the counter, and wait until the simulation has it."""
+    """Save the counter, and wait until the simulation has reloaded it."""
     before = run.context.components["robot.counter"]
     project.module("proj/sensors/counter.py", COUNTER.format(**{"by": 1, "more": "", **parts}))
     until(run, lambda: run.context.components["robot.counter"] is not before)
 
 
 def refused(run: Simulation, caplog: pytest.LogCaptureFixture) -> str:
-    """Wait until the simulation has refused what was saved, and return why."""
+    """Wait until the simulation has refused the saved file, and return the reason."""
 
     def reasons() -> list[str]:
         return [record.getMessage() for record in caplog.records if record.levelname == "ERROR"]
@@ -114,7 +114,7 @@ def test_the_class_is_exchanged_and_its_state_stays(run: Simulation, project: Pr
     new = run.context.components["robot.counter"]
     assert type(new) is not type(old)
     assert type(new).__qualname__ == "Counter"
-    total = new.total  # the last action of the old class and the first of the new one are in it
+    total = new.total  # includes the last action of the old class and the first of the new one
     assert total > 10
     run.step(2)
     assert run.robot.counter.data["count"] == total + 10
@@ -223,7 +223,7 @@ def test_a_file_with_a_mistake_is_refused_and_the_old_class_goes_on(
     run.step(2)
     assert run.robot.counter.data["count"] == run.ticks
     caplog.clear()
-    edited(run, project, by=3)  # the mistake is mended
+    edited(run, project, by=3)  # the error is corrected
     assert run.robot.counter.version().result() == 3
 
 

@@ -1,4 +1,4 @@
-"""Which files have been saved."""
+"""Detection of saved files."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def run(project: Project) -> Iterator[Simulation]:
 
 
 def shown(simulation: Simulation, name: str = "robot") -> set[str]:
-    """The parts of a thing by their names in its file."""
+    """The parts of an object by their names in its file."""
     node = simulation.scene.find(name)
     assert node is not None
     return {part.plain_name for part in node.walk()}

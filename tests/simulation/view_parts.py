@@ -12,7 +12,7 @@ from morse.core.services import service
 
 
 class Camera(Sensor):
-    """Takes pictures, or pauses to."""
+    """Captures images, or pauses."""
 
     add_property("capturing", True, "capturing", "bool", "whether it takes pictures")
     add_property("zoom", 1.0, "zoom", "float", "1 or more")
@@ -28,7 +28,7 @@ class Camera(Sensor):
 
 
 class Writer(Sensor):
-    """Keeps things in the properties of its robot, some of them awkward."""
+    """Stores values in the properties of its robot, some of them unusual."""
 
     ticks = 0
 
@@ -43,7 +43,7 @@ class Writer(Sensor):
 
 
 class Broken:
-    """Cannot be written."""
+    """Cannot be formatted."""
 
     def __repr__(self) -> str:
         raise RuntimeError("it is broken")

@@ -17,19 +17,19 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 DATA = Path(morse.__file__).parent / "data"
-#: wall-clock seconds after which nothing is expected any more
+#: timeout, wall-clock seconds
 LIMIT = 30.0
 
 
 class Project:
-    """A scene with models and modules of its own."""
+    """A scene with its own models and modules."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._ages = 0
 
     def model(self, name: str, source: Path) -> Path:
-        """Save a model as Blender does: a new file takes the place of the old one."""
+        """Save a model like Blender: a new file replaces the old one."""
         target = self.folder / "data" / name
         target.parent.mkdir(parents=True, exist_ok=True)
         temporary = target.with_name(target.name + "@")
@@ -52,10 +52,10 @@ class Project:
 
 
 def until(simulation: Simulation, condition: Callable[[], object]) -> None:
-    """Let time pass until something is so.
+    """Step until a condition holds.
 
     Raises:
-        TimeoutError: it is not so after `LIMIT`.
+        TimeoutError: the condition does not hold after `LIMIT`.
     """
     end = time.monotonic() + LIMIT
     while not condition():

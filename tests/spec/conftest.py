@@ -1,4 +1,4 @@
-"""Old users' scripts, components and clients, run as they were written for 1.4."""
+"""Scripts, components and clients of old users, run as they were written for 1.4."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Running:
 
     @property
     def log(self) -> str:
-        """What it has said so far."""
+        """Its output so far."""
         return self.process.log.read_text(encoding="utf-8")
 
     def call(self, component: str, service: str, *arguments: Any) -> Any:
@@ -45,7 +45,7 @@ class Running:
 
 @pytest.fixture(scope="module")
 def running(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    """Runs ``scene.py`` of the ``FILES`` of the module: paths below the project to texts."""
+    """Runs ``scene.py`` of the ``FILES`` of the module: a dictionary from paths in the project to texts."""
     directory: Path = tmp_path_factory.mktemp("project")
     for name, text in request.module.FILES.items():
         path = directory / name

@@ -199,7 +199,7 @@ def test_one_unit_a_second(running, way, axis):
     after = robot.pose.get()
     seconds = after["timestamp"] - before["timestamp"]
     robot.mover.publish({"way": ""})
-    # a velocity that is set once a tick is braked within the tick by the ground
+    # friction slows a velocity that is set once per tick within the tick
     assert (after[axis] - before[axis]) / seconds == pytest.approx(1.0, rel=0.08)
 
 

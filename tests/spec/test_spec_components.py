@@ -1,4 +1,4 @@
-"""Components written for 1.4: the names that they reach the scene, their robot and each other by."""
+"""Components written for 1.4: the names of the scene, their robot and other components."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def test_the_object_of_a_component(running, question, answer):
     ],
 )
 def test_the_simulation_by_its_old_names(running, question, answer):
-    # a falsy result is left out of the answer
+    # a falsy result is omitted from the reply
     assert running.call("robot.oracle", "ask", question) == answer
 
 
@@ -179,7 +179,7 @@ def test_distances_and_turns(running, question, answer):
 @pytest.mark.parametrize(
     ("ray", "name"),
     [
-        # the body of a robot is made of shapes; what is met is the robot
+        # the body of a robot consists of shapes; hits report the robot
         ("robot.rayCast(objects['other'], None, 20)", "other"),
         ("robot.rayCast([10, 0, 0.3], [0, 0, 0.3], 20)", "other"),
         ("objects['other'].rayCast(robot, None, 20)", "robot"),

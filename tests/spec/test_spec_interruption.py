@@ -1,4 +1,4 @@
-"""Ctrl+C ends a simulation cleanly, whenever it comes."""
+"""Ctrl+C ends a simulation cleanly at any time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="a console sends Ctrl+C in another way there")
 
-# the interruption comes exactly while something is being set up that does not survive it
+# the interruption arrives while a library is initialised that cannot handle it
 _INTERRUPTED = """
 import os, signal, sys
 import {module}
@@ -28,7 +28,7 @@ from morse.cli import main
 sys.argv = ["morse", "run", "--headless", "--duration", "60", "scene.py"]
 main()
 """
-# as a module that is compiled: it turns an interruption into an ImportError
+# like a compiled module: it converts an interruption into an ImportError
 _WHILE_IMPORTING = """
 import builtins, os, signal, sys
 original = builtins.__import__

@@ -1,4 +1,4 @@
-"""How a scene script names its components, as 1.4 did."""
+"""Names of components in a scene script, as in 1.4."""
 
 from __future__ import annotations
 

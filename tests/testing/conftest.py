@@ -18,7 +18,7 @@ SOURCE = Path(__file__).parents[2] / "src"
 
 @pytest.fixture(autouse=True)
 def _own_ports(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ports that no other simulation of this machine is likely to have."""
+    """Ports that no other simulation on this machine is likely to use."""
     monkeypatch.delenv("MORSE_SOCKET_PORT", raising=False)
 
 

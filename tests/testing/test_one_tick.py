@@ -1,4 +1,4 @@
-"""How late commands act and messages arrive."""
+"""Latencies of commands and messages."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_command_acts_in_the_next_tick_and_a_message_arrives_in_its_own(simula
         simu.robot.motion.publish({"v": v, "w": 0.0})
         simu.step(1)
         after = simu.robot.pose.last()
-        # the message of the tick itself, and in it the whole effect of the command
+        # the message of the tick itself, with the full effect of the command
         assert after["timestamp"] - before["timestamp"] == pytest.approx(TICK, abs=1e-6)
         assert after["timestamp"] == pytest.approx(simu.time(), abs=1e-6)
         assert after["x"] - before["x"] == pytest.approx(v * TICK, abs=2e-4)

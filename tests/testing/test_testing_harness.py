@@ -1,4 +1,4 @@
-"""Test files in the manner of 1.4, run by a real simulation."""
+"""Test files in the style of 1.4, run by a real simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Test cases that need a middleware: its server runs during the test, and a missing one is named."""
+"""Test cases with a middleware: its server runs during the test, and a missing server is reported."""
 
 from __future__ import annotations
 

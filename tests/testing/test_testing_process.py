@@ -1,4 +1,4 @@
-"""How simulations start, fail to, and end; with a stand-in for the simulator."""
+"""Start, failure and end of simulations; with a replacement for the simulator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Components that each break one rule of the contract, and one that breaks none."""
+"""Components that each violate one rule of the contract, and one that violates none."""
 
 # ruff: noqa: E501
 
@@ -27,7 +27,7 @@ class Sonar(Sensor):
 
 
 def changed(*pairs):
-    """The sound component with some lines replaced."""
+    """The valid component with some lines replaced."""
     text = SOUND
     for old, new in pairs:
         assert old in text
@@ -37,7 +37,7 @@ def changed(*pairs):
 
 _DISTANCE = '"To the echo", unit="m", low=0.0'
 _ACTION = 'self.local_data["distance"] = self._gain * abs(self.position_3d.x)'
-#: rule, the text of a file, and the line of the file that is named, if there is one
+#: rule, the text of a file, and the line of the file in the report, if there is one
 BREAKERS = {
     "unit": ("data are declared", changed((_DISTANCE, '"To the echo"')), '"distance", 0.0'),
     "frame": ("data are declared", changed(('"distance"', '"x"'), (", low=0.0)\n    add_p", ")\n    add_p")), '"x", 0.0'),

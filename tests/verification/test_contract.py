@@ -1,4 +1,4 @@
-"""The check of the contract: the whole library keeps it, and whoever breaks a rule is told which, and where."""
+"""The check of the contract: the whole library follows it, and violations are reported with their position."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_a_component_of_the_library_keeps_the_contract(name: str) -> None:
 
 @pytest.fixture
 def sonar(tmp_path: Path) -> Path:
-    """The file of a component that keeps the contract."""
+    """The file of a component that follows the contract."""
     file = tmp_path / "sonar.py"
     file.write_text(SOUND)
     return file
@@ -47,7 +47,7 @@ def test_a_broken_rule_is_named_with_its_line(case: str, sonar: Path) -> None:
     number = next((n for n, found in enumerate(text.splitlines(), 1) if line and line in found), None)
     if number is not None:
         assert any(fault.where.endswith(f"sonar.py:{number}") for fault in report.of(rule)), str(report)
-    # one mistake, and not a heap of consequences
+    # one error without consequential errors
     assert {fault.rule for fault in report.faults} <= {rule, "saved and restored", "a reset makes it new"}
 
 

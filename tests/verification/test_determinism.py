@@ -1,4 +1,4 @@
-"""The same scene, seed and inputs give the same bits."""
+"""The same scene, seed and inputs give bit-identical results."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def start(tmp_path: Path) -> Iterator[Callable[..., Morse]]:
 
 
 def test_commands_in_lockstep_give_the_same_states(start: Callable[..., Morse]) -> None:
-    """In another process, after a restart, with and without others who listen, with a view."""
+    """In another process, after a restart, with and without other clients, with a view."""
     runs = []
     for options in (("--headless", "--seed", "5"), ("--view-port", "0", "--no-browser", "--seed", "6")):
         with start(*options) as simu:

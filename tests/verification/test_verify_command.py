@@ -1,4 +1,4 @@
-"""`morse verify` names what differs."""
+"""`morse verify` names differences."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def _lives(pid: int) -> bool:
         os.kill(pid, 0)
     except ProcessLookupError:
         return False
-    # one that has ended stays in the table until somebody asks after it
+    # a finished process stays in the table until its parent waits for it
     state = Path(f"/proc/{pid}/stat")
     return not (state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z")
 

@@ -1,4 +1,4 @@
-"""Components of users: some give the same again, some do not."""
+"""Components of users: some are repeatable, some are not."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from morse.core.sensor import Sensor
 
 
 class Wander(Actuator):
-    """Drives its robot by random speeds, as it may: they come from the seed of the scene."""
+    """Drives its robot at random speeds, which are determined by the seed of the scene."""
 
     add_property("_kind", "Velocity", "Kind", "string", "Velocity or Position")
     _kind: str
@@ -33,14 +33,14 @@ class Wander(Actuator):
 
 
 class WheelWander(Wander):
-    """The same by the wheels of the robot."""
+    """The same with the wheels of the robot."""
 
     def drive(self, v: float, w: float) -> None:
         self.robot_parent.apply_vw_wheels(v, w)
 
 
 class Fair(Sensor):
-    """Measures nothing that could differ."""
+    """Measures constants."""
 
     add_data("value", 0.0, "float", "")
     add_data("names", None, "", "")
@@ -50,7 +50,7 @@ class Fair(Sensor):
 
 
 class WallClock(Fair):
-    """From its fifth measurement on, takes the time from the wrong clock."""
+    """From its fifth measurement on, uses the wall clock."""
 
     def default_action(self) -> None:
         if self.clock.tick >= 5:
@@ -58,7 +58,7 @@ class WallClock(Fair):
 
 
 class Dice(Fair):
-    """Throws dice that nobody has seeded, once a second."""
+    """Throws dice from an unseeded generator, once per second."""
 
     def default_action(self) -> None:
         if self.clock.tick % 60 == 0:
@@ -66,7 +66,7 @@ class Dice(Fair):
 
 
 class Sets(Fair):
-    """Takes the first of a set of names."""
+    """Uses the first of a set of names."""
 
     def default_action(self) -> None:
         if self.clock.tick >= 3:
@@ -74,7 +74,7 @@ class Sets(Fair):
 
 
 class Memory(Fair):
-    """Remembers, in its class, earlier runs."""
+    """Stores earlier runs in its class."""
 
     runs = 0
 
@@ -88,7 +88,7 @@ class Memory(Fair):
 
 
 class Shaky(Sensor):
-    """Pushes its robot by what it reads from the wrong clock."""
+    """Pushes its robot depending on the wall clock."""
 
     def default_action(self) -> None:
         if self.clock.tick == 7:
@@ -96,7 +96,7 @@ class Shaky(Sensor):
 
 
 class Unwritable(Fair):
-    """Has data that no encoder knows."""
+    """Has data that cannot be encoded."""
 
     def default_action(self) -> None:
         self.local_data["value"] = [object(), 10**40, {1: {2, 3}}, {"b", "a"}]

@@ -1,8 +1,8 @@
-"""Worlds in which much happens that might not happen again."""
+"""Worlds with many events that might not be repeatable."""
 
 from __future__ import annotations
 
-#: robots that drive about at random through heaps of boxes and into each other; lasers and noise
+#: robots that drive randomly through heaps of boxes and into each other; lasers and noise
 CROWD = """
 from morse.builder import *
 from morse.builder.creator import ActuatorCreator
@@ -35,7 +35,7 @@ env = Environment("indoors-1/boxes", fastmode=True)
 env.set_seed(11)
 """
 
-#: real wheels on a floor, on objects with meshes; a robot that is shifted instead of driven
+#: real wheels on a floor, on objects with meshes; a robot that is moved instead of driven
 WHEELS = """
 from morse.builder import *
 from morse.builder.creator import ActuatorCreator

@@ -1,4 +1,4 @@
-"""A server of the live view, pages made of plain sockets, and real ones."""
+"""A server of the live view, pages on plain sockets, and real pages."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def network() -> Iterator[Network]:
 
 @pytest.fixture
 def make_server(network: Network) -> Iterator[Callable[..., tuple[ViewServer, str]]]:
-    """Starts servers on free ports; gives each with its address."""
+    """Starts servers on free ports; returns each with its address."""
     servers: list[ViewServer] = []
 
     def make(**options: Any) -> tuple[ViewServer, str]:
@@ -49,7 +49,7 @@ def served(make_server: Callable[..., tuple[ViewServer, str]]) -> tuple[ViewServ
 
 @pytest.fixture
 def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]]:
-    """Robots that run in circles, and the address where they are seen."""
+    """Robots that drive in circles, and the address of their live view."""
     server, url = served
     scene, moving = playground()
     server.set_scene(scene, moving)
@@ -61,7 +61,7 @@ def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]
 
 @pytest.fixture
 def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
-    """Opens pages of the live view; a page that reports an error fails the test."""
+    """Opens pages of the live view; an error on a page fails the test."""
     contexts: list[BrowserContext] = []
     errors: list[str] = []
 
@@ -70,7 +70,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.on("dialog", lambda dialog: dialog.accept())  # a page that is left while it flies asks
+        page.on("dialog", lambda dialog: dialog.accept())  # a page that is left during a flight asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")
         if wait:
             until(

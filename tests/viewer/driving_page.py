@@ -1,4 +1,4 @@
-"""A page on the wire, and the simulation that it drives."""
+"""A page on the protocol level, and its simulation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LIMIT = 60.0
 
 
 class Witness(Observer):
-    """Notes the fingerprint of every tick; a tick that comes again has to have the same one."""
+    """Records the fingerprint of every tick; a repeated tick must have the same one."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -38,7 +38,7 @@ class Witness(Observer):
     def after_tick(self) -> None:
         tick = self._simulation.ticks
         if tick == self._last:
-            return  # no time has passed: what comes in meanwhile changes the state
+            return  # no time has passed: inputs in the meantime change the state
         self._last = tick
         fingerprint = self._simulation.state_hash()
         if tick in self.hashes:
@@ -48,7 +48,7 @@ class Witness(Observer):
 
 
 class DrivingPage:
-    """A page that drives, and the simulation that it looks at, which runs in another thread."""
+    """A driving page, and its simulation, which runs in another thread."""
 
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
@@ -70,7 +70,7 @@ class DrivingPage:
         self._connection.send(msgspec.json.encode(message).decode())
 
     def until(self, condition: Callable[[], object]) -> None:
-        """Read what comes until something is so."""
+        """Read messages until a condition holds."""
         end = time.monotonic() + LIMIT
         while not condition():
             assert time.monotonic() < end, "nothing has happened"

@@ -1,4 +1,4 @@
-"""Who may open the live view."""
+"""Access to the live view."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_a_name_that_was_made_to_point_here_is_refused(served) -> None:
     status, _, body = fetch(url, {"Host": "evil.example"})
     assert status == 403
     assert b"localhost only" in body
-    assert fetch(url, {"Host": "localhost:9999"})[0] == 200  # a tunnel ends at any port
+    assert fetch(url, {"Host": "localhost:9999"})[0] == 200  # a tunnel may end at any port
 
 
 def test_token(make_server) -> None:

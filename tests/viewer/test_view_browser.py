@@ -23,7 +23,7 @@ pytestmark = pytest.mark.browser
 
 
 def colors(page: Page) -> np.ndarray:
-    """(H, W, 3) what the canvas shows."""
+    """(H, W, 3) pixels of the canvas."""
     shot = page.locator("main > canvas").screenshot(timeout=60_000)
     return np.asarray(Picture.open(io.BytesIO(shot)).convert("RGB")).astype(int)
 
@@ -73,7 +73,7 @@ def test_a_red_box_is_where_the_camera_of_the_script_sees_it(served, open_page, 
     corners = [np.add(place, (dx, dy, dz)) for dx in (-0.5, 0.5) for dy in (-0.5, 0.5) for dz in (-0.5, 0.5)]
     seen = [project(tuple(c), camera, turn, (width, height), focal) for c in corners]
     (left, top), (right, bottom) = np.min(seen, axis=0), np.max(seen, axis=0)
-    # low quality draws at 0.6 of the pixels
+    # low quality renders at 0.6 of the pixels
     assert (columns.min(), columns.max()) == (pytest.approx(left, abs=3), pytest.approx(right, abs=3))
     assert (rows.min(), rows.max()) == (pytest.approx(top, abs=3), pytest.approx(bottom, abs=3))
 
@@ -420,7 +420,7 @@ def test_light_and_dark(served, open_page) -> None:
     assert page.evaluate("document.documentElement.dataset.theme") == "light"
 
 
-# the first picture ---------------------------------------------------------------------------------------
+# the first frame -----------------------------------------------------------------------------------------
 
 
 def test_without_a_world_the_empty_ground_is_drawn(served, open_page) -> None:
@@ -445,7 +445,7 @@ def test_nothing_is_drawn_before_the_world_is_there(running, browser) -> None:
         page.goto(url)
         until(lambda: page.evaluate("!!window.first"))
         milliseconds, with_world = page.evaluate("window.first")
-        assert with_world or milliseconds > 700  # a slow machine is shown the empty ground meanwhile
+        assert with_world or milliseconds > 700  # on a slow machine, the empty ground is shown in the meantime
     finally:
         page.close()
 

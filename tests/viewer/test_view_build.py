@@ -1,4 +1,4 @@
-"""The build of the page, as a part of the package's build."""
+"""The build of the page, as a part of the build of the package."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class App:
 
 @pytest.fixture
 def tree(tmp_path: Path) -> Path:
-    """The parts of the sources that the page is made of."""
+    """The source files of the page."""
     (tmp_path / "viewer" / "src").mkdir(parents=True)
     (tmp_path / "viewer" / "src" / "main.ts").write_text("export {};")
     (tmp_path / "viewer" / "package.json").write_text("{}")
@@ -48,7 +48,7 @@ def initialize(module: Any, root: Path, app: App) -> None:
 
 
 def fake_npm(monkeypatch: pytest.MonkeyPatch, output: str, code: int) -> list[tuple[str, ...]]:
-    """An npm that answers always the same."""
+    """An npm with a constant result."""
     calls: list[tuple[str, ...]] = []
 
     def npm(arguments: tuple[str, ...], **_: Any) -> subprocess.CompletedProcess[str]:

@@ -1,4 +1,4 @@
-"""Meshes and scenes as pages get them."""
+"""Meshes and scenes in the format for pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""States that the page can go back to."""
+"""States that the page can restore."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PERIOD = 1 / 60
 
 
 class Counter:
-    """A simulation whose state is the number of its tick, and what somebody has written beside it."""
+    """A simulation whose state is the number of its tick, and a value that tests write."""
 
     def __init__(self) -> None:
         self.tick = 0
@@ -64,7 +64,7 @@ def test_a_state_is_gone_back_to_and_forward_again(counter: Counter) -> None:
     assert counter.tick > before
     counter.history.rewind(0.0)
     assert counter.tick == 1
-    assert len(counter.told) == 10  # going to and fro forgets nothing
+    assert len(counter.told) == 10  # going back and forth deletes nothing
 
 
 def test_step_back_goes_a_tick_where_ticks_were_taken_one_by_one(counter: Counter) -> None:

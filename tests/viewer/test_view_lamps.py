@@ -1,4 +1,4 @@
-"""What lamps light."""
+"""The light of lamps."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def lamp(name: str, kind: str, place: tuple[float, float, float], turn: float = 
 
 
 def brightness(page: Page, folder: Path) -> float:
-    """Of the middle of the view."""
+    """Colour of the centre of the view."""
     page.screenshot(path=folder / "view.png")
     picture = np.asarray(Image.open(folder / "view.png").convert("L"), float)
     height, width = picture.shape
@@ -87,7 +87,7 @@ def test_a_lamp_changes_on_the_page(served, open_page, tmp_path) -> None:
 def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(served, open_page, tmp_path) -> None:
     server, url = served
     seen = []
-    for height in (3.0, -3.0):  # a board over the floor, or under it
+    for height in (3.0, -3.0):  # a board above the floor, or below it
         scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
         scene.roots.append(mesh_node("board", plane("board", GREY, 2.0), (0.0, 0.0, height)))
         scene.roots.append(lamp("sun", "SUN", (0.0, 0.0, 10.0), energy=0.7))

@@ -1,4 +1,4 @@
-"""How the page makes use of the room it has."""
+"""The layout of the page at different sizes."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_everything_is_reached_by_tab_and_seen_to_be(running, open_page) -> None
     page = open_page(url, width=1200, height=700)
     page.evaluate("morse.components.selected.set('robot0.lidar')")
     page.get_by_role("heading", name="robot0.lidar").wait_for()
-    # the inspector asks for the properties only now: its last row comes later than its heading
+    # the inspector requests the properties now: its last row appears after its heading
     page.wait_for_function(NAMED, arg="scan_window")
     wanted = page.evaluate(
         """[...document.querySelectorAll("button, select, summary, input, [tabindex='0']")]

@@ -1,4 +1,4 @@
-"""A real simulation, seen and driven from a real browser."""
+"""A real simulation in a real browser."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def simulation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 @pytest.fixture
 def page(simulation: str, open_page: Any) -> Page:
-    """The page of the simulation, at its beginning."""
+    """The page of the simulation, after a restart."""
     page: Page = open_page(simulation, width=900, height=560)
     until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
     page.get_by_role("button", name="Reset").click()

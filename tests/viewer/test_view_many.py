@@ -30,7 +30,7 @@ STAND = "place => { morse.stage.view.position.set(...place); morse.stage.invalid
 
 @pytest.fixture
 def page(served, open_page) -> Page:
-    """A field of balls on the ground, seen from its corner."""
+    """A field of balls on the ground, viewed from its corner."""
     server, url = served
     ball = sphere("ball", Material("red", (0.7, 0.1, 0.1, 1.0)), 0.3)
     nodes = [mesh_node(f"ball{i}", ball, (i % SIDE, i // SIDE, 0.3)) for i in range(SIDE * SIDE)]
@@ -92,7 +92,7 @@ def test_they_are_selected_by_a_click_however_they_are_drawn(page) -> None:
         until(lambda: (page.evaluate("morse.components.selected.value") or "").startswith("ball"))
         hit = int(page.evaluate("morse.components.selected.value").removeprefix("ball"))
         number = int(name.removeprefix("ball"))
-        # the balls before it may hide it: then one of them on the way is selected
+        # the balls in front of it may hide it: then one of them is selected
         assert hit % SIDE <= number % SIDE
         assert hit // SIDE <= number // SIDE
         page.keyboard.press("Escape")

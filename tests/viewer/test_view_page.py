@@ -1,4 +1,4 @@
-"""The page in a real browser: moving things, keeping what is seen, readable by everybody."""
+"""The page in a real browser: moving objects, saving the view, accessibility."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def place_of(page: Page, name: str) -> tuple[float, float]:
     return x, y
 
 
-# moving and keeping --------------------------------------------------------------------------------------
+# moving and saving ---------------------------------------------------------------------------------------
 
 
 def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(running, open_page) -> None:
@@ -56,7 +56,7 @@ def test_pulling_is_a_force_while_time_runs_and_a_teleport_while_it_stands(runni
     page.keyboard.press("c")
     page.keyboard.press("m")
     until(lambda: page.evaluate("morse.panels.mover.node.value?.name") == "robot2")
-    page.evaluate("morse.panels.mover.handles.detach()")  # its handles lie over the robot
+    page.evaluate("morse.panels.mover.handles.detach()")  # its handles cover the robot
     x, y = place_of(page, "robot2")
     page.mouse.move(x + 12, y + 6)
     page.mouse.down()
@@ -111,7 +111,7 @@ def test_screenshot_film_and_pose_as_code(running, open_page, tmp_path) -> None:
         page.keyboard.press("x")
     shot.value.save_as(tmp_path / "view.png")
     pixels = np.asarray(Image.open(tmp_path / "view.png").convert("RGB"))
-    assert pixels.std() > 10  # a picture, not a blank
+    assert pixels.std() > 10  # not a blank image
     page.get_by_role("button", name="Film the view").click()
     until(lambda: page.evaluate("morse.panels.capture.recorder !== null"))
     frames = page.evaluate("morse.stage.frames")
@@ -119,7 +119,7 @@ def test_screenshot_film_and_pose_as_code(running, open_page, tmp_path) -> None:
     with page.expect_download() as film:
         page.get_by_role("button", name="Film the view").click()
     film.value.save_as(tmp_path / "view.webm")
-    assert Path(tmp_path / "view.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, what WebM is made of
+    assert Path(tmp_path / "view.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, the container of WebM
     until(lambda: page.locator('[data-name="robot0"]').count() == 1)
     code = page.evaluate("morse.panels.object.code(morse.world.value.find('ball'))")
     assert code == "ball.translate(-2, 1.5, 0.7)\nball.rotate(0, 0, 0)\n"
@@ -137,7 +137,7 @@ def test_the_gamepad_is_told(running, open_page) -> None:
     until(lambda: driver.server.gamepad() == ((0.0, 0.0), (False,)))
 
 
-# readable by everybody -----------------------------------------------------------------------------------
+# accessibility -------------------------------------------------------------------------------------------
 
 
 def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:

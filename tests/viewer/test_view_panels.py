@@ -1,4 +1,4 @@
-"""The page in a real browser: components, plots, overlays, the point of view."""
+"""The page in a real browser: components, plots, overlays, the viewpoint."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_the_tree_is_walked_by_keyboard(running, open_page) -> None:
     until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 0)
     page.keyboard.press("ArrowRight")
     until(lambda: page.locator('[data-name="robot0.lidar"]').count() == 1)
-    assert not any(driver.keys)  # none of it drove a robot
+    assert not any(driver.keys)  # no key drove a robot
 
 
 def test_values_are_shown_live_with_their_units(running, open_page) -> None:
@@ -113,7 +113,7 @@ def test_a_click_in_the_view_selects(running, open_page) -> None:
     for robot in ("robot0", "robot1"):
 
         def hit(robot: str = robot) -> bool:
-            page.mouse.click(*place_of(page, robot))  # the view gets smaller when details open beside it
+            page.mouse.click(*place_of(page, robot))  # the view shrinks when the right panel opens
             return str(page.evaluate("morse.components.selected.value")).startswith(robot)
 
         until(hit)
@@ -169,7 +169,7 @@ def test_services_are_called_with_arguments_and_their_results_shown(running, ope
     assert events(driver, CallService)[0].arguments == [2, 0.5]
     add.get_by_label("b", exact=True).fill("")
     add.get_by_role("button", name="call").click()
-    until(lambda: add.locator(".result").inner_text() == "2")  # left empty, it takes its default
+    until(lambda: add.locator(".result").inner_text() == "2")  # an empty argument uses its default
     fail = page.get_by_role("form", name="fail", exact=True)
     fail.get_by_role("button", name="call").click()
     until(lambda: "no power" in fail.locator(".result").inner_text())
@@ -196,7 +196,7 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(running, open_page, tmp
     until(lambda: page.locator("figure.plot").count() == 1)
     page.get_by_role("rowheader", name="position", exact=True).last.drag_to(page.locator("figure.plot"))
     until(lambda: page.locator(".legend li").count() == 4)
-    select(page, "robot1")  # plotted values keep coming
+    select(page, "robot1")  # plotted values are still received
     until(lambda: driver.server.wishes.values == {"robot0.lidar", "robot1.lidar"})
     until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 40)
     page.get_by_role("button", name="Hold").click()
@@ -229,14 +229,14 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_
     driver.measures = True
     until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > 3)
     assert page.locator(".legend li").count() == 1
-    assert page.locator("figure.plot").count() == 1  # what holds no numbers goes, and says so
+    assert page.locator("figure.plot").count() == 1  # a field without numbers is removed, with a message
     toasts = page.locator(".toast")
     until(lambda: toasts.count() == 2)
     assert toasts.all_inner_texts() == [
         "robot0.lidar.note cannot be plotted: it is not a number.",
         "robot0.lidar.points cannot be plotted: 20 values.",
     ]
-    page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays nothing
+    page.get_by_role("rowheader", name="image", exact=True).last.press("Enter")  # its value stays null
     until(lambda: page.locator("figure.plot").count() == 2)
     assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
 
@@ -257,7 +257,7 @@ def test_plots_take_the_colours_of_the_theme(running, open_page) -> None:
     until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > kept)
 
 
-# what sensors see ----------------------------------------------------------------------------------------
+# overlays of sensors -------------------------------------------------------------------------------------
 
 
 def layer(page: Page, name: str) -> None:
@@ -275,7 +275,7 @@ def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None
     until(lambda: page.evaluate(f"!!{rays}"))
     ends = np.array(page.evaluate(f"[...{rays}.beams.geometry.attributes.position.array]")).reshape(61, 2, 3)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    # every other one meets something
+    # every second ray has a hit
     assert lengths[1::2] == pytest.approx(3.0 + np.sin(np.arange(61) * 0.7)[1::2], abs=1e-3)
     assert lengths[::2].max() < 1.0
     assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
@@ -302,7 +302,7 @@ def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> No
     count = page.evaluate(part("trails") + "[0].geometry.drawRange.count")
     dots = page.evaluate(f"[...{part('trails')}[0].geometry.attributes.position.array.slice(0, {3 * count})]")
     trail = np.array(dots).reshape(count, 3)[:, :2]
-    # it drives in a circle: where it was drawn it was there, and between two pictures the trail is straight
+    # it drives in a circle: trail points are exact, and the trail is straight between two frames
     radius = np.hypot(*trail.T)
     assert radius.max() < 2.001
     assert np.count_nonzero(radius > 1.999) >= 2
@@ -310,7 +310,7 @@ def test_contacts_cones_frames_names_trails_and_masses(running, open_page) -> No
     until(lambda: page.evaluate(part("masses") + "[0].position.z") == pytest.approx(1.25))
     page.reload()
     until(lambda: page.evaluate("!!window.morse?.world.value"))
-    until(lambda: page.evaluate(part("frames") + ".length") == 6)  # remembered
+    until(lambda: page.evaluate(part("frames") + ".length") == 6)  # restored
 
 
 def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -> None:
@@ -334,7 +334,7 @@ def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -
         c.updateWorldMatrix(true, false);
         c.geometry.computeBoundingBox(); const b = c.geometry.boundingBox.clone().applyMatrix4(c.matrixWorld);
         return [...b.min.toArray(), ...b.max.toArray()] })"""
-    # they are put in their places when they are first drawn
+    # their positions are set when they are first drawn
     until(lambda: page.evaluate(measure)[0] == pytest.approx([4.5, -1, 0.75, 5.5, 1, 1.25]))
     sizes = page.evaluate(measure)
     assert sizes[1] == pytest.approx([4.5, -0.5, -0.5, 5.5, 0.5, 0.5], abs=0.01)
@@ -369,7 +369,7 @@ def test_what_a_camera_sees(running, open_page) -> None:
     until(lambda: driver.server.wishes.images == frozenset())
 
 
-# the point of view ---------------------------------------------------------------------------------------
+# the viewpoint -------------------------------------------------------------------------------------------
 
 
 def test_following_a_robot(running, open_page) -> None:

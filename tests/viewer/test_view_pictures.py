@@ -1,4 +1,4 @@
-"""What cameras see, sent to pages."""
+"""Camera images, sent to pages."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_ids_have_a_colour_each_and_nothing_is_black():
     assert colors.shape == (5, 8, 3)
     assert (colors[0, 0] == 0).all()
     assert len({tuple(color) for color in colors.reshape(-1, 3).tolist()}) == 40
-    # the colour of an id does not depend on what else is in sight
+    # the colour of an id does not depend on the other visible objects
     np.testing.assert_array_equal(as_pixels(ids[:1, :4]), colors[:1, :4])
 
 

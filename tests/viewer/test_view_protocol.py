@@ -1,4 +1,4 @@
-"""What pages and simulator say to each other."""
+"""Messages between pages and simulator."""
 
 from __future__ import annotations
 
@@ -130,4 +130,4 @@ def test_typescript_of_optional_and_nested_types() -> None:
     assert "  robot: string | null;" in text
     assert "  components: ComponentDescription[];" in text
     assert "  payload: ArrayBuffer;" in text
-    assert "  count?: number;" in text  # a page may leave out what has a default
+    assert "  count?: number;" in text  # a page may omit fields with a default

@@ -1,4 +1,4 @@
-"""A recorded run on the page: jump, drag, play, backward; nobody can change what was."""
+"""A recorded run on the page: jump, drag, play, backward; it cannot be changed."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def turn_until(view: ReplayView, condition: Callable[[], Any]) -> None:
 
 
 def shown_time(client: Client) -> float:
-    """Of the last picture that the page was sent, s; the page says that it has taken it."""
+    """Time of the last frame that was sent to the page, s; the page confirms it."""
     with contextlib.suppress(TimeoutError):
         client.receive(timeout=0.05)
     client.send("taken", count=len(client.poses))

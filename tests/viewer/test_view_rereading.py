@@ -1,4 +1,4 @@
-"""F11 reads an edited scene script again."""
+"""F11 reloads an edited scene script."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ env = Environment("empty", fastmode=True)
 
 
 class Edited:
-    """A simulation that follows its files, and a page that drives it."""
+    """A simulation that watches its files, and its driving page."""
 
     def __init__(self, folder: Path) -> None:
         self.script, self.places = folder / "scene.py", folder / "places.py"
@@ -52,7 +52,7 @@ class Edited:
             until(lambda: len(self.addresses()) > times, limit=60.0)
 
     def x(self, robot: str = "rover") -> float:
-        """Where the robot is, asked over the port that the log named last."""
+        """The position of the robot, requested over the last port in the log."""
         ports = re.findall(r"services are on port (\d+)", self.log())
         with Morse("127.0.0.1", int(ports[-1])) as simu:
             return float(getattr(simu, robot).pose.get(timeout=20.0)["x"])
@@ -73,7 +73,7 @@ def test_an_edited_script_is_read_again(edited: Edited) -> None:
     edited.start_anew(1)
     assert edited.x("other") == pytest.approx(2.5, abs=0.01)
     assert edited.addresses() == [edited.url] * 2, "pages come back to the same address"
-    # what the script imports counts as well
+    # modules that the script imports count as well
     edited.places.write_text("START = -3.25\n")
     edited.start_anew(2)
     assert edited.x("other") == pytest.approx(-1.75, abs=0.01)

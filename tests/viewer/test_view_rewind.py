@@ -1,4 +1,4 @@
-"""The page goes back in time: with a simulation that runs, and a page on the wire."""
+"""The page goes back in time: with a running simulation, and a page on the protocol level."""
 
 from __future__ import annotations
 

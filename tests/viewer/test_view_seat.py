@@ -1,4 +1,4 @@
-"""One page drives; nothing stays held when it is gone."""
+"""One page drives; its keys are released when it disconnects."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ def test_a_driver_that_leaves_makes_room_for_who_asked() -> None:
 def test_the_only_page_that_is_left_takes_the_wheel_by_itself() -> None:
     seat, _ = seat_of(1, 2, 3)
     seat.leave(1, [2, 3])
-    assert seat.driver is None  # nobody asked, and it could be either
+    assert seat.driver is None  # no page has requested control, and there are two candidates
     seat.leave(3, [2])
     assert seat.driver == 2
     seat.leave(2, [])

@@ -158,7 +158,7 @@ def test_stopping_does_not_wait_for_a_page_that_is_dead() -> None:
         assert time.monotonic() - began < 5.0
 
 
-# what pages see ------------------------------------------------------------------------------------------
+# data for pages ------------------------------------------------------------------------------------------
 
 
 def test_poses_reach_the_page(served) -> None:
@@ -226,7 +226,7 @@ def test_a_slow_page_sees_less_not_later_and_the_tick_does_not_wait(served) -> N
     server, url = served
     server.set_scene(*one_box())
     with Client(url) as slow, Client(url) as quick:
-        slow.expect("seat", pages=2)  # from here on it never says what it has taken
+        slow.expect("seat", pages=2)  # from here on it never confirms frames
         quick.expect("seat", pages=2)
         longest = 0.0
         for tick in range(1, 101):
@@ -302,7 +302,7 @@ def test_payloads_and_wishes(served) -> None:
     until(lambda: server.wishes.values == frozenset())
 
 
-# who drives ----------------------------------------------------------------------------------------------
+# control -------------------------------------------------------------------------------------------------
 
 
 def test_events_of_the_driving_page_reach_the_simulation(served) -> None:

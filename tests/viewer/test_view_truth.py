@@ -1,4 +1,4 @@
-"""The page shows what is, and nothing is lost by accident."""
+"""The page shows the true state, and no work is lost by accident."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def select(page: Page, name: str) -> None:
 
 
 def on_page(page: Page, place: list[float]) -> tuple[float, float]:
-    """Where a point of the world is seen."""
+    """The pixel of a point of the world."""
     x, y = page.evaluate(
         """([x, y, z]) => {
             const { view } = morse.stage;
@@ -65,7 +65,7 @@ def test_a_simulation_that_has_ended_is_not_called_lost(make_server, open_page) 
     until(lambda: not link.is_visible())
     server.stop()
     until(lambda: "has ended" in link.inner_text())
-    # attempts to reach it fail meanwhile
+    # attempts to reconnect fail in the meantime
     for _ in range(20):
         page.wait_for_timeout(100)
         assert "has ended" in link.inner_text()
@@ -106,7 +106,7 @@ def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(run
     page.keyboard.down("w")
     assert leave(page)
     page.keyboard.up("w")
-    assert leave(page)  # the next key may come late
+    assert leave(page)  # the next key may be late
     until(lambda: not leave(page))
     page.mouse.move(300, 250)
     page.keyboard.down("Control")
@@ -124,7 +124,7 @@ def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(run
     page.keyboard.up("Control")
     until(lambda: not leave(page))
     page.keyboard.down("Control")
-    assert not leave(page)  # who neither flies nor looks around means the browser
+    assert not leave(page)  # without flying or looking around, the key is for the browser
     page.evaluate(note)
     key = "{ code: 'KeyR', key: 'r', ctrlKey: true, cancelable: true }"
     page.evaluate(f"dispatchEvent(new KeyboardEvent('keydown', {key}))")
@@ -202,7 +202,7 @@ def test_plots_say_whose_field_it_is_and_show_a_window_of_time(running, open_pag
     page.get_by_label("time shown").select_option("5 s")
     scale = "(s => s.max - s.min)(morse.panels.plots.plots[0].chart.scales.x)"
     until(lambda: page.evaluate(scale) == pytest.approx(5.0))
-    # every button is within the room for plots, also where that is narrow
+    # every button is within the area of the plots, also in narrow windows
     for width in (1100, 920):
         page.set_viewport_size({"width": width, "height": 700})
         room = page.locator(".plots").bounding_box()
@@ -259,7 +259,7 @@ def test_names_of_robots_do_not_pile_up(served, open_page) -> None:
     many_robots(server, 20)
     page = open_page(url, **WIDE)
     page.evaluate("morse.panels.layers.switch('names', true)")
-    # all boxes of one frame: which names are shown changes while the camera goes to its place
+    # all boxes of one frame: the visible names change while the camera moves
     shown = """[...document.querySelectorAll(".names span:not([hidden])")].map(label => {
         const {x, y, width, height} = label.getBoundingClientRect(); return {x, y, width, height}; })"""
     boxes = until(lambda: len(found := page.evaluate(shown)) > 3 and found, "names of robots")
@@ -334,7 +334,7 @@ def test_a_service_that_moves_the_camera_of_the_script_moves_that_of_the_page(ru
     until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
     page.keyboard.press("F8")
     until(lambda: page.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
-    late = open_page(url)  # one that comes later looks from there, too
+    late = open_page(url)  # a later page has that viewpoint, too
     until(lambda: late.evaluate("morse.stage.view.position.toArray()") == pytest.approx([1.0, 2.0, 3.0]))
 
 
@@ -343,7 +343,7 @@ def test_a_picture_that_stands_still_is_refined(served, open_page) -> None:
     server.set_scene(Scene("s", roots=[mesh_node("crate", box("c"), (0, 0, 0))]), [])
     page = open_page(url, width=320, height=240)
     ratio = "morse.stage.renderer.getPixelRatio()"
-    assert page.evaluate("morse.stage.quality.mayRefine") is False  # the address asks for low quality
+    assert page.evaluate("morse.stage.quality.mayRefine") is False  # the address requests low quality
     usual = page.evaluate(ratio)
     page.evaluate("Object.assign(morse.stage.quality, { mayRefine: true, software: false })")
     until(lambda: page.evaluate(ratio) > 1.2 * usual)
@@ -412,7 +412,7 @@ def test_a_scan_is_drawn_from_above(running, open_page) -> None:
     inspected(driver)
     page = open_page(url, **WIDE)
     select(page, "robot0.scan")
-    # something 4 m ahead and 2 m to the left, nothing elsewhere
+    # an obstacle 4 m ahead and 2 m to the left, nothing elsewhere
     ranges = [None] * 181
     ranges[90], ranges[180] = 4.0, 2.0
     driver.server.send(Values("robot0.scan", 1.0, {"range_list": ranges}))

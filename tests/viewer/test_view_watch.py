@@ -1,4 +1,4 @@
-"""What a page is told when files are saved while the simulation runs."""
+"""Messages to a page when files are saved while the simulation runs."""
 
 from __future__ import annotations
 

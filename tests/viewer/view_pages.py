@@ -1,4 +1,4 @@
-"""Pages made of plain sockets."""
+"""Pages on plain sockets."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def until(condition: Callable[[], Any], what: str = "", limit: float = 20.0) -> 
 
 
 class Client:
-    """A page made of a plain socket."""
+    """A page on a plain socket."""
 
     def __init__(
         self, url: str, *, version: int = VERSION, hello: bool = True, query: str = "", **options: Any
@@ -57,11 +57,11 @@ class Client:
         self._stack.close()
 
     def send(self, kind: str, **fields: Any) -> None:
-        """Say something."""
+        """Send a message."""
         self.socket.send(json.dumps({"type": kind, **fields}))
 
     def receive(self, timeout: float = 10.0) -> None:
-        """Take one frame."""
+        """Receive one frame."""
         frame = self.socket.recv(timeout=timeout)
         if isinstance(frame, str):
             self.messages.append(json.loads(frame))
@@ -72,7 +72,7 @@ class Client:
             self.messages.append({**json.loads(frame[8 : 8 + length]), "payload": frame[8 + length :]})
 
     def expect(self, kind: str, **fields: Any) -> dict[str, Any]:
-        """Wait for a message, and forget those up to it."""
+        """Wait for a message, and discard those before it."""
         end = time.monotonic() + 10.0
         while time.monotonic() < end:
             while self.messages:
@@ -84,7 +84,7 @@ class Client:
 
 
 class DeadPage:
-    """A page that says hello and never reads what it is sent."""
+    """A page that sends hello and never reads."""
 
     def __init__(self, url: str) -> None:
         protocol = ClientProtocol(parse_uri(url.replace("http", "ws") + "ws"))
@@ -110,7 +110,7 @@ def port_of(url: str) -> int:
 
 
 def fetch(url: str, headers: dict[str, str] | None = None) -> tuple[int, dict[str, str], bytes]:
-    """Status, headers and body of a plain request."""
+    """Status, headers and body of a plain HTTP request."""
     request = urllib.request.Request(url, headers=headers or {})
     try:
         with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=10) as answer:

@@ -1,4 +1,4 @@
-"""Something that moves in a world and answers a page, as a simulation does."""
+"""A replacement for a simulation, with a moving world and answers for a page."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ TICK = 1.0 / 60.0
 
 
 def scan(pose: np.ndarray) -> np.ndarray:
-    """(61, 7) rays that fan out from a robot, every other one hits."""
+    """(61, 7) rays in a fan from a robot; every second one has a hit."""
     heading = 2 * math.atan2(pose[6], pose[3])
     rays = np.zeros((61, 7), dtype="<f4")
     rays[:, :3] = pose[:3] + np.array([0.0, 0.0, 0.55])
@@ -65,7 +65,7 @@ def scan(pose: np.ndarray) -> np.ndarray:
 
 
 def gradient(tick: int) -> bytes:
-    """A 64x48 picture, RGBA: red grows to the right, green downward, blue with time."""
+    """A 64x48 image, RGBA: red grows to the right, green downward, blue with time."""
     picture = np.zeros((48, 64, 4), np.uint8)
     picture[..., 0] = np.arange(64)[None, :] * 4
     picture[..., 1] = np.arange(48)[:, None] * 5
@@ -75,7 +75,7 @@ def gradient(tick: int) -> bytes:
 
 
 class CircleDriver:
-    """Stands for the simulation: robots run in circles, and obey the arrow keys of the page."""
+    """Replaces the simulation: robots drive in circles, or are driven by the arrow keys of the page."""
 
     def __init__(self, server: ViewServer, moving: list[MovingNode]) -> None:
         self.server = server
@@ -98,7 +98,7 @@ class CircleDriver:
         self._thread.join(5)
 
     def poses(self) -> np.ndarray:
-        """Robots on circles around the origin, heads that turn."""
+        """Robots on circles around the origin, with rotating heads."""
         poses = np.zeros((len(self.moving), 7), dtype=np.float32)
         poses[:, 3] = 1.0
         for i in range(len(self.moving) // 2):
@@ -146,7 +146,7 @@ class CircleDriver:
                 self.speed = math.inf if event.factor is None else event.factor
 
     def _tell(self) -> None:
-        """Values, rays and pictures of those that pages show."""
+        """Values, rays and images for pages that show them."""
         wishes = self.server.wishes
         for name in wishes.values if self.measures else ():
             data: dict[str, Any] = {

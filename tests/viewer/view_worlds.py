@@ -13,7 +13,7 @@ from morse.viewer.snapshot import MovingNode
 
 
 def box(name: str, *materials: Material, size: float = 1.0, uvs: bool = False) -> Mesh:
-    """A cube around the origin; its six sides share the materials in turn."""
+    """A cube around the origin; its six sides use the materials in turn."""
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float32) * size / 2
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
@@ -29,7 +29,7 @@ def box(name: str, *materials: Material, size: float = 1.0, uvs: bool = False) -
 
 
 def plane(name: str, material: Material, size: float, tiles: float = 1.0) -> Mesh:
-    """A square in the XY plane, its picture repeated."""
+    """A square in the XY plane with a repeated texture."""
     half = size / 2
     corners = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], dtype=np.float32)
     uvs = np.array([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]], dtype=np.float32) * tiles
@@ -58,7 +58,7 @@ def sphere(name: str, material: Material, radius: float) -> Mesh:
 
 
 def chequers(a: tuple[int, int, int], b: tuple[int, int, int], cells: int = 8) -> Image:
-    """A PNG of two colours."""
+    """A PNG with two colours."""
     grid = np.indices((64, 64)).sum(axis=0) * 0 + (np.indices((64, 64)) * cells // 64).sum(axis=0)
     pixels = np.where((grid % 2)[..., None] == 0, np.array(a), np.array(b)).astype(np.uint8)
     out = io.BytesIO()
@@ -72,7 +72,7 @@ def mesh_node(name: str, mesh: Mesh, location: tuple[float, float, float] = (0, 
 
 
 def playground(robots: int = 3) -> tuple[Scene, list[MovingNode]]:
-    """A floor, crates, a ball, robots with a turning sensor each, a lamp and a camera."""
+    """A floor, crates, a ball, robots with a rotating sensor each, a lamp and a camera."""
     floor = Material("floor", (0.55, 0.56, 0.58, 1.0), roughness=0.9)
     wood = Material("wood", (0.9, 0.9, 0.9, 1.0), roughness=0.8, image=chequers((176, 124, 74), (150, 100, 56)))
     red, dark = Material("red", (0.65, 0.06, 0.03, 1.0), roughness=0.4), Material("dark", (0.05, 0.06, 0.07, 1.0))
@@ -102,6 +102,6 @@ def playground(robots: int = 3) -> tuple[Scene, list[MovingNode]]:
 
 
 def with_lamp(scene: Scene) -> Scene:
-    """The scene with a lamp over it."""
+    """The scene with a lamp above it."""
     scene.roots.append(Node("lamp", NodeKind.LIGHT, location=[2, 2, 6], light=Light("POINT", energy=1.0)))
     return scene

@@ -1,7 +1,7 @@
-"""Writes small ``.blend`` files, as Blender 2.5 to 2.79 laid them out: any pointer size, any byte order.
+"""Writes small ``.blend`` files in the format of Blender 2.5 to 2.79: any pointer size, any byte order.
 
-The description of the structs (the catalogue at the start of this file) goes into every file that is written, as
-Blender does it; structs here have only the fields that matter.
+The description of the structs (the catalogue at the start of this file) is written into every file, as Blender does;
+the structs here have only the relevant fields.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Block:
 
 
 class BlendWriter:
-    """A file in the making. Every method returns the address of what it adds."""
+    """A file under construction. Every method returns the address of the block that it adds."""
 
     def __init__(self, *, pointer_size: int = 4, endian: str = "<", version: int = 262) -> None:
         self.pointer_size, self.endian, self.version = pointer_size, endian, version
@@ -104,7 +104,7 @@ class BlendWriter:
             self.fields.append((name, members))
 
     def address(self) -> int:
-        """An address that nothing has yet."""
+        """An unused address."""
         self._next += 0x10000
         return self._next
 
@@ -130,7 +130,7 @@ class BlendWriter:
         return self.data(owner, None, struct.pack(f"{self.endian}{len(addresses)}{kind}", *addresses))
 
     def chain(self, owner: int, struct_name: str, items: list[dict]) -> dict[str, int]:
-        """A linked list. Returns the value for the field that holds it."""
+        """A linked list. Returns the value for its field."""
         addresses = [self.address() for _ in items]
         for number, item in enumerate(items):
             links = {
@@ -148,7 +148,7 @@ class BlendWriter:
         return [known for known, _ in self.fields].index(name)
 
     def pack(self, name: str, values: dict) -> bytes:
-        """The bytes of a struct; fields that are not given are zero."""
+        """The bytes of a struct; missing fields are zero."""
         content = bytearray(self.sizes[name])
         unknown = values.keys() - {member for member, _, _, _ in self.structs[name]}
         assert not unknown, f"{name} has no {unknown}"
@@ -240,7 +240,7 @@ class BlendWriter:
         return self.datablock("OB", "Object", name, address, data=data, type=type, **{**defaults, **values})
 
     def scene(self, *objects: int, **values: object) -> int:
-        """The scene that holds some objects, and is the one that was open."""
+        """The active scene, with some objects."""
         address = self.address()
         base = self.chain(address, "Base", [{"object": obj, "lay": 1} for obj in objects])
         self.datablock("SC", "Scene", "Scene", address, base=base, gm={"gravity": 9.8}, **values)

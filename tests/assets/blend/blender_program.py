@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def run_blender(script: Path, *arguments: str) -> None:
-    """Run a script; skip the test where there is no Blender."""
+    """Run a script; skip the test without Blender."""
     program = shutil.which("blender")
     if program is None:
         pytest.skip("needs Blender on the PATH")

@@ -28,7 +28,7 @@ def scene_path(request: pytest.FixtureRequest) -> Path:
 
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Nothing that an earlier run kept, and no Blender that the environment names."""
+    """No cache of an earlier run, and no Blender in the environment."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "cache"))
     monkeypatch.delenv("MORSE_BLENDER", raising=False)

@@ -1,4 +1,4 @@
-"""Makes one object for each way to build a material: ``blender -b ... --python make_materials.py -- scene.blend``."""
+"""Creates one object for each kind of material: ``blender -b ... --python make_materials.py -- scene.blend``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def material(name: str) -> tuple[bpy.types.Material, bpy.types.NodeTree, bpy.types.NodeSocket]:
-    """An object with a new material; its tree, empty but for the output, and the input of that."""
+    """An object with a new material; its node tree with only the output, and the input of the output."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     for node in list(made.node_tree.nodes):

@@ -1,8 +1,8 @@
-"""Makes the scene that the tests of the reader know, with whatever Blender runs it.
+"""Creates the scene for the tests of the reader, with any version of Blender.
 
 ``blender -b --factory-startup -noaudio --python make_scene.py -- scene.blend``, or with Python and the module
-`bpy`: ``python make_scene.py -- scene.blend``. The latter made ``files/scene-4.2.blend`` (bpy 4.2.23), ``-4.5``
-(4.5.15), ``-5.0`` (5.0.1) and ``-5.2`` (5.2.3). Every object carries its world matrix, as Blender computes it, in
+`bpy`: ``python make_scene.py -- scene.blend``. The latter created ``files/scene-4.2.blend`` (bpy 4.2.23), ``-4.5``
+(4.5.15), ``-5.0`` (5.0.1) and ``-5.2`` (5.2.3). Every object has its world matrix, as computed by Blender, in
 the custom property ``world`` (16 numbers, row by row).
 """
 
@@ -46,7 +46,7 @@ def main(path: str) -> None:
     if bpy.app.background and bpy.app.binary_path:
         bpy.ops.wm.save_as_mainfile(filepath=path, compress=True)
     else:
-        # the scene alone, without the windows of the program
+        # only the scene, without the windows of the program
         bpy.data.libraries.write(path, {scene}, compress=True)
 
 
@@ -120,7 +120,7 @@ def make_meshes(materials: dict[str, bpy.types.Material]) -> None:
     can = make_mesh("can", rims, walls + caps)
     can.polygons.foreach_set("use_smooth", [True] * sides + [False, True])
     for edge in can.edges:
-        # the rims: on them, the walls must not borrow the normals of the caps
+        # the rims: on them, the walls must not use the normals of the caps
         edge.use_edge_sharp = abs(edge.vertices[0] - edge.vertices[1]) != sides
     can.materials.append(materials["glow"])
     if hasattr(can, "use_auto_smooth"):
@@ -227,7 +227,7 @@ def make_collections() -> None:
     outer.children.link(inner)
     outer.objects.link(bpy.data.objects["base"])
     inner.objects.link(bpy.data.objects["arm"])
-    # a template that is not in the scene, but shown twice
+    # a template that is not in the scene, but instantiated twice
     template.instance_offset = (0, 0, 1)
     post = bpy.data.objects.new("post", bpy.data.meshes["cube"])
     post.location = (0, 0, 1)

@@ -1,4 +1,4 @@
-"""Makes objects that only Blender can work out: ``blender -b ... --python make_unevaluated.py -- scene.blend``."""
+"""Creates objects that only Blender can evaluate: ``blender -b ... --python make_unevaluated.py -- scene.blend``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modifiers, curves, constraints: worked out by Blender where there is one, named where there is none."""
+"""Modifiers, curves, constraints: evaluated by Blender if available, otherwise listed in the log."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def unevaluated_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def evaluated(unevaluated_scene: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Node]:
-    """The nodes of that scene, with what Blender made of them."""
+    """The nodes of that scene, evaluated by Blender."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         library = read_blend(unevaluated_scene)
@@ -118,7 +118,7 @@ def mirrored(folder: Path) -> Path:
 
 
 def program(folder: Path, body: str) -> str:
-    """A program that stands in for Blender; `result` is the file that it should write."""
+    """A program in place of Blender; `result` is the file that it writes."""
     path = folder / "pretended"
     path.write_text(f"#!{sys.executable}\nimport os, sys, time\nresult = sys.argv[-2]\n{body}\n")
     path.chmod(0o755)

@@ -1,4 +1,4 @@
-"""Files that are broken, cut off, or made to do harm: an error with a clear sentence, and never more than a moment."""
+"""Damaged, truncated and malicious files: an error with a clear message, within a short time."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SQUARE = [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0)]
 
 
 def scene_writer(**layout: object) -> BlendWriter:
-    """A little of everything that files of old versions hold."""
+    """A file with many features of old versions."""
     writer = BlendWriter(**layout)
     image, material = writer.address(), writer.address()
     packed = writer.data(image, "PackedFile", {"size": 9, "data": writer.data(image, None, b"\x89PNG\r\n\x1a\n.")})
@@ -69,7 +69,7 @@ def samples() -> list[bytes]:
 
 
 def read(folder: Path, data: bytes) -> Library | None:
-    """Read bytes; the library must be sound, an error must be the one that callers expect, and both must come soon."""
+    """Read bytes; the library must be valid, an error must be of the documented type, and both within a short time."""
     path = folder / "hostile.blend"
     path.write_bytes(data)
     begin = time.monotonic()
@@ -123,7 +123,7 @@ def test_any_bytes(tmp_path: Path, data: bytes, head: bytes) -> None:
 @given(sample=st.integers(0, 3), share=st.floats(0.0, 1.0, exclude_max=True))
 def test_cut_off(tmp_path: Path, sample: int, share: float) -> None:
     data = samples()[sample]
-    # without its last block, the end mark, a file is not whole
+    # without its last block, the end mark, a file is incomplete
     assert read(tmp_path, data[: int(share * (len(data) - 40))]) is None
 
 
@@ -160,7 +160,7 @@ def test_moved_pieces(tmp_path: Path, sample: int, chance: random.Random, size: 
 
 @cache
 def pointers(sample: int) -> tuple[list[int], str]:
-    """Where the words of a sample lie that are addresses of blocks, and how they are packed."""
+    """The offsets of the block addresses in a sample, and their format."""
     data = samples()[sample]
     file = BlendFile(data)
     word = f"{file.endian}{'Q' if file.pointer_size == 8 else 'I'}"

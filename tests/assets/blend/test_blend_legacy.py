@@ -91,7 +91,7 @@ def test_faces_are_triangles_and_quads(tmp_path: Path) -> None:
     node = single(tmp_path, writer, data=mesh, type=1)
     corners = node.mesh.vertices[node.mesh.triangles].tolist()
     assert corners == [[[2, 0, 0], [2, 1, 0], [0, 1, 0]], [[0, 0, 0], [2, 0, 0], [2, 1, 0]]]
-    # the vertex that no face uses is left out
+    # a vertex without a face is left out
     assert len(node.mesh.vertices) == 4
 
 
@@ -180,7 +180,7 @@ def test_groups_and_their_instances(tmp_path: Path) -> None:
     assert library.collections == {"crates": ["crate"]}
     assert library.outside_scene == {"crate"}
     copy = next(node for node in library.roots if node.source_name == "crate" and node.name != "crate")
-    # what moves by itself hangs on nothing
+    # a dynamic body has no parent
     assert copy.location == pytest.approx([5, 0, 0])
     assert copy.body.mass == 2.0
     assert copy.mesh is not None
@@ -310,7 +310,7 @@ def test_textures_that_cannot_be_shown_are_named(
 
 @pytest.fixture
 def private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A picture beside the folder of the model, and a link to it inside."""
+    """An image outside the folder of the model, and a link to it inside."""
     monkeypatch.delenv("MORSE_RESOURCE_PATH", raising=False)
     monkeypatch.delenv("MORSE_IMAGE_PATH", raising=False)
     monkeypatch.delenv("MORSE_ROOT", raising=False)
@@ -484,7 +484,7 @@ def test_polygons_of_any_size(tmp_path: Path, pointer_size: int, endian: str) ->
     areas = np.cross(b - a, c - a)[:, 2] / 2
     assert areas[:4].min() > 0
     assert areas[:4].sum() == pytest.approx(3)
-    # the second polygon is turned over
+    # the second polygon has the opposite orientation
     assert areas[4:].tolist() == [-1]
     assert mesh.uvs * 2 == pytest.approx(mesh.vertices[mesh.triangles][..., :2])
     shown = [mesh.materials[index] for index in mesh.material_index]

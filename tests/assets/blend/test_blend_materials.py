@@ -41,7 +41,7 @@ def test_simple_shaders(materials: dict[str, Material]) -> None:
 
 
 def test_mixed_shaders(materials: dict[str, Material]) -> None:
-    # a quarter of the surface is solid
+    # a quarter of the surface is opaque
     assert materials["translucent"].color == pytest.approx((1, 0, 0, 0.25))
     assert materials["mostly green"].color == pytest.approx((0, 1, 0, 1))
     assert materials["glowing"].color == pytest.approx((1, 0, 0, 1))

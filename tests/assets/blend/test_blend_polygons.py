@@ -22,7 +22,7 @@ def polygons(vertices: list | np.ndarray, faces: list[list[int]], **arrays: obje
 
 
 def areas(mesh: Polygons) -> np.ndarray:
-    """(T, 3) normals of the triangles, as long as their areas."""
+    """(T, 3) normals of the triangles, with the lengths of their areas."""
     corners, _ = triangulate(mesh)
     a, b, c = (mesh.vertices[mesh.corners[corners[:, k]]] for k in range(3))
     return np.cross(b - a, c - a) / 2
@@ -63,7 +63,7 @@ def test_any_star_is_covered_exactly_once(radii: list[float], tilt: tuple[float,
         sum(flat[k][0] * flat[(k + 1) % count][1] - flat[k][1] * flat[(k + 1) % count][0] for k in range(count)) / 2
     )
     assert len(found) <= count - 2
-    # none turned over: together they can cover the area only if none overlaps another
+    # no triangle is flipped: together they can cover the area only if none overlaps another
     assert upward.min() > -1e-6
     assert upward.sum() == pytest.approx(expected, rel=1e-6)
 
@@ -127,7 +127,7 @@ def test_marked_edges_part_normals() -> None:
 
 
 def test_neighbours_that_are_inside_out_do_not_confuse_corners() -> None:
-    # both faces lie in the plane z = 0, the second one turned over
+    # both faces are in the plane z = 0, the second one with the opposite orientation
     mesh = polygons(
         [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)],
         [[0, 1, 2, 3], [1, 2, 5, 4]],
@@ -159,7 +159,7 @@ def test_clipping_takes_a_moment_only(monkeypatch: pytest.MonkeyPatch) -> None:
     radii = 1 + 0.5 * (np.arange(count) % 2)
     star = np.stack([radii * np.cos(angles), radii * np.sin(angles), np.zeros(count)], axis=1)
     mesh = polygons(np.tile(star, (5, 1)), np.arange(5 * count).reshape(5, count).tolist())
-    # enough for two of the five stars; the others are covered as if they were round, with as many triangles
+    # enough for two of the five stars; the others are triangulated as if they were convex, with as many triangles
     monkeypatch.setattr("morse.assets.blend.triangulate._CLIP_BUDGET", 2 * count**2)
     upward = areas(mesh)[:, 2].reshape(5, -1)
     assert (upward > 0).all(axis=1).tolist() == [True, True, False, False, False]

@@ -1,4 +1,4 @@
-"""One scene, saved by five versions of Blender: what is read must be what `make_scene.py` built."""
+"""One scene, saved by five versions of Blender: the result must be the scene of `make_scene.py`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def nodes(library: Library) -> dict[str, Node]:
 
 
 def area_vectors(node: Node) -> np.ndarray:
-    """(T, 3) normals of the triangles, as long as their areas."""
+    """(T, 3) normals of the triangles, with the lengths of their areas."""
     assert node.mesh is not None
     a, b, c = (node.mesh.vertices[node.mesh.triangles[:, i]].astype(float) for i in range(3))
     return np.cross(b - a, c - a) / 2
@@ -73,7 +73,7 @@ def test_each_polygon_has_its_material(nodes: dict[str, Node]) -> None:
     red, wood = mesh.materials
     assert red.color == pytest.approx((0.5, 0.25, 0.125, 0.5))
     assert (red.roughness, red.metallic, red.image) == (0.25, 0.75, None)
-    # the last face of the cube looks upward
+    # the last face of the cube faces up
     upward = area_vectors(nodes["cube"])[:, 2] > 0.1
     assert (mesh.material_index == upward).all()
     assert wood.color == (1, 1, 1, 1)

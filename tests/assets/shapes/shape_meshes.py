@@ -1,4 +1,4 @@
-"""Analytic meshes, counter-clockwise seen from outside, and solids to probe what was made of them."""
+"""Analytic meshes, counter-clockwise when viewed from outside, and solids to test the resulting shapes."""
 
 import math
 
@@ -51,14 +51,14 @@ def cells(filled, xs, ys, zs):
 
 
 def box(half, centre=(0, 0, 0), turn=None, cuts=1):
-    """A box of cuts x cuts quads a side."""
+    """A box of cuts x cuts quads per side."""
     x, y, z = half
     vertices, triangles = cells(np.ones((cuts, cuts, cuts)), *(np.linspace(-h, h, cuts + 1) for h in (x, y, z)))
     return vertices @ (np.eye(3) if turn is None else turn).T + np.asarray(centre), triangles
 
 
 def icosphere(radius, rounds, centre=(0, 0, 0)):
-    """An icosahedron subdivided so many times, on the sphere."""
+    """A repeatedly subdivided icosahedron, on the sphere."""
     g = (1 + math.sqrt(5)) / 2
     vertices = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
                 (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]  # fmt: skip
@@ -98,7 +98,7 @@ def prism(polygon, low, high):
 
 
 def cylinder(radius, half, sides, centre=(0, 0, 0), turn=None):
-    """A prism of many sides, along Z before it is turned."""
+    """A prism with many sides, along Z before its rotation."""
     around = np.arange(sides) * (2 * math.pi / sides)
     vertices, triangles = prism(radius * np.column_stack([np.cos(around), np.sin(around)]), -half, half)
     return vertices @ (np.eye(3) if turn is None else turn).T + np.asarray(centre), triangles
@@ -115,19 +115,19 @@ def joined(*meshes):
 
 
 def loose(mesh):
-    """Every triangle with corners of its own, as STL files have them."""
+    """The same mesh without shared vertices, as in STL files."""
     vertices, triangles = mesh
     return vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
 
 
 def seen_from_inside(mesh):
-    """The same surface turned inside out."""
+    """The same surface with the opposite orientation."""
     vertices, triangles = mesh
     return vertices, triangles[:, ::-1]
 
 
 class Solid:
-    """Parts as the physics engine takes them."""
+    """Parts in the format of the physics engine."""
 
     PROBE = 1e-4
 
@@ -155,7 +155,7 @@ class Solid:
         self.data = mujoco.MjData(self.model)
 
     def clearance(self, point, farthest=100.0):
-        """Metres from a point to the solid, not above 0 inside."""
+        """Distance from a point to the solid, m; 0 or negative inside."""
         self.data.mocap_pos[0] = point
         mujoco.mj_kinematics(self.model, self.data)
         probe = self.model.ngeom - 1

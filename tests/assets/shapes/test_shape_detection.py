@@ -16,7 +16,7 @@ places = st.tuples(*[st.floats(-50, 50)] * 3)
 
 
 def same_box(found, half, centre, turn):
-    """True if two boxes are the same solid, whatever their axes are called."""
+    """True if two boxes are the same solid, whatever the order of their axes."""
     mine = np.abs(np.array(turn).T @ found.rotation)
     size = max(half)
     return (

@@ -1,4 +1,4 @@
-"""Robots from URDF files: links where the joints put them, and files that are not as they should be."""
+"""Robots from URDF files: the poses of links, and invalid files."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def test_the_robot_stands_and_its_joints_obey(run) -> None:
     arm.set_translation("reach", 0.1).result()
     # the motors take a second, at 1 N m and 1 N at most
     run.step(120)
-    # two links: 0.5 m, then 0.6 m turned by 0.3 rad about the Z axis of the first, all raised by 0.5 rad
+    # two links: 0.5 m, then 0.6 m rotated by 0.3 rad about the Z axis of the first, all pitched by 0.5 rad
     ahead = 0.5 + 0.6 * math.cos(0.3)
     wanted = [ahead * math.cos(0.5), -0.6 * math.sin(0.3), 0.4 + ahead * math.sin(0.5)]
     assert place(arm.tip) == pytest.approx(wanted, abs=3e-3)

@@ -1,4 +1,4 @@
-"""The other side of MAVLink by pymavlink's connections: takes telemetry, sends commands, prints what it has seen."""
+"""The peer of MAVLink with pymavlink: receives telemetry, sends commands, prints the received messages."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""MAVSDK, which shares no code with pymavlink, listens to a vehicle; prints what it knows of it as JSON."""
+"""MAVSDK, which shares no code with pymavlink, listens to a vehicle; prints its telemetry as JSON."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""A client of a broker that drives a robot and looks at it; prints what it has seen as JSON."""
+"""A client of a broker that drives and observes a robot; prints the received data as JSON."""
 
 import json
 import sys

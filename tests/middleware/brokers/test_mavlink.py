@@ -1,4 +1,4 @@
-"""MAVLink with pymavlink in another process: which message has what, in which axes; commands; garbage."""
+"""MAVLink with pymavlink in another process: contents and axes of messages; commands; invalid bytes."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def until(sim: Any, condition: Callable[[], object]) -> None:
 
 
 def talk(sim: Any, device: str, wanted: str, *command: str) -> dict[str, Any]:
-    """What the other side has seen when it has had all that is wanted."""
+    """The messages that the peer has received when it has all wanted ones."""
     arguments = [sys.executable, str(HERE / "mavlink_peer.py"), device, wanted, *command]
     with (
         tempfile.TemporaryFile("w+") as said,
@@ -136,7 +136,7 @@ def test_what_is_measured_arrives_in_the_axes_of_mavlink(start: Callable[..., An
     assert seen["ATTITUDE"]["yaw"] == pytest.approx(-0.5, abs=0.01)
     assert seen["LOCAL_POSITION_NED"]["x"] == pytest.approx(0.0, abs=0.05)
     assert math.isnan(seen["ODOMETRY"]["pose_covariance"][0])
-    # a still sensor pushes upwards, against gravity: its specific force is -9.81 along the axis that points down
+    # a sensor at rest measures the reaction to gravity: its specific force is -9.81 along the axis that points down
     assert seen["HIGHRES_IMU"]["zacc"] == pytest.approx(-9.81, abs=0.1)
     assert seen["HIGHRES_IMU"]["fields_updated"] & 0b111111 == 0b111111
     assert 0 < seen["BATTERY_STATUS"]["battery_remaining"] <= 100
@@ -197,7 +197,7 @@ def test_an_autopilot_in_the_loop(start: Callable[..., Any]) -> None:
     # the field of the earth is about half a gauss; near France, it points north and down
     assert 0.4 < math.hypot(sensor["xmag"], sensor["ymag"], sensor["zmag"]) < 0.55
     assert sensor["zmag"] > 0.0
-    assert sensor["abs_pressure"] == pytest.approx(997.0, abs=20.0)  # 135 m over the sea, standard atmosphere
+    assert sensor["abs_pressure"] == pytest.approx(997.0, abs=20.0)  # 135 m above sea level, standard atmosphere
     until(sim, lambda: sim.context.components["robot.motors"].local_data["engines"] != [0.0] * 4)
     assert list(sim.context.components["robot.motors"].local_data["engines"]) == pytest.approx(
         [400.0, 200.0, 800.0, 0.0]
@@ -240,7 +240,7 @@ def test_a_velocity_and_commands_that_are_not_offered(start: Callable[..., Any])
     talk(sim, f"udpout:127.0.0.1:{port}", "HEARTBEAT", json.dumps(command))
     data = sim.context.components["robot.motion"].local_data
     until(sim, lambda: data["v"] == 0.5)
-    assert data["w"] == -0.25  # clockwise seen from above is to the right
+    assert data["w"] == -0.25  # clockwise from above is to the right
     arm = json.dumps(["command_long_send", 1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0])
     seen = talk(sim, f"udpout:127.0.0.1:{port}", "COMMAND_ACK", arm)
     assert (seen["COMMAND_ACK"]["command"], seen["COMMAND_ACK"]["result"]) == (400, 3)
@@ -256,7 +256,7 @@ def test_obstacles_clockwise_from_ahead(start: Callable[..., Any]) -> None:
     ranges = sim.context.components["robot.scan"].local_data["range_list"]
     assert message["increment_f"] == 5.0
     distances = message["distances"]
-    # 5 degrees to the left of ahead is the last bin, 5 degrees to the right the second one; behind nothing is known
+    # 5 degrees to the left of ahead is the last bin, 5 degrees to the right the second one; there are no data behind
     assert distances[36] == 0xFFFF
     assert all(distances[bin] == 3001 for bin in range(2, 17)), "nothing on the right: 30 m and 1 cm"
     nearest = min(range(len(ranges)), key=lambda ray: ranges[ray])
@@ -305,7 +305,7 @@ def test_garbage_and_strangers_do_no_harm(start: Callable[..., Any]) -> None:
 def test_the_other_side_comes_and_goes(start: Callable[..., Any]) -> None:
     port = free_port(socket.SOCK_STREAM)
     sim = start(f"tcp:127.0.0.1:{port}", part("Pose", "pose"))
-    sim.step(30)  # nobody is there
+    sim.step(30)  # without a peer
     for _ in range(2):
         seen = talk(sim, f"tcpin:127.0.0.1:{port}", "VISION_POSITION_ESTIMATE")
         assert seen["VISION_POSITION_ESTIMATE"]["system"] == 1
@@ -351,7 +351,7 @@ def test_axes_there_and_back(frame: str) -> None:
     # level and ahead along X: north in one world, east in the other
     level = {"nwu": 0.0, "enu": math.pi / 2.0}[frame]
     assert axes.angles((1.0, 0.0, 0.0, 0.0)) == pytest.approx((0.0, 0.0, level))
-    # the nose goes down: a positive pitch in MORSE, a negative one of aircraft
+    # nose down: a positive pitch in MORSE, a negative one for aircraft
     nose_down = (math.cos(0.1), 0.0, math.sin(0.1), 0.0)
     assert axes.angles(nose_down)[1] == pytest.approx(-0.2)
 

@@ -1,4 +1,4 @@
-"""MAVLink with MAVSDK, an implementation that shares nothing with pymavlink."""
+"""MAVLink with MAVSDK, an implementation independent of pymavlink."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MQTT with a real Mosquitto, which comes and goes, and clients in another process."""
+"""MQTT with a real Mosquitto, which is stopped and restarted, and clients in another process."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def broker_of(sim: Any) -> Any:
 
 
 def until(sim: Any, condition: Callable[[], object]) -> None:
-    """Let time pass until something is so."""
+    """Step until a condition holds."""
     end = time.monotonic() + LIMIT
     while time.monotonic() < end:
         sim.step()
@@ -118,7 +118,7 @@ def until(sim: Any, condition: Callable[[], object]) -> None:
 
 
 def talk(sim: Any, command: list[str]) -> str:
-    """Let time pass until a program has ended; what it says."""
+    """Step until a program has ended; returns its output."""
     with tempfile.TemporaryFile("w+") as said, subprocess.Popen(command, stdout=said, stderr=said) as other:
         try:
             until(sim, lambda: other.poll() is not None)
@@ -143,12 +143,12 @@ def test_a_client_drives_and_looks(broker: Mosquitto, start: Callable[..., Any])
     assert "image" not in camera
     assert seen["image"] == 4 * 32 * 24
     scan = seen["morse/robot/scan"]
-    # as on the socket: a ray that hits nothing has the range of the scanner, 30 m
+    # as on the socket: a ray without a hit has the range of the scanner, 30 m
     assert all(0.0 < distance <= 30.0 for distance in scan["range_list"])
 
 
 def test_a_simulation_without_its_broker(broker: Mosquitto, start: Callable[..., Any]) -> None:
-    sim = start(broker.port)  # nobody is there
+    sim = start(broker.port)  # without a broker
     sim.step(30)
     assert not broker_of(sim).connected
     for _ in range(2):
@@ -195,7 +195,7 @@ def test_commands_that_do_not_fit_change_nothing(
     bad = [b"", b"\xff\xfe", b"[" * 100_000, b"3", b'{"v": "fast"}', b'{"v": NaN}', b'{"v": 1e400}', b"x" * (2 << 20)]
     for message in bad:
         client.publish("morse/robot/motion/set", message, qos=1)
-    client.publish("morse/robot/motion/set", b'{"w": 0.5}', qos=1)  # the connection keeps the order
+    client.publish("morse/robot/motion/set", b'{"w": 0.5}', qos=1)  # the connection preserves the order
 
     def arrived() -> bool:
         assert motion.local_data["v"] == 0.0

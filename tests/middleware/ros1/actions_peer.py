@@ -19,7 +19,7 @@ def main() -> None:
     statuses: list[GoalStatusArray] = []
     rospy.Subscriber("/driver/go/status", GoalStatusArray, statuses.append)
     client = actionlib.SimpleActionClient("/driver/go", TestAction)
-    # rospy measures time-outs by /clock, which may go faster than the wall clock
+    # rospy measures timeouts by /clock, which may be faster than the wall clock
     while not client.wait_for_server(rospy.Duration(1.0)):
         pass
 

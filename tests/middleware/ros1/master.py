@@ -1,4 +1,4 @@
-"""A master of ROS 1, and processes beside it."""
+"""A master of ROS 1, and other processes."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: where Debian has rospy
+#: directory of rospy in Debian
 DEBIAN = "/usr/lib/python3/dist-packages"
 _LIMIT = 60.0
 
 
 def need_ros() -> None:
-    """Skip the test where ROS 1 is not installed; in CI the test has failed."""
+    """Skip the test if ROS 1 is not installed; in CI the test fails."""
     if shutil.which("rosmaster") is None or not Path(DEBIAN, "rospy").is_dir():
         reason = "ROS 1 is not installed: apt install python3-rospy python3-rosmaster"
         (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
 
 
 def environment(uri: str) -> dict[str, str]:
-    """Variables with which this Python has the packages of Debian behind its own."""
+    """Environment variables that append the packages of Debian to the path of this Python."""
     import morse
 
     paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib"), DEBIAN]
@@ -49,7 +49,7 @@ def environment(uri: str) -> dict[str, str]:
 
 
 def free_port() -> int:
-    """A port that nobody has at the moment."""
+    """A free port."""
     with socket.socket() as one:
         one.bind(("127.0.0.1", 0))
         return int(one.getsockname()[1])
@@ -86,7 +86,7 @@ def master() -> Iterator[str]:
 
 
 def run(script: Path, uri: str, *arguments: str, limit: float = 100.0) -> str:
-    """What a script says in its last line."""
+    """The last line of the output of a script."""
     done = subprocess.run(
         [sys.executable, str(script), *arguments],
         env=environment(uri), capture_output=True, text=True, timeout=limit, check=False,
@@ -97,7 +97,7 @@ def run(script: Path, uri: str, *arguments: str, limit: float = 100.0) -> str:
 
 @contextmanager
 def simulation(scene: Path, uri: str, *options: str) -> Iterator[Path]:
-    """``morse run`` in a process of its own; the file that it logs to."""
+    """``morse run`` in a separate process; the path of its log file."""
     log = scene.with_suffix(".log")
     with log.open("w") as file:
         command = [sys.executable, "-m", "morse", "run", "--headless", *options, str(scene)]

@@ -1,4 +1,4 @@
-"""The other side: a node of rospy. It drives, listens and calls, and prints what it has got as JSON."""
+"""The peer: a node of rospy. It drives, subscribes and calls, and prints the received data as JSON."""
 
 from __future__ import annotations
 

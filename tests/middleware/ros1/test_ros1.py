@@ -62,7 +62,7 @@ def test_a_node_drives_the_robot_and_sees_what_it_does(said: Any) -> None:
     assert said["speed"] == pytest.approx(0.5, abs=0.02)
     assert said["gravity"] == pytest.approx(9.81, abs=0.5)
     assert said["joints"][0] == ["pan", "tilt"]
-    # of a Vector3 y is pan and z is tilt
+    # in a Vector3, y is pan and z is tilt
     assert said["joints"][1] == pytest.approx([0.4, -0.2], abs=0.06)
     assert "other" in said["near"], "the other robot has jumped there"
 

@@ -1,4 +1,4 @@
-"""Services and actions with types of their own, declared as MORSE 1.4 declared them."""
+"""Services and actions with their own types, declared as in MORSE 1.4."""
 
 from __future__ import annotations
 

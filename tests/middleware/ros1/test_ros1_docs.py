@@ -1,4 +1,4 @@
-"""The scene and the node of the documentation, and a test case as MORSE 1.4 wrote them."""
+"""The scene and the node of the documentation, and a test case in the style of MORSE 1.4."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The other side: a node of rclpy with action clients. It prints what became of its goals as JSON."""
+"""The peer: a node of rclpy with action clients. It prints the outcomes of its goals as JSON."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ env = Environment("empty")
 
 @pytest.fixture
 def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., tuple[Any, Desk]]]:
-    """Loads a robot with some components; what it publishes is on a desk."""
+    """Loads a robot with some components; a desk collects the published messages."""
     typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
     desk = Desk(typesys.get_typestore(typesys.Stores.ROS2_JAZZY))
     monkeypatch.setattr("morse.middleware.ros2.domain.make_backend", lambda options: desk)

@@ -1,4 +1,4 @@
-"""The other side: a participant of the domain with types of its own. It prints what it has got as JSON.
+"""The peer: a participant of the domain with its own types. It prints the received data as JSON.
 
 The annotations are read by Cyclone DDS: they must not be strings.
 """

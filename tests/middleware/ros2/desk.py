@@ -1,4 +1,4 @@
-"""A backend that keeps what it is given; messages are read by rosbags, which knows nothing of ours."""
+"""A backend that stores messages; they are decoded by rosbags, which is independent of MORSE."""
 
 from __future__ import annotations
 
@@ -60,15 +60,15 @@ class Desk(Backend):
     def close(self) -> None:
         self.closed = True
 
-    # -- what the tests do -------------------------------------------------------------------
+    # -- functions for tests -----------------------------------------------------------------
 
     def last(self, topic: str) -> Any:
-        """The last message of a topic, as rosbags reads it."""
+        """The last message of a topic, decoded by rosbags."""
         type_name, _, publisher = self.publishers[topic]
         return self.store.deserialize_cdr(publisher.sent[-1], type_name)
 
     def send(self, topic: str, **fields: Any) -> None:
-        """A message, as rosbags writes it."""
+        """A message, encoded by rosbags."""
         type_name = self.subscriptions[topic][0]
         message = self.store.types[type_name](**fields)
         self.send_bytes(topic, bytes(self.store.serialize_cdr(message, type_name)))

@@ -1,4 +1,4 @@
-"""Processes that are on the other side of the middleware."""
+"""Peer processes of the middleware."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 _LIMIT = 50.0
 _MADE = _HERE.parents[2] / ".venv-ros/bin/python"
-#: a Python that has rclpy: this one, that of the variable, or that which .ci/ros2 makes
+#: a Python with rclpy: this one, that of the variable, or that of .ci/ros2
 PYTHON = (
     sys.executable
     if importlib.util.find_spec("rclpy")
     else os.environ.get("MORSE_TEST_ROS_PYTHON") or (str(_MADE) if _MADE.exists() else sys.executable)
 )
-#: domains whose ports are below those that the system gives to others
+#: domains with ports below the ephemeral ports of the system
 _DOMAINS = range(1, 100)
 _kept: list[Any] = []
 
@@ -46,7 +46,7 @@ def _own_domain() -> int:
         except OSError:
             file.close()
             continue
-        _kept.append(file)  # the lock ends with the process
+        _kept.append(file)  # the process holds the lock until it ends
         return domain
     raise RuntimeError("all ROS domains are in use by other tests")
 
@@ -55,7 +55,7 @@ DOMAIN = _own_domain()
 
 
 def environment(python: str) -> dict[str, str]:
-    """The variables of a process on the other side."""
+    """The environment variables of a peer process."""
     kept = {name: value for name, value in os.environ.items() if name != "CYCLONEDDS_URI"}
     if python != sys.executable:
         kept.pop("PYTHONPATH", None)
@@ -63,7 +63,7 @@ def environment(python: str) -> dict[str, str]:
 
 
 def lent() -> dict[str, str]:
-    """The variables with which the other Python has the packages of this one, too."""
+    """The variables that add the packages of this Python to the other Python."""
     import morse
 
     paths = [str(Path(morse.__file__).parents[1]), sysconfig.get_path("purelib")]
@@ -78,21 +78,21 @@ def has(python: str, module: str) -> bool:
 
 
 def need(module: str, python: str = sys.executable) -> None:
-    """Skip the test if there is no such module; in CI the test has failed."""
+    """Skip the test if the module is missing; in CI the test fails."""
     if not has(python, module):
         (pytest.fail if os.environ.get("CI") else pytest.skip)(f"{python} has no {module}: see .ci/ros2")
 
 
 def talk(script: str, step: Callable[[], object], python: str = sys.executable) -> dict[str, Any]:
-    """Let time pass until a script has had enough; what it says."""
+    """Step until a script ends; returns its output."""
     with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complaints:
-        # files, since a pipe that nobody reads would hold up the other side
+        # files, because an unread pipe would block the peer
         command = [python, str(_HERE / script), str(DOMAIN)]
         with subprocess.Popen(command, stdout=said, stderr=complaints, env=environment(python)) as other:
             end = time.monotonic() + _LIMIT
             while other.poll() is None and time.monotonic() < end:
                 step()
-                time.sleep(0.005)  # so that the other process gets its turn
+                time.sleep(0.005)  # leaves the processor to the other process
             if other.poll() is None:
                 other.kill()
         for file in (said, complaints):

@@ -1,4 +1,4 @@
-"""The other side: a ROS 2 node of its own, in a process of its own. It prints what it has got as JSON."""
+"""The peer: a ROS 2 node in a separate process. It prints the received data as JSON."""
 
 from __future__ import annotations
 

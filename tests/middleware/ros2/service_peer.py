@@ -1,4 +1,4 @@
-"""The other side: a node of rclpy that calls services. It prints the answers as JSON."""
+"""The peer: a node of rclpy that calls services. It prints the responses as JSON."""
 
 from __future__ import annotations
 

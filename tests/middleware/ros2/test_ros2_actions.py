@@ -1,4 +1,4 @@
-"""Actions and services with types of their own, called by a real node in another process."""
+"""Actions and services with their own types, called by a real node in another process."""
 
 from __future__ import annotations
 

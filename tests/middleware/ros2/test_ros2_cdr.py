@@ -1,4 +1,4 @@
-"""Messages as bytes, judged by the definitions and the decoder of the rosbags package."""
+"""Encoded messages, compared with the definitions and the decoder of the rosbags package."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def message_of(draw: st.DataObject) -> tuple[str, dict[str, Any]]:
 
 
 def as_plain(value: Any) -> Any:
-    """What rosbags has read, as dictionaries."""
+    """Messages decoded by rosbags, as dictionaries."""
     if hasattr(value, "__dataclass_fields__"):
         fields = [name for name in value.__dataclass_fields__ if name == name.lower() and name[0] != "_"]
         return {name: as_plain(getattr(value, name)) for name in fields}

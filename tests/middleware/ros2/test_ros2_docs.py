@@ -57,7 +57,7 @@ def test_the_scene_for_navigation_has_the_names_that_stacks_expect(
         parents = {
             t.child_frame_id: t.header.frame_id for topic in ("/tf", "/tf_static") for t in desk.last(topic).transforms
         }
-        # the chain from the scan up to odom; that from map to odom is the stack's
+        # the transforms from the scan to odom; the stack publishes that from map to odom
         assert parents["scan"] == "base_link"
         assert parents["base_link"] == "odom"
         assert "odom" not in parents

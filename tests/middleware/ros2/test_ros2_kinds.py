@@ -1,4 +1,4 @@
-"""Messages of every kind, read by rosbags: fields, units, frames and conventions of the definitions and the REPs."""
+"""Messages of every kind, decoded by rosbags: fields, units, frames and conventions of the definitions and the REPs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STAMP = 12_345_678_901
 
 
 class Bound:
-    """What a component says: some slots of a kind."""
+    """A message of a component: some slots of a kind."""
 
     def __init__(self, kind: str, **slots: Any) -> None:
         self.kind, self.slots, self.topic, self.frame = KINDS[kind], slots, "", "own"
@@ -42,7 +42,7 @@ class Stream:
 
 
 def said(kind: str, topic: str = "", **slots: Any) -> Any:
-    """The message for a kind on a sub-topic, as rosbags reads it."""
+    """The message for a kind on a sub-topic, decoded by rosbags."""
     bound = Bound(kind, **slots)
     name = Ros2DatastreamManager._mapped[kind, "OUT"]
     outlets: list[Outlet] = getattr(Ros2DatastreamManager, name)(None, Stream(), bound)

@@ -1,4 +1,4 @@
-"""Against the real other side, in another process."""
+"""Tests with a real peer in another process."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ RATE = 60.0
 MANAGER = "morse.middleware.ros2.datastream.Ros2DatastreamManager"
 
 
-#: rclpy can be imported by a Python of its own only: see the last test
+#: rclpy needs a separate Python: see the last test
 BACKENDS = [backend for backend in ("cyclonedds", "rclpy") if has(sys.executable, backend)]
 
 
@@ -97,7 +97,7 @@ def test_the_tree_of_frames(simulation: Any) -> None:
     if simulation.context.stream_managers[MANAGER].backend.name == "rclpy" and not has(sys.executable, "tf2_msgs"):
         pytest.skip("the wheels of ROS 2 have no tf2_msgs")
     for _ in range(30):
-        simulation.step()  # who comes later gets /tf_static all the same
+        simulation.step()  # later subscribers also get /tf_static
     said = talk("cyclone_peer.py", simulation.step)
     fixed = {t["child_frame_id"]: t for t in said["/tf_static"][-1]["transforms"]}
     assert fixed["robot/odom"]["header"]["frame_id"] == "map"
@@ -118,7 +118,7 @@ def test_the_tree_of_frames(simulation: Any) -> None:
     sys.platform != "linux", reason="other systems cannot tell sockets to take packets of one interface"
 )
 def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
-    """Sockets of UDP are bound to the loopback device, whatever address they have."""
+    """UDP sockets are bound to the loopback device, whatever their address."""
     devices = []
     for name in os.listdir("/proc/self/fd"):
         try:
@@ -126,7 +126,7 @@ def test_nothing_of_other_machines_is_received(simulation: Any) -> None:
                 if one.type == socket.SOCK_DGRAM and one.family in (socket.AF_INET, socket.AF_INET6):
                     devices.append(one.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16))
         except OSError:
-            continue  # it is not a socket
+            continue  # not a socket
     assert set(devices) == {b"lo\0"}
     assert "this machine only" in simulation.context.stream_managers[MANAGER].backend.opens
     assert not {"ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY"} & os.environ.keys(), (
@@ -138,7 +138,7 @@ if "rclpy" not in BACKENDS:
 
     @pytest.mark.timeout(300)
     def test_the_same_by_the_python_that_has_rclpy() -> None:
-        """The simulation itself over rclpy; wheels of ROS 2 have a Python of their own."""
+        """The simulation itself over rclpy; the wheels of ROS 2 need a separate Python."""
         need("rclpy", PYTHON)
         command = [PYTHON, "-m", "pytest", "-n0", "-q", "-p", "no:cacheprovider", "-k", "rclpy", __file__]
         done = subprocess.run(command, env=lent(), capture_output=True, text=True, timeout=280, check=False)

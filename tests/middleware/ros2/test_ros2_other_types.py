@@ -1,4 +1,4 @@
-"""A topic has one type: who sends another one is told of it, since nothing arrives."""
+"""A topic has one type: the log reports senders of another type, whose messages do not arrive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Robots as a whole: their description, their joints, their frames, what they recognise, and what they log."""
+"""Whole robots: their description, joints, frames, detections and log."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ robot.add_default_interface("ros2")
 
 
 def rotation(q: Any) -> Any:
-    """(3, 3) of a quaternion of ROS."""
+    """(3, 3) from a quaternion of ROS."""
     x, y, z, w = q.x, q.y, q.z, q.w
     return np.array(
         [
@@ -42,7 +42,7 @@ def rotation(q: Any) -> Any:
 
 
 def from_rpy(text: str) -> Any:
-    """(3, 3) of roll, pitch, yaw about fixed axes, as URDF has them."""
+    """(3, 3) from roll, pitch, yaw about fixed axes, as in URDF."""
     (a, b, c) = (float(word) for word in text.split())
     x = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
     y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
@@ -152,7 +152,7 @@ def test_what_a_camera_looks_at_is_along_z_of_its_optical_frame(start: Start) ->
     sim.step(2)
     fixed = frames(desk, "/tf_static")
     own, optical = (rotation(fixed[f"robot/eye{name}"].transform.rotation) for name in ("", "_optical"))
-    # the picture is taken along Z of the object, X right and Y down (morse.sensors.camera)
+    # the image is captured along Z of the object, X right and Y down (morse.sensors.camera)
     picture = np.reshape(sim.context.components["robot.eye"].bge_object.world_pose()[1], (3, 3))
     forward = picture[:, 2]
     np.testing.assert_allclose(own[:, 0], forward, atol=1e-4)

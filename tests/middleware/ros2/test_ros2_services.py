@@ -89,7 +89,7 @@ def test_a_backend_without_services_says_so(tmp_path: Path, caplog: pytest.LogCa
     assert "cyclonedds has no services" in caplog.text
 
 
-if HERE:  # otherwise the Python that has rclpy runs it, see below
+if HERE:  # otherwise the Python with rclpy runs it, see below
 
     def test_a_node_calls_services(tmp_path: Path) -> None:
         scene = tmp_path / "scene.py"

@@ -1,4 +1,4 @@
-"""The services of simulation_interfaces, on a backend whose calls the test makes itself."""
+"""The services of simulation_interfaces, on a backend with calls of the test."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from morse.middleware.ros2.backends.backend import ServiceServer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: of simulation_interfaces/Result and SimulationState
+#: constants of simulation_interfaces/Result and SimulationState
 UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE = 0, 1, 2, 3
 PLAYING, PAUSED = 1, 2
 

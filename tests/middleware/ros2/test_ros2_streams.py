@@ -1,4 +1,4 @@
-"""A simulation with topics: what it publishes, what it takes, and what it refuses."""
+"""A simulation with topics: published messages, commands, and refused input."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_commands_of_velocity(start: Callable[..., tuple[Any, Desk]], caplog: py
 
 
 def test_odometry_is_that_of_the_robot(start: Callable[..., tuple[Any, Desk]]) -> None:
-    """Of a rigid body that turns on the spot, a sensor 1 m off the axis moves, and the robot does not."""
+    """If a rigid body turns on the spot, a sensor 1 m off the axis moves, but the robot does not."""
     sim, desk = start(
         MOTION + "odom = Odometry(); odom.translate(1.0, 0.0, 0.3); odom.rotate(0.0, 0.0, 1.0); robot.append(odom)"
     )
@@ -121,7 +121,7 @@ def test_cameras(start: Callable[..., tuple[Any, Desk]]) -> None:
     (turn,) = [t for t in desk.last("/tf_static").transforms if t.child_frame_id == "robot/eye_optical"]
     assert turn.header.frame_id == "robot/eye"
     q = turn.transform.rotation
-    # what is ahead of the camera is along Z of its picture (REP 103)
+    # objects in front of the camera are along Z of its image (REP 103)
     ahead = (2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x), 1.0 - 2.0 * (q.x**2 + q.y**2))
     assert ahead == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
     right = (1.0 - 2.0 * (q.y**2 + q.z**2), 2.0 * (q.x * q.y + q.w * q.z), 2.0 * (q.x * q.z - q.w * q.y))

@@ -1,6 +1,6 @@
-"""A client of Foxglove's written protocol; messages are read by the definitions that the server gives.
+"""A client of the published protocol of Foxglove; messages are decoded by the schemas of the server.
 
-Prints what it has seen as JSON.
+Prints the received data as JSON.
 """
 
 import json
@@ -71,7 +71,7 @@ with connect(
                 seen["speed"] = message.twist.twist.linear.x
                 if seen["way"] > 0.1 and not faster:
                     faster = True
-                    # as CDR: six numbers after four bytes that say how they are encoded
+                    # as CDR: six numbers after the encapsulation header of four bytes
                     socket.send(struct.pack("<BI", 1, 8) + b"\0\1\0\0" + struct.pack("<6d", 0.5, 0, 0, 0, 0, 0))
                 seen["/robot/odometry"] = True
             elif channel["topic"] == "/robot/scan":

@@ -1,4 +1,4 @@
-"""Programs on the other side, each in a process of its own."""
+"""Peer programs, each in a separate process."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LIMIT = 60.0
 
 
 def need(module: str) -> None:
-    """Skip the test if there is no such module; in CI, the test has failed."""
+    """Skip the test if the module is missing; in CI, the test fails."""
     try:
         __import__(module)
     except ImportError:
@@ -30,22 +30,22 @@ def need(module: str) -> None:
 
 
 def talk(program: str | Path, step: Callable[[], object], *arguments: object) -> Any:
-    """Let time pass until a program has ended; its output, which is JSON unless it is a text.
+    """Step until a program has ended; returns its output, which is JSON unless it is a text.
 
     Args:
         program: a file beside this one, or a path.
-        step: lets a tick pass.
-        arguments: of the program.
+        step: runs a tick.
+        arguments: arguments of the program.
     """
     path = program if isinstance(program, Path) else _HERE / program
     with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complaints:
-        # files, since a pipe that nobody reads would hold up the other side
+        # files, because an unread pipe would block the peer
         command = [sys.executable, str(path), *map(str, arguments)]
         with subprocess.Popen(command, stdout=said, stderr=complaints) as other:
             end = time.monotonic() + LIMIT
             while other.poll() is None and time.monotonic() < end:
                 step()
-                time.sleep(0.002)  # so that the other process gets its turn
+                time.sleep(0.002)  # leaves the processor to the other process
             other.kill()
         said.seek(0)
         complaints.seek(0)

@@ -1,4 +1,4 @@
-"""A client that knows rosbridge by roslibpy alone; prints what it has seen."""
+"""A client that only uses roslibpy; prints the received data."""
 
 import json
 import sys
@@ -20,7 +20,7 @@ def odometry(message):
 
 topics = {
     "/robot/odometry": ("nav_msgs/msg/Odometry", odometry),
-    "/robot/scan": ("sensor_msgs/LaserScan", lambda m: seen.update(scan=m)),  # the name that ROS 1 has
+    "/robot/scan": ("sensor_msgs/LaserScan", lambda m: seen.update(scan=m)),  # the name in ROS 1
     "/robot/camera/image": ("sensor_msgs/msg/Image", lambda m: seen.update(image=m)),
     "/tf_static": ("tf2_msgs/msg/TFMessage", lambda m: seen.update(tf_static=m)),
     "/clock": ("rosgraph_msgs/msg/Clock", lambda m: seen.update(clock=m)),

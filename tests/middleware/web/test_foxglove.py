@@ -1,4 +1,4 @@
-"""Foxglove with a client of its written protocol in another process, and with clients that mean harm."""
+"""Foxglove with a client of its published protocol in another process, and with malicious clients."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def opened(port: int, *protocols: str, **options: Any) -> ClientConnection:
 
 
 def until(sim: Any, client: ClientConnection, wanted: Callable[[Any], bool]) -> Any:
-    """Let time pass until a message is as wanted."""
+    """Step until a message fulfils a condition."""
     for _ in range(MAX_STEPS):
         sim.step()
         while True:

@@ -1,4 +1,4 @@
-"""rosbridge with its own client in another process, and with clients that mean harm."""
+"""rosbridge with its own client in another process, and with malicious clients."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Client:
         self.socket.send(json.dumps(operation))
 
     def until(self, **wanted: Any) -> dict[str, Any]:
-        """Let time pass until a message has these fields."""
+        """Step until a message has these fields."""
         for _ in range(MAX_STEPS):
             self.sim.step()
             while True:
@@ -96,7 +96,7 @@ def test_the_client_of_rosbridge_drives_looks_and_calls(start: Callable[..., tup
     assert {"/robot/odometry", "/robot/scan", "/robot/cmd_vel", "/clock", "/tf", "/tf_static"} <= set(seen["topics"])
     assert seen["odom_type"] == "nav_msgs/msg/Odometry"
     assert "/robot/motion/set_speed" in seen["services"]
-    # half a metre a second, as commanded: position, velocity and stamps belong together
+    # half a metre per second, as commanded: position, velocity and stamps are consistent
     moving = [m for m in seen["odometry"] if m["twist"]["twist"]["linear"]["x"] > 0.45]
     first, last = moving[0], moving[-1]
     seconds = time_of(last) - time_of(first)
@@ -106,12 +106,12 @@ def test_the_client_of_rosbridge_drives_looks_and_calls(start: Callable[..., tup
     scan = seen["scan"]
     count = round((scan["angle_max"] - scan["angle_min"]) / scan["angle_increment"]) + 1
     assert len(scan["ranges"]) == count
-    # infinity, where nothing was hit, has no form in JSON
+    # infinity, for rays without a hit, has no JSON representation
     assert all(value is None or 0.0 < value <= scan["range_max"] for value in scan["ranges"])
     image = seen["image"]
     assert (image["width"], image["height"], image["encoding"]) == (32, 24, "rgba8")
     assert len(base64.b64decode(image["data"])) == image["step"] * image["height"] == 4 * 32 * 24
-    # the static frames were sent before the client came
+    # the static frames were sent before the client connected
     children = {one["child_frame_id"] for one in seen["tf_static"]["transforms"]}
     assert {"robot/odom", "robot/scan"} <= children
     assert seen["stopped"] == {"result": None}
@@ -126,7 +126,7 @@ def time_of(message: dict[str, Any]) -> float:
 
 def test_nothing_is_encoded_for_nobody(start: Callable[..., tuple[Any, int]], monkeypatch: pytest.MonkeyPatch) -> None:
     sim, port = start("pose = Pose(); robot.append(pose)")
-    sim.step(5)  # by now the static frames are kept for those who come
+    sim.step(5)  # now the static frames are kept for later subscribers
     monkeypatch.setattr("morse.middleware.rosbridge.json_form.encode", lambda *_: pytest.fail("nobody listens"))
     sim.step(20)
     client = Client(sim, port)  # connected, but subscribed to nothing
@@ -187,7 +187,7 @@ def test_services_of_all_kinds(start: Callable[..., tuple[Any, int]]) -> None:
     assert call("/robot/motion/set_speed", "fast")["result"] is False
     assert call("/rosapi/nothing")["result"] is False
     assert call("/rosapi/topic_type", {"topic": "/robot/cmd_vel"})["values"] == {"type": "geometry_msgs/msg/Twist"}
-    # a way that has no end yet; a second one takes its place
+    # an active call of goto; a second one preempts it
     client.send(op="call_service", id="far", service="/robot/waypoint/goto", args=[1e6, 0.0, 0.0])
     client.send(op="call_service", id="near", service="/robot/waypoint/goto", args=[0.0, 0.0, 0.0, 5.0])
     assert client.until(op="service_response", id="far")["values"].startswith("PREEMPTED")
@@ -284,7 +284,7 @@ def test_other_machines_need_a_token_that_is_made_up(
 def test_there_are_not_more_clients_than_allowed(start: Callable[..., tuple[Any, int]]) -> None:
     sim, port = start(options=", most_clients=2")
     clients = [Client(sim, port) for _ in range(2)]
-    for number, client in enumerate(clients):  # both are in by now
+    for number, client in enumerate(clients):  # both have arrived
         client.send(op="call_service", id=number, service="/rosapi/get_time")
         client.until(id=number)
     with pytest.raises(InvalidStatus) as caught:
@@ -302,7 +302,7 @@ def test_who_does_not_read_misses_messages_and_stops_nobody(start: Callable[...,
     other = Client(sim, port)
     other.send(op="subscribe", topic="/clock")
     other.until(op="publish", topic="/clock")
-    sim.step(60)  # each scan has 0.18 MB: nothing is hit, so that all ranges are null
+    sim.step(60)  # each scan has 0.18 MB: without hits, all ranges are null
     (slow,) = [c for c in hub_of(sim.context, RosbridgeHub).server.clients if "/robot/scan" in c._wishes]
     assert isinstance(slow, WebClient)
     assert 1 << 20 < slow._size < 2 << 20, "the last ten scans wait"
@@ -375,7 +375,7 @@ def test_step_by_step_the_data_come_before_the_answer(start: Callable[..., tuple
                         stamps.append(round(time_of(message["msg"]) * 60))
                     seen.append(stamps)
                 socket.send(json.dumps({"op": "call_service", "id": 99, "service": "/simulation/quit"}))
-        except BaseException as error:  # said by the thread of the test
+        except BaseException as error:  # reported by the thread of the test
             problems.append(error)
             sim.stop()
 
@@ -385,7 +385,7 @@ def test_step_by_step_the_data_come_before_the_answer(start: Callable[..., tuple
     thread.join(60.0)
     assert not problems, problems
     (first,) = seen[0]
-    # one measurement for each step, that of the tick
+    # one measurement per step, that of the tick
     assert seen == [[first + number] for number in range(30)]
 
 
