@@ -257,6 +257,7 @@ def test_a_mistyped_file_of_an_environment_gives_the_nearest(morse, project, sta
 def test_all_options(morse, project, started, monkeypatch):
     monkeypatch.setenv("MORSE_NODE", "other")
     words = "--name node1 -g 800x600+10,20 --view studio --view-port 0 --view-token secret --host 127.0.0.1"
+    words += " --view-origin http://localhost:8080 --view-origin https://Example.org/"
     words += " --speed max --duration 2.5 --seed 3 --profile --no-browser ranger_sim"
     assert morse("run", *words.split()).status == 7
     (options,) = started
@@ -264,6 +265,7 @@ def test_all_options(morse, project, started, monkeypatch):
     assert options.view == "studio"
     assert options.view_port == 0
     assert options.view_token == "secret"
+    assert options.view_origins == ["http://localhost:8080", "https://example.org"]
     assert options.speed == math.inf
     assert options.duration == 2.5
     assert options.seed == 3
@@ -318,6 +320,7 @@ def test_headless_means_no_view(morse, project, started):
         *(["-g", value] for value in ("", "800", "800x", "800x600+1", "-800x600")),
         ["--headless", "--view", "web"],
         ["--view-token", ""],
+        ["--view-origin", "*"],
         ["--sped", "1"],
         ["--speed"],
     ],

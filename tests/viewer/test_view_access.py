@@ -6,7 +6,7 @@ import pytest
 from view_pages import Client, fetch
 from websockets.exceptions import InvalidStatus
 
-from morse.core.web_access import Access
+from morse.core.web_access import Access, checked_origin
 
 
 def refused(status: InvalidStatus) -> str:
@@ -105,3 +105,43 @@ def test_security_headers(served) -> None:
     assert "unsafe-eval" not in headers["Content-Security-Policy"]
     assert headers["X-Content-Type-Options"] == "nosniff"
     assert headers["Referrer-Policy"] == "no-referrer"
+
+
+FRIEND = "https://course.example.org:8443"
+
+
+def test_named_pages_may_connect_fetch_and_show_the_page(make_server) -> None:
+    _, url = make_server(origins=[FRIEND])
+    with Client(url, origin=FRIEND) as page:
+        page.expect("welcome")
+    status, headers, _ = fetch(url, {"Origin": FRIEND})
+    assert (status, headers["Access-Control-Allow-Origin"]) == (200, FRIEND)
+    ancestors = headers["Content-Security-Policy"].partition("frame-ancestors")[2].split()
+    assert FRIEND in ancestors
+    for other in ("https://course.example.org", "http://course.example.org:8443", "https://evil.example"):
+        assert fetch(url, {"Origin": other})[0] == 403
+    assert "Access-Control-Allow-Origin" not in fetch(url)[1]
+
+
+def test_without_named_pages_nobody_else_shows_the_page(served) -> None:
+    _, url = served
+    ancestors = fetch(url)[1]["Content-Security-Policy"].partition("frame-ancestors")[2].split()
+    assert ancestors == ["'self'", "http://localhost:*", "http://127.0.0.1:*"]
+
+
+@pytest.mark.parametrize("origin", ["http://localhost:8080", "https://a-b.example", "http://[::1]:9", "HTTP://Host/"])
+def test_origins(origin) -> None:
+    assert checked_origin(origin) == origin.lower().rstrip("/")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", "*", "localhost", "localhost:8080", "http://", "http://*", "http://*.example", "ftp://example",
+        "http://a b", "http://a;script-src", "http://a,b", "http://user@host", "http://host/path", "http://host?q",
+        "http://host:99999", "http://[::1", "null", "http://host\nX: y",
+    ],
+)  # fmt: skip
+def test_what_is_no_origin_is_refused(text) -> None:
+    with pytest.raises(ValueError, match="expected the origin of a page"):
+        checked_origin(text)

@@ -60,6 +60,15 @@ def command(
     view_token: Annotated[
         str | None, typer.Option("--view-token", help="What a browser on another host has to show.")
     ] = None,
+    view_origin: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--view-origin",
+            metavar="ORIGIN",
+            help="Another web page that may show the live view in a frame and drive: http://localhost:8080.",
+            show_default=False,
+        ),
+    ] = None,
     host: Annotated[
         str, typer.Option("--host", help="Address on which every server listens; 0.0.0.0 for all networks.")
     ] = "127.0.0.1",
@@ -122,6 +131,7 @@ def command(
         view=_view(headless, view),
         host=_host(host),
         view_token=_token(view_token),
+        view_origins=_origins(view_origin or []),
         open_browser=browser,
         speed=parse_speed(speed),
         duration=None if duration is None else _duration(duration),
@@ -271,6 +281,18 @@ def _token(token: str | None) -> str | None:
     if token is not None and not token.strip():
         raise CommandError("--view-token must not be empty: it keeps strangers out of the live view.", status=2)
     return token
+
+
+def _origins(given: list[str]) -> list[str]:
+    if not given:
+        return []
+    # imported only for this option
+    from morse.core.web_access import checked_origin
+
+    try:
+        return [checked_origin(one) for one in given]
+    except ValueError as error:
+        raise CommandError(f"--view-origin: {error}.", status=2) from None
 
 
 def _host(host: str) -> str:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 
+#: characters of the names and addresses of hosts
+_OF_HOSTS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789.-_:")
+
+
 def is_loopback(host: str) -> bool:
     """True for ``localhost`` and the loopback addresses."""
     if host.rstrip(".").lower() == "localhost":
@@ -34,6 +38,31 @@ def _host_of(authority: str) -> str | None:
         return None
 
 
+def checked_origin(text: str) -> str:
+    """An origin as browsers send it: scheme, host and port in lower case, without a path.
+
+    Raises:
+        ValueError: the text is not the origin of a web page.
+    """
+    given = text.strip().lower().rstrip("/")
+    expected = f"expected the origin of a page, such as 'http://localhost:8080', got {text!r:.80}"
+    try:
+        parts = urlsplit(given)
+        port = parts.port
+    except ValueError:
+        raise ValueError(expected) from None
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise ValueError(expected)
+    # brackets and colons of an address of IPv6 are allowed; what separates words of a header is not
+    if not set(parts.hostname) <= _OF_HOSTS or parts.username is not None:
+        raise ValueError(f"{expected}; a pattern such as '*' is not possible: list each origin")
+    host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
+    origin = f"{parts.scheme}://{host}" + (f":{port}" if port is not None else "")
+    if origin != given:
+        raise ValueError(f"{expected}; did you mean {origin!r}?")
+    return origin
+
+
 class Access:
     """The rules for one server.
 
@@ -46,6 +75,7 @@ class Access:
 
     Attributes:
         token: what has to be shown, or None if being on this machine is enough.
+        origins: in lower case.
     """
 
     def __init__(
@@ -58,7 +88,7 @@ class Access:
         origins: Sequence[str] = (),
     ) -> None:
         self._name, self._elsewhere = name, elsewhere
-        self._origins = frozenset(origin.lower().rstrip("/") for origin in origins)
+        self.origins = frozenset(origin.lower().rstrip("/") for origin in origins)
         # an address that others can reach is never left open
         self.token = token or (None if is_loopback(host) else secrets.token_urlsafe(16))
 
@@ -80,7 +110,7 @@ class Access:
             )
         origin = headers.get("Origin")
         own = origin is None or origin.lower().partition("://")[2] == authority.lower()
-        if not own and str(origin).lower() not in self._origins:
+        if not own and str(origin).lower() not in self.origins:
             return f"Pages of {origin} may not use the {self._name} of '{authority}'."
         if secret and self.token is not None and not self._shown(path, headers, cookie):
             return f"This {self._name} wants the token that 'morse run' printed: open the address with ?token=..."

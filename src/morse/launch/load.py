@@ -34,6 +34,7 @@ def load(
     host: str = "127.0.0.1",
     view_port: int = 0,
     view_token: str | None = None,
+    view_origins: Sequence[str] = (),
     watch: bool = False,
 ) -> Simulation:
     """Load a scene. Simulated time advances when `Simulation.step` or `Simulation.run` is called.
@@ -54,6 +55,8 @@ def load(
         host: address on which every server listens.
         view_port: port of the live view; 0 for any free port.
         view_token: token that a browser on another host has to send.
+        view_origins: origins of other web pages that may show the live view in a frame, and drive, such as
+            ``http://localhost:8080``.
         watch: whether to reload models and components of the project that are saved while the simulation runs; this
             starts a thread.
 
@@ -73,6 +76,7 @@ def load(
         host=host,
         view_port=view_port,
         view_token=view_token,
+        view_origins=_origins(view_origins),
         open_browser=False,
         speed=speed,
         seed=None if seed is None else int(seed),
@@ -83,6 +87,20 @@ def load(
     if simulation.view is not None:
         simulation.view.announce()
     return simulation
+
+
+def _origins(given: Any) -> list[str]:
+    if isinstance(given, str) or not all(isinstance(one, str) for one in given):
+        raise TypeError(f"view_origins is a list of strings, not {given!r:.80}")
+    if not given:
+        return []
+    # imported only for this option
+    from morse.core.web_access import checked_origin
+
+    try:
+        return [checked_origin(one) for one in given]
+    except ValueError as error:
+        raise ValueError(f"view_origins: {error}") from None
 
 
 def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> None:

@@ -21,6 +21,7 @@ class RunOptions:
         host: address that every server binds to.
         view_port: TCP port of the live view; if it is in use, the next free port is used.
         view_token: token that a page from another host has to send.
+        view_origins: origins of other web pages that may show the live view in a frame, and drive.
         open_browser: whether to open the live view in a browser if there is a display.
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible; None for the value of the
             scene.
@@ -45,6 +46,7 @@ class RunOptions:
     host: str = "127.0.0.1"
     view_port: int = 8765
     view_token: str | None = None
+    view_origins: list[str] = field(default_factory=list)
     open_browser: bool = True
     speed: float | None = None
     duration: float | None = None

@@ -68,7 +68,7 @@ class Hub:
         self.seat = Seat()
         self.events: deque[pm.ViewEvent] = deque()
         self.wishes = Wishes()
-        self.site = Site()
+        self.site = Site(origins=access.origins)
         self._title = title
         self._pages: dict[int, Page] = {}
         self._numbers = 0

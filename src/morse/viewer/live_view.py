@@ -75,6 +75,7 @@ class View(Observer):
             port=options.view_port,
             token=options.view_token,
             title=simulation.scene.environment or "MORSE",
+            origins=options.view_origins,
         )
         self._layout = -1
         self._shown = self._told = self._ticked = 0.0

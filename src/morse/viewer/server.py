@@ -50,6 +50,7 @@ class ViewServer:
         port: int = 8765,
         token: str | None = None,
         title: str = "MORSE",
+        origins: Sequence[str] = (),
     ) -> None:
         """Create the server without opening it; see `start`.
 
@@ -59,11 +60,13 @@ class ViewServer:
             port: TCP port; if it is in use, the next free one; 0 for any.
             token: token that a page must present. One is generated if other machines can reach ``host``.
             title: title of the page.
+            origins: origins of other web pages that may show the page in a frame, and drive; see
+                `morse.core.web_access.checked_origin`.
         """
         self._network = network
         self._host = host
         self._port = self._served_on = port
-        self._hub = Hub(Access(host, token), title)
+        self._hub = Hub(Access(host, token, origins=origins), title)
         self._depot = Depot()
         self._revision = 0
         self._key: str | None = None

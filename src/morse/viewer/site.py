@@ -14,17 +14,18 @@ from websockets.datastructures import Headers
 from websockets.http11 import Response
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
 STATIC = Path(__file__).parent / "static"
 
+_POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; "
+    # a notebook on this machine may show the page
+    "frame-ancestors 'self' http://localhost:* http://127.0.0.1:*"
+)
 _SECURITY = {
-    "Content-Security-Policy": (
-        "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' blob:; "
-        "object-src 'none'; base-uri 'none'; form-action 'none'; "
-        # a notebook on this machine may show the page
-        "frame-ancestors 'self' http://localhost:* http://127.0.0.1:*"
-    ),
+    "Content-Security-Policy": _POLICY,
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -68,10 +69,16 @@ class Site:
 
     Attributes:
         files: by path.
+
+    Args:
+        folder: with the files of the page.
+        origins: of other pages that may fetch the files, and show the page in a frame.
     """
 
-    def __init__(self, folder: Path = STATIC) -> None:
+    def __init__(self, folder: Path = STATIC, origins: Collection[str] = ()) -> None:
         self.files: dict[str, File] = {}
+        self._origins = frozenset(origins)
+        self._policy = " ".join([_POLICY, *sorted(origins)])
         for path in sorted(folder.rglob("*")) if folder.is_dir() else ():
             name = path.relative_to(folder).as_posix()
             if path.is_file() and not name.startswith("."):
@@ -91,7 +98,11 @@ class Site:
         if file is None:
             return refuse(HTTPStatus.NOT_FOUND, f"There is no {path} here.")
         caching = "private, max-age=31536000, immutable" if file.lasting else "no-cache"
-        fields = {"ETag": file.tag, "Cache-Control": caching, "Vary": "Accept-Encoding", **extra}
+        fields = {"ETag": file.tag, "Cache-Control": caching, "Vary": "Accept-Encoding, Origin", **extra}
+        fields["Content-Security-Policy"] = self._policy
+        origin = headers.get("Origin", "").lower()
+        if origin in self._origins:
+            fields["Access-Control-Allow-Origin"] = origin
         if headers.get("If-None-Match") == file.tag:
             return _response(HTTPStatus.NOT_MODIFIED, b"", fields)
         data = file.data
@@ -108,5 +119,5 @@ def refuse(status: HTTPStatus, why: str) -> Response:
 
 
 def _response(status: HTTPStatus, body: bytes, fields: Mapping[str, str]) -> Response:
-    headers = Headers({"Content-Length": str(len(body)), "Connection": "close", **fields, **_SECURITY})
+    headers = Headers({"Content-Length": str(len(body)), "Connection": "close", **_SECURITY, **fields})
     return Response(status.value, status.phrase, headers, body)
