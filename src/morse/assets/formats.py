@@ -17,10 +17,12 @@ _READERS = {
     ".dae": "morse.assets.meshfiles:read_meshes",
     ".glb": "morse.assets.meshfiles:read_meshes",
     ".gltf": "morse.assets.meshfiles:read_meshes",
+    ".mjcf": "morse.assets.mjcf:read_mjcf",
     ".obj": "morse.assets.meshfiles:read_meshes",
     ".ply": "morse.assets.meshfiles:read_meshes",
     ".stl": "morse.assets.meshfiles:read_meshes",
     ".urdf": "morse.assets.urdf:read_urdf",
+    ".xml": "morse.assets.mjcf:read_mjcf",
 }
 
 #: the suffixes, the preferred one first

@@ -1,0 +1,151 @@
+"""The joints of an MJCF model as the bones of an armature."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from morse.mathutils import Matrix, Quaternion, Vector
+from morse.mathutils.rotations import nine
+from morse.scene import Bone, Control, JointDynamics, JointKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from morse.assets.mjcf.model import BodyData, JointData, ModelData, MotorData
+
+#: rad or m, for joints without limits
+_ENDLESS = 1e4
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def pose(position: Iterable[float], quaternion: Iterable[float]) -> Matrix:
+    """Return the 4x4 of a pose; the quaternion is w, x, y, z."""
+    result: Matrix = Quaternion(tuple(quaternion)).to_matrix().to_4x4()
+    result.translation = tuple(position)
+    return result
+
+
+class Bones:
+    """Makes the bones of a model.
+
+    Attributes:
+        bones: parents before their children.
+        places: 4x4 of each body in the model, while all joints have the values of the file.
+        hung: body to the index of the bone on which it hangs, -1 for none, and its 4x4 in the frame of the bone.
+        warnings: what is not as in the file, one sentence each.
+    """
+
+    def __init__(self, model: ModelData, chosen: list[int]) -> None:
+        self._model = model
+        self.bones: list[Bone] = []
+        self.places: dict[int, Matrix] = {0: Matrix.Identity(4)}
+        self.hung: dict[int, tuple[int, Matrix]] = {}
+        self.warnings: list[str] = []
+        self._frames: list[Matrix] = []
+        self._bone_of: dict[int, int] = {}
+        for index in chosen:
+            body = model.bodies[index]
+            self.places[index] = self.places[body.parent] @ pose(body.position, body.quaternion)
+            self._add(index, body)
+        self._let_follow()
+
+    def _add(self, index: int, body: BodyData) -> None:
+        above = self.hung[body.parent][0] if body.parent in self.hung else -1
+        last = above
+        for number in body.joints:
+            joint = self._model.joints[number]
+            if joint.kind == "ball":
+                self.warnings.append(f"the ball joint '{joint.name}' is three joints, about X, Y and Z")
+                for letter, axis in _AXES.items():
+                    last = self._bone(index, f"{joint.name}_{letter}", joint, axis, number, last)
+            elif joint.kind in ("hinge", "slide"):
+                last = self._bone(index, joint.name, joint, joint.axis, number, last)
+        if not body.joints and last >= 0:
+            # a link that does not move against its parent hangs on the same bone
+            last = above
+        frame = self._frames[last] if last >= 0 else Matrix.Identity(4)
+        self.hung[index] = (last, frame.inverted() @ self.places[index])
+
+    def _bone(self, body: int, name: str, joint: JointData, axis: tuple[float, ...], number: int, parent: int) -> int:
+        place = self.places[body]
+        turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
+        frame = place @ Matrix.Translation(joint.position) @ turned
+        self._frames.append(frame)
+        # bones say where they are at the value 0
+        if joint.kind == "slide":
+            frame = frame @ Matrix.Translation((0.0, 0.0, -joint.start))
+        elif joint.start:
+            frame = frame @ Matrix.Rotation(-joint.start, 4, "Z")
+        local = frame if parent < 0 else self._frames[parent].inverted() @ frame
+        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None or joint.kind == "ball" else joint.limits
+        kind = JointKind.PRISMATIC if joint.kind == "slide" else JointKind.REVOLUTE
+        x, y, z = local.translation
+        index = len(self.bones)
+        self.bones.append(
+            Bone(
+                name,
+                parent,
+                (x, y, z),
+                nine(list(local.to_3x3())),
+                0.0,
+                kind,
+                axis=2,
+                free=(False, False, kind is JointKind.REVOLUTE),
+                low=low,
+                high=high,
+                value=min(max(joint.start, low), high),
+                dynamics=self._dynamics(number, joint),
+            )
+        )
+        self._bone_of.setdefault(number, index)
+        return index
+
+    # -- motors ----------------------------------------------------------------------------
+
+    def _dynamics(self, number: int, joint: JointData) -> JointDynamics:
+        motor = next((one for one in self._model.motors if one.joint == number and one.gear), None)
+        control, gain, slowing, effort = _drive(motor)
+        return JointDynamics(
+            damping=max(joint.damping, 0.0),
+            friction=max(joint.friction, 0.0),
+            inertia=max(joint.inertia, 0.0),
+            stiffness=max(joint.stiffness, 0.0),
+            rest=joint.rest,
+            effort=min(effort, joint.effort) or math.inf,
+            limited=joint.limits is not None and joint.kind != "ball",
+            control=control,
+            gain=gain,
+            slowing=slowing,
+        )
+
+    def _let_follow(self) -> None:
+        leaders: set[int] = set()
+        for joint, other, factor, offset in self._model.follows:
+            follower, leader = self._bone_of.get(joint), self._bone_of.get(other)
+            if follower is None or leader is None:
+                continue
+            name = self.bones[follower].name
+            if follower in leaders or self.bones[leader].leader >= 0 or follower == leader:
+                self.warnings.append(
+                    f"the joint '{name}' cannot follow '{self.bones[leader].name}'; it moves by itself"
+                )
+                continue
+            leaders.add(leader)
+            self.bones[follower] = replace(self.bones[follower], leader=leader, factor=factor, offset=offset)
+
+
+def _drive(motor: MotorData | None) -> tuple[Control, float | None, float | None, float]:
+    """Return what a motor is told, its gain and damping, and its largest effort, all of them at the joint."""
+    if motor is None:
+        return Control.EFFORT, None, None, math.inf
+    gear, most = abs(motor.gear), abs(motor.gear) * motor.force
+    stiffness, slowing = -motor.bias[1] * gear * gear, -motor.bias[2] * gear * gear
+    if not motor.is_direct and not stiffness:
+        return Control.EFFORT, None, None, most
+    if stiffness > 0.0:
+        return Control.POSITION, stiffness, max(slowing, 0.0), most
+    if slowing > 0.0:
+        return Control.VELOCITY, slowing, None, most
+    return Control.EFFORT, None, None, min(most, gear * abs(motor.gain) * motor.control)

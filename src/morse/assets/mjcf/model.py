@@ -1,0 +1,349 @@
+"""A compiled MJCF model as plain data. This is the only module outside of the physics that knows MuJoCo.
+
+The parser of the engine applies defaults, computes inertias from shapes, and resolves all the ways in which MJCF
+gives poses
+and sizes.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from morse.assets.errors import AssetError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from morse.assets.mjcf.source import Source
+
+_OBJECTS = {
+    "body": mujoco.mjtObj.mjOBJ_BODY,
+    "joint": mujoco.mjtObj.mjOBJ_JOINT,
+    "geom": mujoco.mjtObj.mjOBJ_GEOM,
+    "camera": mujoco.mjtObj.mjOBJ_CAMERA,
+    "site": mujoco.mjtObj.mjOBJ_SITE,
+    "sensor": mujoco.mjtObj.mjOBJ_SENSOR,
+    "mesh": mujoco.mjtObj.mjOBJ_MESH,
+}
+_JOINTS = {0: "free", 1: "ball", 2: "slide", 3: "hinge"}
+_GEOMS = {0: "plane", 2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
+
+
+@dataclass(slots=True)
+class BodyData:
+    """A body; poses in the frame of the parent, quaternions w, x, y, z.
+
+    Attributes:
+        parent: index; the world is 0.
+        inertial: mass (kg), centre (3), quaternion of the principal axes (4), moments (3).
+    """
+
+    name: str
+    parent: int
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    inertial: tuple[float, tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+    joints: list[int] = field(default_factory=list)
+    geoms: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class JointData:
+    """A joint; position and axis in the frame of the body.
+
+    Attributes:
+        kind: ``free``, ``ball``, ``slide`` or ``hinge``.
+        start: value in which the bodies have the poses of the file.
+        limits: smallest and largest value, or None.
+        effort: largest effort of its motors, or infinity.
+    """
+
+    name: str
+    kind: str
+    body: int
+    position: tuple[float, ...]
+    axis: tuple[float, ...]
+    start: float
+    limits: tuple[float, float] | None
+    damping: float
+    friction: float
+    inertia: float
+    stiffness: float
+    rest: float
+    effort: float
+
+
+@dataclass(slots=True)
+class GeomData:
+    """A shape in the frame of its body; sizes as in `morse.scene.CollisionShape`.
+
+    Attributes:
+        mesh: vertices (V, 3) and triangles (T, 3), or None.
+        masks: the bits of its type and of those that it collides with.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    color: tuple[float, ...]
+    group: int
+    friction: float
+    masks: tuple[int, int]
+    mesh: tuple[NDArray[np.float32], NDArray[np.int32]] | None
+
+
+@dataclass(slots=True)
+class MotorData:
+    """An actuator at a joint.
+
+    Attributes:
+        gear: effort of the joint divided by the force of the actuator.
+        gain, bias: of the actuator: force = gain * control + bias[0] + bias[1] * length + bias[2] * velocity.
+        is_direct: whether the control acts without dynamics of its own, linearly.
+        force: largest force, or infinity.
+        control: largest control, or infinity.
+    """
+
+    name: str
+    joint: int
+    gear: float
+    gain: float
+    bias: tuple[float, float, float]
+    is_direct: bool
+    force: float
+    control: float
+
+
+@dataclass(slots=True)
+class SensorData:
+    """A sensor or a camera in the frame of a body.
+
+    Attributes:
+        kind: the word of MJCF, ``camera`` for a camera.
+        values: of a camera: vertical field of view, deg; of a range finder: largest distance, m, 0 for none.
+    """
+
+    name: str
+    kind: str
+    body: int
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    values: tuple[float, ...] = ()
+
+
+@dataclass(slots=True)
+class ModelData:
+    """A model.
+
+    Attributes:
+        bodies: the world first, parents before their children.
+        follows: (joint, leader, factor, offset).
+        apart: pairs of bodies that do not collide.
+        lost: what is not supported, one sentence each.
+    """
+
+    bodies: list[BodyData]
+    joints: list[JointData]
+    geoms: list[GeomData]
+    motors: list[MotorData]
+    sensors: list[SensorData]
+    follows: list[tuple[int, int, float, float]]
+    apart: list[tuple[int, int]]
+    lost: list[str]
+
+
+def compiled(source: Source) -> ModelData:
+    """Compile a model.
+
+    Raises:
+        AssetError: the engine refuses it; with the reason.
+    """
+    try:
+        with warnings.catch_warnings():
+            # those of the engine are for authors of MJCF
+            warnings.simplefilter("ignore")
+            model = mujoco.MjSpec.from_string(source.text, assets=source.meshes).compile()
+    except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
+        raise AssetError(source.path, f"the engine refuses it: {str(error).strip():.300}") from None
+    return _Reading(model).data()
+
+
+class _Reading:
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self.model = model
+        self.lost: list[str] = []
+
+    def name(self, kind: str, index: int) -> str:
+        return mujoco.mj_id2name(self.model, _OBJECTS[kind], index) or f"{kind}{index}"
+
+    def data(self) -> ModelData:
+        m = self.model
+        bodies = [self.body(index) for index in range(m.nbody)]
+        joints = [self.joint(index) for index in range(m.njnt)]
+        geoms = [self.geom(index) for index in range(m.ngeom)]
+        for index in range(m.njnt):
+            bodies[m.jnt_bodyid[index]].joints.append(index)
+        for index in range(m.ngeom):
+            bodies[m.geom_bodyid[index]].geoms.append(index)
+        motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
+        sensors = [*self.cameras(), *self.sensors()]
+        if m.ntendon:
+            self.lost.append(f"it has {m.ntendon} tendons; they are left out, with their motors")
+        return ModelData(bodies, joints, geoms, motors, sensors, self.follows(), self.apart(), self.lost)
+
+    def body(self, index: int) -> BodyData:
+        m = self.model
+        inertial = (
+            float(m.body_mass[index]),
+            _row(m.body_ipos[index]),
+            _row(m.body_iquat[index]),
+            _row(m.body_inertia[index]),
+        )
+        return BodyData(
+            "world" if index == 0 else self.name("body", index),
+            int(m.body_parentid[index]),
+            _row(m.body_pos[index]),
+            _row(m.body_quat[index]),
+            inertial,
+        )
+
+    def joint(self, index: int) -> JointData:
+        m = self.model
+        kind, dof, qpos = _JOINTS[int(m.jnt_type[index])], int(m.jnt_dofadr[index]), int(m.jnt_qposadr[index])
+        limits = _row(m.jnt_range[index]) if m.jnt_limited[index] else None
+        effort = float(abs(m.jnt_actfrcrange[index]).max()) if m.jnt_actfrclimited[index] else np.inf
+        return JointData(
+            self.name("joint", index),
+            kind,
+            int(m.jnt_bodyid[index]),
+            _row(m.jnt_pos[index]),
+            _row(m.jnt_axis[index]),
+            float(m.qpos0[qpos]) if kind in ("slide", "hinge") else 0.0,
+            None if limits is None else (limits[0], limits[1]),
+            float(m.dof_damping[dof]),
+            float(m.dof_frictionloss[dof]),
+            float(m.dof_armature[dof]),
+            float(np.ravel(m.jnt_stiffness[index])[0]),
+            float(m.qpos_spring[qpos]),
+            effort,
+        )
+
+    def geom(self, index: int) -> GeomData:
+        m = self.model
+        kind = _GEOMS.get(int(m.geom_type[index]), "other")
+        mesh = self.mesh(int(m.geom_dataid[index])) if kind == "mesh" else None
+        material = int(m.geom_matid[index])
+        plain = np.allclose(m.geom_rgba[index], (0.5, 0.5, 0.5, 1.0))
+        color = m.mat_rgba[material] if material >= 0 and plain else m.geom_rgba[index]
+        counts = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
+        return GeomData(
+            self.name("geom", index),
+            kind,
+            _row(m.geom_size[index])[: counts.get(kind, 0)],
+            _row(m.geom_pos[index]),
+            _row(m.geom_quat[index]),
+            _row(color),
+            int(m.geom_group[index]),
+            float(m.geom_friction[index][0]),
+            (int(m.geom_contype[index]), int(m.geom_conaffinity[index])),
+            mesh,
+        )
+
+    def mesh(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        m = self.model
+        vertices = slice(m.mesh_vertadr[index], m.mesh_vertadr[index] + m.mesh_vertnum[index])
+        faces = slice(m.mesh_faceadr[index], m.mesh_faceadr[index] + m.mesh_facenum[index])
+        return np.array(m.mesh_vert[vertices], dtype=np.float32), np.array(m.mesh_face[faces], dtype=np.int32)
+
+    def motor(self, index: int) -> MotorData | None:
+        m = self.model
+        name = mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_ACTUATOR, index) or f"actuator{index}"
+        joint = int(m.actuator_trnid[index][0])
+        at_joint = int(m.actuator_trntype[index]) in (0, 1) and m.jnt_type[joint] in (2, 3)
+        if not at_joint:
+            if int(m.actuator_trntype[index]) != int(mujoco.mjtTrn.mjTRN_TENDON):
+                self.lost.append(f"the motor '{name}' moves no single joint; it is left out")
+            return None
+        gains, bias = m.actuator_gainprm[index], m.actuator_biasprm[index]
+        affine = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
+        fixed = int(m.actuator_gaintype[index]) == int(mujoco.mjtGain.mjGAIN_FIXED)
+        simple = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_NONE) or affine
+        return MotorData(
+            name,
+            joint,
+            float(m.actuator_gear[index][0]),
+            float(gains[0]),
+            (float(bias[0]), float(bias[1]), float(bias[2])) if affine else (0.0, 0.0, 0.0),
+            fixed and simple and int(m.actuator_dyntype[index]) == int(mujoco.mjtDyn.mjDYN_NONE),
+            float(abs(m.actuator_forcerange[index]).max()) if m.actuator_forcelimited[index] else np.inf,
+            float(abs(m.actuator_ctrlrange[index]).max()) if m.actuator_ctrllimited[index] else np.inf,
+        )
+
+    def cameras(self) -> list[SensorData]:
+        m = self.model
+        return [
+            SensorData(
+                self.name("camera", index),
+                "camera",
+                int(m.cam_bodyid[index]),
+                _row(m.cam_pos[index]),
+                _row(m.cam_quat[index]),
+                (float(np.ravel(m.cam_fovy[index])[0]),),
+            )
+            for index in range(m.ncam)
+            # a camera of the world looks at the robot, and is no part of it
+            if m.cam_bodyid[index] > 0 and int(m.cam_mode[index]) == int(mujoco.mjtCamLight.mjCAMLIGHT_FIXED)
+        ]
+
+    def sensors(self) -> list[SensorData]:
+        m = self.model
+        found = []
+        for index in range(m.nsensor):
+            word = mujoco.mjtSensor(int(m.sensor_type[index])).name.removeprefix("mjSENS_").lower()
+            place = int(m.sensor_objid[index])
+            if int(m.sensor_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
+                body, position, turned = int(m.site_bodyid[place]), m.site_pos[place], m.site_quat[place]
+            elif int(m.sensor_objtype[index]) in (int(mujoco.mjtObj.mjOBJ_BODY), int(mujoco.mjtObj.mjOBJ_XBODY)):
+                body, position, turned = place, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+            else:
+                body, position, turned = -1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+            found.append(
+                SensorData(
+                    self.name("sensor", index),
+                    word,
+                    body,
+                    _row(position),
+                    _row(turned),
+                    (float(m.sensor_cutoff[index]),),
+                )
+            )
+        return found
+
+    def follows(self) -> list[tuple[int, int, float, float]]:
+        m = self.model
+        found = []
+        for index in range(m.neq):
+            one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
+            is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
+            if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
+                word = mujoco.mjtEq(int(m.eq_type[index])).name.removeprefix("mjEQ_").lower()
+                self.lost.append(f"a constraint '{word}' is left out")
+                continue
+            factor = float(m.eq_data[index][1])
+            start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
+            found.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))
+        return found
+
+    def apart(self) -> list[tuple[int, int]]:
+        return [(int(signature) >> 16, int(signature) & 0xFFFF) for signature in self.model.exclude_signature]
+
+
+def _row(values: Any) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)

@@ -1,0 +1,70 @@
+"""The shapes of an MJCF model as nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets import solids
+from morse.mathutils import Quaternion
+from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
+
+if TYPE_CHECKING:
+    from morse.assets.mjcf.model import GeomData
+
+#: groups of shapes from this one on are hidden by the viewers of MuJoCo
+_HIDDEN = 3
+_KINDS = {
+    "sphere": ShapeKind.SPHERE,
+    "capsule": ShapeKind.CAPSULE,
+    "ellipsoid": ShapeKind.ELLIPSOID,
+    "cylinder": ShapeKind.CYLINDER,
+    "box": ShapeKind.BOX,
+}
+
+
+def shape_node(geom: GeomData, name: str) -> Node:
+    """Return the node of a shape, which is solid if the shape collides with anything."""
+    node = Node(name, NodeKind.MESH, source_name=name, location=list(geom.position))
+    node.rotation_euler = list(Quaternion(geom.quaternion).to_euler())
+    red, green, blue, alpha = geom.color
+    node.visible = geom.group < _HIDDEN and alpha > 0.0
+    node.materials = [Material(name, (red, green, blue, alpha))]
+    is_solid = any(geom.masks)
+    if is_solid:
+        node.body = BodySettings(type=PhysicsType.STATIC, friction=geom.friction)
+    else:
+        node.shapes = []
+    if geom.mesh is not None:
+        vertices, triangles = geom.mesh
+        node.mesh = Mesh(name, vertices, triangles, np.zeros(len(triangles), dtype=np.int32))
+        node.body.bounds = Bounds.CONVEX_HULL
+        return node
+    node.mesh, scale = _mesh(geom)
+    node.scale = list(scale)
+    if is_solid:
+        node.shapes = [CollisionShape(_KINDS[geom.kind], geom.size)]
+    return node
+
+
+def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
+    """Return the mesh of a primitive, and its scale."""
+    size = geom.size
+    if geom.kind == "box":
+        return solids.cube(), size
+    if geom.kind == "ellipsoid":
+        return solids.sphere(), size
+    if geom.kind == "sphere":
+        return solids.sphere(), (size[0],) * 3
+    if geom.kind == "cylinder":
+        return solids.cylinder(), (size[0], size[0], size[1])
+    return _capsule(*size), (1.0, 1.0, 1.0)
+
+
+def _capsule(radius: float, half: float) -> Mesh:
+    """A sphere that is pulled apart along Z."""
+    ball = solids.sphere()
+    vertices = ball.vertices * radius
+    vertices[:, 2] += np.where(ball.vertices[:, 2] > 1e-6, half, -half)
+    return Mesh("Capsule", vertices.astype(np.float32), ball.triangles, ball.material_index, normals=ball.normals)

@@ -1,0 +1,208 @@
+"""An MJCF file with all that it includes, reduced to what a robot needs.
+
+The parser of the engine reads the files that a model names, wherever they are, and allocates what a model asks for. The
+text that it gets here names no files, and holds nothing of which a few bytes could ask for much memory.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+from morse.assets.errors import AssetError
+from morse.assets.nearby_files import FileRefusedError, find_near
+from morse.assets.xml_files import read_xml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_MOST_ELEMENTS, _MOST_FILES = 100_000, 200
+_MOST_MESH_BYTES = 512 << 20
+#: copies of a part, in all
+_MOST_COPIES = 1000
+_LARGEST = 1e15
+#: top-level elements that do not describe the robot
+_LEFT_OUT = ("keyframe", "visual", "statistic", "custom", "size", "option")
+#: elements that are not supported
+_UNSUPPORTED = (
+    "attach", "composite", "deformable", "extension", "flex", "flexcomp", "hfield", "model", "plugin", "skin",
+)  # fmt: skip
+#: attributes that ask for memory or files
+_ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
+#: attributes of words, which may look like numbers
+_WORDS = ("name", "class", "childclass", "mesh", "material", "model")
+
+
+class Source:
+    """The text for the engine, and the meshes that it needs.
+
+    Attributes:
+        name: of the model.
+        text: MJCF.
+        meshes: name in the text to the content of the file.
+        warnings: what is left out, one sentence each.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.warnings: list[str] = []
+        self.meshes: dict[str, bytes] = {}
+        self._files = self._elements = 0
+        self._bytes = 0
+        root = self._read(path, ("mujoco",))
+        self._include(root, path, [path])
+        self.name = root.get("model") or path.stem
+        self._check(root)
+        self._reduce(root)
+        self._take_meshes(root)
+        self.text = ElementTree.tostring(root, encoding="unicode")
+
+    def _fail(self, message: str) -> AssetError:
+        return AssetError(self.path, message)
+
+    # -- files -----------------------------------------------------------------------------
+
+    def _read(self, path: Path, tags: tuple[str, ...]) -> ElementTree.Element:
+        root = read_xml(path)
+        if root.tag not in tags:
+            raise AssetError(path, f"it is not MJCF: it begins with <{root.tag:.60}>, expected <{tags[0]}>")
+        self._files += 1
+        self._elements += sum(1 for _ in root.iter())
+        if self._files > _MOST_FILES or self._elements > _MOST_ELEMENTS:
+            raise self._fail(f"it includes more than {_MOST_FILES} files or {_MOST_ELEMENTS} elements")
+        return root
+
+    def _include(self, parent: ElementTree.Element, path: Path, above: list[Path]) -> None:
+        """Replace the elements ``include`` by the content of their files."""
+        for child in list(parent):
+            if child.tag != "include":
+                self._include(child, path, above)
+                continue
+            name = child.get("file") or ""
+            included = self._found(name, path)
+            if included in above:
+                circle = " includes ".join(one.name for one in [*above[above.index(included) :], included])
+                raise self._fail(f"{circle}: files include each other in a circle")
+            content = self._read(included, ("mujocoinclude", "mujoco"))
+            self._include(content, included, [*above, included])
+            index = list(parent).index(child)
+            parent.remove(child)
+            for number, element in enumerate(content):
+                parent.insert(index + number, element)
+
+    def _found(self, name: str, path: Path) -> Path:
+        reason: Exception | None = None
+        # relative to the model, or to the file that includes it
+        for model in (self.path, path):
+            try:
+                return find_near(name, model).absolute()
+            except FileRefusedError as error:
+                reason = reason or error
+        raise self._fail(f"the file {name[:200]!r} cannot be included: {reason}")
+
+    # -- elements --------------------------------------------------------------------------
+
+    def _check(self, root: ElementTree.Element) -> None:
+        """Refuse numbers that are none, or absurd, and a number of copies that is."""
+        for element in root.iter():
+            for name, value in element.attrib.items():
+                if name in _WORDS:
+                    continue
+                for number in _numbers(value):
+                    if not abs(number) <= _LARGEST:
+                        raise self._fail(
+                            f"<{element.tag} {name}={value[:60]!r}>: {number:g} is not a number that a robot can have"
+                        )
+        copies = 1.0
+        for element in root.iter("replicate"):
+            copies *= max([1.0, *_numbers(element.get("count", "1"))])
+            if copies > _MOST_COPIES:
+                raise self._fail(f"<replicate> makes more than {_MOST_COPIES} copies")
+
+    def _reduce(self, root: ElementTree.Element) -> None:
+        for child in list(root):
+            if child.tag in _LEFT_OUT:
+                root.remove(child)
+        lost = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
+        if any(element.get("type") in ("hfield", "sdf") for element in root.iter("geom")):
+            lost.append("geom of type hfield or sdf")
+        if lost:
+            self.warnings.append(f"it has {', '.join(lost)}; they are left out")
+        for parent in list(root.iter()):
+            for child in list(parent):
+                if _is_left_out(parent, child):
+                    parent.remove(child)
+        for element in root.iter():
+            if element.tag == "material":
+                element.attrib.pop("texture", None)
+            if element.tag != "mesh":
+                for name in _ATTRIBUTES:
+                    element.attrib.pop(name, None)
+        self._folder = ""
+        if root.find("compiler") is None:
+            root.insert(0, ElementTree.Element("compiler"))
+        for compiler in root.iter("compiler"):
+            self._folder = compiler.get("meshdir") or compiler.get("assetdir") or self._folder
+            for name in ("meshdir", "assetdir", "texturedir", "strippath"):
+                compiler.attrib.pop(name, None)
+            # the links of the file, and its visible shapes, are kept
+            compiler.attrib.update(fusestatic="false", discardvisual="false", balanceinertia="true")
+            for name in ("boundmass", "boundinertia"):
+                compiler.attrib.setdefault(name, "1e-9")
+
+    # -- meshes ----------------------------------------------------------------------------
+
+    def _take_meshes(self, root: ElementTree.Element) -> None:
+        lost: set[str] = set()
+        for assets in root.iter("asset"):
+            for mesh in list(assets.iter("mesh")):
+                file = mesh.get("file")
+                name = mesh.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+                if mesh.get("builtin") and max([0.0, *map(abs, _numbers(mesh.get("params", "")))]) > 64.0:
+                    raise self._fail(f"the mesh '{name:.60}' has the parameters {mesh.get('params', '')[:60]!r}")
+                if file is None:
+                    continue
+                mesh.set("name", name)
+                try:
+                    mesh.set("file", self._content(file))
+                except (FileRefusedError, OSError) as error:
+                    self.warnings.append(f"the mesh '{file:.200}' is left out: {error}")
+                    lost.add(name)
+                    assets.remove(mesh)
+        for parent in list(root.iter()):
+            for child in list(parent):
+                if child.tag == "geom" and child.get("mesh") in lost:
+                    parent.remove(child)
+
+    def _content(self, file: str) -> str:
+        name = f"{self._folder}/{file}" if self._folder and not file.startswith("/") else file
+        path = find_near(name, self.path)
+        suffix = path.suffix.lower()
+        if suffix not in (".stl", ".obj", ".msh"):
+            raise FileRefusedError(f"files of type '{suffix}' cannot be read; supported: .msh, .obj, .stl")
+        self._bytes += path.stat().st_size
+        if self._bytes > _MOST_MESH_BYTES:
+            raise FileRefusedError(f"all meshes together are larger than {_MOST_MESH_BYTES >> 20} MB")
+        key = f"mesh{len(self.meshes)}{suffix}"
+        self.meshes[key] = path.read_bytes()
+        return key
+
+
+def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> bool:
+    """Whether an element is not supported, or a picture, which could be of any size."""
+    if child.tag == "geom":
+        return child.get("type") in ("hfield", "sdf")
+    is_picture = (parent.tag, child.tag) in (("asset", "texture"), ("material", "layer"))
+    return child.tag in _UNSUPPORTED or is_picture
+
+
+def _numbers(text: str) -> Iterator[float]:
+    """The words of a text that are numbers; an infinity counts as one."""
+    for word in text.split():
+        try:
+            number = float(word)
+        except ValueError:
+            continue
+        yield number if not math.isnan(number) else math.inf
