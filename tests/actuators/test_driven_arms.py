@@ -98,7 +98,7 @@ def test_a_saved_state_goes_on_with_the_same_bits(run, tmp_path):
     swing(sim, 40)
     state = sim.save()
     swing(sim, 40)
-    ahead = sim.state_hash()
+    ahead, place = sim.state_hash(), measured(sim, "robot.arm.tip")
     sim.restore(state)
     swing(sim, 40)
     assert sim.state_hash() == ahead
@@ -106,6 +106,7 @@ def test_a_saved_state_goes_on_with_the_same_bits(run, tmp_path):
     other.restore(state)
     swing(other, 40)
     assert other.state_hash() == ahead
+    assert measured(other, "robot.arm.tip") == place
 
 
 def test_after_a_restart_everything_is_as_at_the_start(run):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from morse.actuators.fingers import Fingers
 from morse.core.actuator import Actuator
 from morse.core.builder_defaults import BuilderDefaults
 from morse.core.services import service
@@ -18,6 +19,9 @@ class Gripper(Actuator):
 
     The cone opens along the Z axis of the gripper, in the direction of the fingers. The origin of an object has to be
     in the cone.
+
+    An object is held as soon as it is grasped. The fingers then close at ``FingerSpeed`` until they meet the held
+    object, if it is between them, or each other. They open when the object is released.
     """
 
     _name = "Gripper"
@@ -29,12 +33,22 @@ class Gripper(Actuator):
     add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
     add_property("_distance", 0.5, "Distance", "float", "Length of the cone", unit="m", low=0.0)
 
+    add_property("_finger_speed", 1.0, "FingerSpeed", "float", "Speed of the fingers", unit="rad/s", low=0.0, high=1e3)
+
     _angle: float
     _distance: float
+    _finger_speed: float
+
+    not_state = ("_fingers",)
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self._held_name = ""
+        self._fingers = Fingers(self.context.world, obj)
+        #: how far the fingers are closed, rad
+        self._closing = [0.0] * self._fingers.count
+        #: the angles at which the fingers meet the held object
+        self._goal = self._fingers.closed(None)
 
     @property
     def held(self) -> Any:
@@ -57,6 +71,7 @@ class Gripper(Actuator):
         if held is not None and not self._held_name:
             held.setParent(self.bge_object)
             self._held_name = held.name
+            self._goal = self._fingers.closed(held)
         self.local_data["grab"] = held is not None
         return None if held is None else str(held.name)
 
@@ -79,6 +94,18 @@ class Gripper(Actuator):
                 self.local_data["grab"] = True
         elif self._held_name:
             self.release()
+        if self._fingers.count:
+            self._move_fingers()
+
+    def _move_fingers(self) -> None:
+        step = self._finger_speed / self.frequency
+        goal = (
+            (self._goal if self._held_name else self._fingers.closed(None)) if self.local_data["grab"] else [0.0, 0.0]
+        )
+        moved = [here + min(max(there - here, -step), step) for here, there in zip(self._closing, goal, strict=True)]
+        if moved != self._closing:
+            self._closing = moved
+            self._fingers.turn(moved)
 
     def _nearest(self) -> Any:
         (x, y, z), r = self.bge_object.world_pose()

@@ -75,7 +75,9 @@ class ForceTorque(ActuatorCreator):
 
 class Gripper(ActuatorCreator):
     """Takes things that can be grasped and lets them go"""
-    def properties(self, *, Angle: float = ..., Distance: float = ..., **kwargs: Any) -> None: ...
+    def properties(
+        self, *, Angle: float = ..., Distance: float = ..., FingerSpeed: float = ..., **kwargs: Any
+    ) -> None: ...
 
 class Hydrodynamics(ActuatorCreator):
     """Lets water carry, slow down and take away the robot"""

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.scene.frames import rigid_frame
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -20,7 +22,12 @@ def extent(nodes: Iterable[Node], frame: Node | None = None) -> tuple[NDArray[np
     Args:
         frame: the node in whose frame the corners are; None for the world.
     """
-    into = np.eye(4) if frame is None else np.array([list(row) for row in frame.world_matrix().inverted()])
+    into = np.eye(4)
+    if frame is not None:
+        # without the scale of the frame: metres remain metres
+        rigid = rigid_frame(frame)
+        into[:3, :3] = np.array([list(row) for row in rigid.rotation]).T
+        into[:3, 3] = -into[:3, :3] @ np.array(list(rigid.position))
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for node in nodes:
         if node.mesh is None or len(node.mesh.vertices) == 0:

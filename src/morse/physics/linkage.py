@@ -108,7 +108,7 @@ class Linkage:
         for obj, hook, local, pose in rows:
             own = vars(obj)
             if hook >= 0:
-                own["_local"], own["_is_displaced"] = (tuple(local[:3]), tuple(local[3:])), True
+                own["_local"] = tuple(local[:3]), tuple(local[3:])
             own["mounting"] = Mounting.of((tuple(pose[:3]), tuple(pose[3:])))
 
     def _move_each(self, values: Sequence[float]) -> None:
@@ -199,6 +199,8 @@ class Linkage:
             if hook < 0:
                 position, rotation = vars(obj)["_local"]
                 arrays.held[row] = [*position, *rotation]
+            else:
+                vars(obj)["_is_displaced"] = True
         first = self._entries[0].parent
         assert first is not None
         position, rotation = first.offset

@@ -92,9 +92,11 @@ class Saving:
         world, named = self._world, self._world.named
         world.bodies.moved_shapes.reset()
         self._gliding.forget_moved_shapes()
-        for name, obj in self._objects.items():
-            shown, present = obj.visible, obj.properties
+        before = [(obj.visible, obj.properties) for obj in self._objects.values()]
+        # all first: an object that is moved takes the objects below it along
+        for obj in self._objects.values():
             obj.restore()
+        for (name, obj), (shown, present) in zip(self._objects.items(), before, strict=True):
             changed = state.objects.get(name)
             if changed is not None:
                 obj.set_state(changed)

@@ -1,0 +1,81 @@
+"""The fingers of a gripper."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from morse.helpers.extent import extent
+from morse.mathutils.rotations import turn, turn_back
+from morse.scene import Bone, JointKind
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: parts of the model: the fingers on the left and on the right side
+_NAMES = ("finger1", "finger2")
+#: the hinge in the frame of a finger, which turns about its X axis, m
+_HINGE = (0.0, -0.003, 0.056)
+#: the middle of a pad seen from the hinge: outward and ahead, m; half its thickness, m
+_OUT, _AHEAD, _PAD = 0.020, 0.059, 0.0025
+#: where the pads are along the axes of the gripper: half width across, from and to ahead, m
+_ACROSS, _FROM, _TO = 0.03, 0.08, 0.13
+
+
+class Fingers:
+    """Two fingers that turn about hinges until they meet the held object, or each other.
+
+    Models without parts ``finger1`` and ``finger2`` have no fingers that move.
+
+    Args:
+        world: the world.
+        gripper: the object of the gripper.
+    """
+
+    is_apparatus = True
+
+    def __init__(self, world: Any, gripper: Any) -> None:
+        self._gripper = gripper
+        parts = {part.node.plain_name: part for part in gripper.childrenRecursive}
+        found = [parts[name] for name in _NAMES if name in parts]
+        bones, hanging = [], []
+        for number, part in enumerate(found):
+            position, rotation = part.local_pose()
+            hinge = [a + b for a, b in zip(position, turn(rotation, _HINGE), strict=True)]
+            bones.append(Bone(part.name, -1, tuple(hinge), tuple(rotation), 0.0, JointKind.REVOLUTE, 0))
+            back = tuple(-value for value in _HINGE)
+            hanging.append((part, number, back, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)))
+        self._linkage = world.linkage(gripper, bones, hanging)
+        #: number of fingers
+        self.count = len(found) if len(found) == len(_NAMES) else 0
+
+    def turn(self, angles: Sequence[float]) -> None:
+        """Turn the fingers inward from their open positions, rad, left and right."""
+        self._linkage.move([-angle for angle in angles])
+
+    def closed(self, held: Any) -> list[float]:
+        """The angles at which the fingers meet the held object, or each other, rad, left and right."""
+        return [_angle_at(distance) for distance in self._sides(held)]
+
+    def _sides(self, held: Any) -> tuple[float, float]:
+        """How far an object reaches to the left and to the right between the pads, m; 0 if it is not there."""
+        corners = None if held is None else extent(held.node.walk(), held.node)
+        if corners is None:
+            return 0.0, 0.0
+        (ox, oy, oz), r = self._gripper.world_pose()
+        (px, py, pz), q = held.world_pose()
+        seen = []
+        for corner in product(*zip(*(side.tolist() for side in corners), strict=True)):
+            x, y, z = turn(q, corner)
+            seen.append(turn_back(r, (px + x - ox, py + y - oy, pz + z - oz)))
+        (x0, x1), (y0, y1), (z0, z1) = ((min(values), max(values)) for values in zip(*seen, strict=True))
+        between = x0 < _ACROSS and x1 > -_ACROSS and z0 < _TO and z1 > _FROM
+        return (max(y1, 0.0), max(-y0, 0.0)) if between else (0.0, 0.0)
+
+
+def _angle_at(distance: float) -> float:
+    """The angle at which the inner side of a pad has a distance from the middle, rad; 0 if it is farther open."""
+    reach = math.hypot(_OUT, _AHEAD)
+    sine = (_PAD - _HINGE[1] - 2.0 * _PAD - distance) / reach
+    return max(math.atan2(_OUT, _AHEAD) + math.asin(max(sine, -1.0)), 0.0)
