@@ -98,6 +98,6 @@ class RandomDrawing:
             row["near"], row["far"], row["width"], row["height"] = near, far, width, height
             row["axes"] = rotations(self.rng, 1)[0].ravel()
             row["eye"] = -3 * row["axes"][6:9] + self.rng.normal(size=3) * 0.3
-            row["color"] = color
+            row["color"] = row["normals"] = color
             row["exposure"] = self.rng.uniform(0.5, 2.0)
         return rows

@@ -177,3 +177,9 @@ def test_vectors_have_colours_by_their_directions():
 
 def test_vectors_that_are_not_numbers_are_black():
     assert not as_pixels(np.full((2, 2, 2), np.nan, np.float32)).any()
+
+
+def test_normals_have_their_coordinates_as_colours():
+    normals = np.zeros((1, 4, 3), np.float32)
+    normals[0, 1:] = (0, 0, -1), (1, 0, 0), (0, -1, 0)
+    assert as_pixels(normals)[0].tolist() == [[0, 0, 0], [128, 128, 255], [255, 128, 128], [128, 255, 128]]

@@ -16,6 +16,7 @@ import numpy as np
 from PIL import Image
 
 import morse
+from morse.viewer.feeds.pictures import as_coordinates
 
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
@@ -165,6 +166,8 @@ def _map(points: np.ndarray) -> Image.Image:
 def _as_image(pixels: np.ndarray) -> Image.Image:
     if pixels.dtype == np.uint8:
         return Image.fromarray(pixels[..., :3])
+    if pixels.ndim == 3 and pixels.shape[2] == 3:
+        return Image.fromarray(as_coordinates(pixels))
     finite = np.where(np.isfinite(pixels), pixels, np.nan)
     near, far = np.nanmin(finite), np.nanmax(finite)
     grey = 255.0 * (1.0 - (np.nan_to_num(finite, nan=far) - near) / max(far - near, 1e-9))

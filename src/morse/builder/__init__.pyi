@@ -96,6 +96,7 @@ from morse.builder.sensors import IMU as IMU
 from morse.builder.sensors import Infrared as Infrared
 from morse.builder.sensors import LaserScanner as LaserScanner
 from morse.builder.sensors import Magnetometer as Magnetometer
+from morse.builder.sensors import NormalCamera as NormalCamera
 from morse.builder.sensors import Odometry as Odometry
 from morse.builder.sensors import OpticalFlowCamera as OpticalFlowCamera
 from morse.builder.sensors import PTUPosture as PTUPosture
@@ -220,6 +221,7 @@ __all__ = [
     "MotionVW",
     "MotionVWDiff",
     "MotionXYW",
+    "NormalCamera",
     "Odometry",
     "OpticalFlowCamera",
     "Orientation",

@@ -49,6 +49,7 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.depth_camera.DepthCameraRotationZ": CameraCreator,
     "morse.sensors.depth_camera.DepthVideoCamera": CameraCreator,
     "morse.sensors.depth_camera.RawImage": CameraCreator,
+    "morse.sensors.normal_camera.NormalCamera": CameraCreator,
     "morse.sensors.optical_flow_camera.OpticalFlowCamera": CameraCreator,
     "morse.sensors.segmentation_camera.SegmentationCamera": CameraCreator,
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,

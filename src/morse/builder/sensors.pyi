@@ -34,6 +34,7 @@ __all__ = [
     "Kinect",
     "LaserScanner",
     "Magnetometer",
+    "NormalCamera",
     "Odometry",
     "OpticalFlowCamera",
     "PTUPosture",
@@ -283,6 +284,26 @@ class Magnetometer(SensorCreator):
         *,
         date: float = ...,
         Model: Literal["auto", "WMM2010", "WMM2015", "WMM2015v2", "WMM2020", "WMM2025"] = ...,
+        **kwargs: Any,
+    ) -> None: ...
+
+class NormalCamera(CameraCreator):
+    """A camera that measures the normals of surfaces"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        capturing: bool = ...,
         **kwargs: Any,
     ) -> None: ...
 

@@ -49,10 +49,16 @@ class Renderer:
         self._shadows: Shadows | None = None
 
     def request(
-        self, obj: Placed, lens: Lens, *, color: bool = True, wanted: Callable[[], bool] = lambda: True
+        self,
+        obj: Placed,
+        lens: Lens,
+        *,
+        color: bool = True,
+        normals: bool = False,
+        wanted: Callable[[], bool] = lambda: True,
     ) -> CameraRequest:
         """Create the request of a camera; see `CameraRequest`."""
-        return CameraRequest(self, obj, lens, color=color, wanted=wanted)
+        return CameraRequest(self, obj, lens, color=color, normals=normals, wanted=wanted)
 
     def serve(self, requests: Sequence[CameraRequest]) -> None:
         """Render the requested images."""
@@ -83,7 +89,7 @@ class Renderer:
         made = self._drawer.draw(cameras, poses, light, self._samples)
         rows = iter(cameras)
         for request in requests:
-            flats = [_cut(made, next(rows), request.color) for _ in _views(request)]
+            flats = [_cut(made, next(rows)) for _ in _views(request)]
             lens = request.lens
             drawn = lens.warp.gather(flats) if isinstance(lens, DistortedLens) else flats[0]
             position, rotation = request.obj.world_pose()
@@ -91,6 +97,7 @@ class Renderer:
                 drawn.rgb,
                 drawn.depth,
                 drawn.ids,
+                drawn.normals,
                 contents.nodes,
                 poses.models,
                 np.array(position, np.float32),
@@ -160,14 +167,16 @@ def _fill(row: Any, view: _View) -> None:
     # the rotations of undistorted images permute axes, so that these products are exact
     row["axes"] = (np.reshape(rotation, (3, 3)) @ view.turn).T.ravel()
     row["eye"], row["color"], row["exposure"] = position, request.color, request.exposure
+    row["normals"] = request.normals
 
 
-def _cut(made: Pictures, row: Any, color: bool) -> Drawn:
+def _cut(made: Pictures, row: Any) -> Drawn:
     """One of the rendered images."""
     shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
     part = slice(first, first + shape[0] * shape[1])
     return Drawn(
-        made.rgb[part].reshape(*shape, 3) if color else None,
+        made.rgb[part].reshape(*shape, 3) if row["color"] else None,
         made.depth[part].reshape(shape),
         made.ids[part].reshape(shape),
+        made.normals[part].reshape(*shape, 3) if row["normals"] else None,
     )

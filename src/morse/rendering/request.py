@@ -29,6 +29,8 @@ class Picture(NamedTuple):
         rgb: (H, W, 3) uint8, or None if it was not requested.
         depth: (H, W) float32, metres along the axis of the camera, 0 without a surface.
         ids: (H, W) int32, index in `nodes`, -1 without a surface.
+        normals: (H, W, 3) float32, unit normals of the surfaces, towards the camera: X right, Y down, Z forward; 0
+            without a surface; None if they were not requested.
         nodes: the nodes of the ids.
         models: (I, 12) float32, mesh to world of each node, 3x4 row by row; zeros for invisible nodes.
         eye: (3,) float32, position of the camera in the world frame.
@@ -38,6 +40,7 @@ class Picture(NamedTuple):
     rgb: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
+    normals: NDArray[np.float32] | None
     nodes: list[Node]
     models: NDArray[np.float32]
     eye: NDArray[np.float32]
@@ -51,13 +54,16 @@ class CameraRequest:
         obj: the object.
         lens: may be replaced between images.
         color: whether the image has colours, not only depth and ids.
+        normals: whether the image has normals.
         exposure: factor of the light.
         wanted: returns whether an image is requested now.
         picture: the last image; None before the first.
     """
 
-    def __init__(self, server: Renderer, obj: Placed, lens: Lens, *, color: bool, wanted: Callable[[], bool]) -> None:
+    def __init__(
+        self, server: Renderer, obj: Placed, lens: Lens, *, color: bool, normals: bool, wanted: Callable[[], bool]
+    ) -> None:
         self.server = server
-        self.obj, self.lens, self.color, self.wanted = obj, lens, color, wanted
+        self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted
         self.exposure = 1.0
         self.picture: Picture | None = None

@@ -73,6 +73,7 @@ class Drawn(NamedTuple):
     rgb: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
+    normals: NDArray[np.float32] | None
 
 
 class Warp:
@@ -101,16 +102,28 @@ class Warp:
         color = bool(drawn) and drawn[0].rgb is not None
         rgb = np.zeros((size, 3), np.uint8)
         depth, ids = np.zeros(size, np.float32), np.full(size, -1, np.int32)
+        normals = np.zeros((size, 3), np.float32) if drawn and drawn[0].normals is not None else None
         for flat, picture in zip(self.flats, drawn, strict=True):
             if picture.rgb is not None:
                 rgb[flat.pixels] = _colors(flat, picture.rgb)
             numbers = picture.ids.ravel()[flat.nearest]
+            if picture.normals is not None and normals is not None:
+                # turns permute axes, so that the products are exact
+                turned = picture.normals.reshape(-1, 3)[flat.nearest] @ flat.turn.T.astype(np.float32)
+                normals[flat.pixels] = turned + np.float32(0)
             depths = _depths(flat, picture, numbers) * flat.stretch
             far = depths > np.float32(self._lens.far)
             ids[flat.pixels] = np.where(far, np.int32(-1), numbers)
+            if normals is not None:
+                normals[flat.pixels[far]] = 0
             depth[flat.pixels] = np.where(far | (numbers < 0), np.float32(0), depths)
         shape = (self._lens.height, self._lens.width)
-        return Drawn(rgb.reshape(*shape, 3) if color else None, depth.reshape(shape), ids.reshape(shape))
+        return Drawn(
+            rgb.reshape(*shape, 3) if color else None,
+            depth.reshape(shape),
+            ids.reshape(shape),
+            None if normals is None else normals.reshape(*shape, 3),
+        )
 
 
 def _flat(lens: DistortedLens, turn: NDArray[np.float64], pixels: NDArray[np.intp], rays: NDArray[np.float64]) -> Flat:

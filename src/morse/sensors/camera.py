@@ -64,6 +64,7 @@ class Camera(Sensor):
         image_width, image_height: pixels.
         capturing: whether it captures images at present.
         color: whether its images contain colours, not only depth.
+        normals: whether its images contain normals.
     """
 
     add_property("image_width", 256, "cam_width", "integer", "Width of the image", unit="px", low=1, high=8192)
@@ -98,6 +99,7 @@ class Camera(Sensor):
     add_property("capturing", True, "capturing", "bool", "Take pictures")
 
     color = True
+    normals = False
     not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens")
 
     image_width: int
@@ -122,7 +124,9 @@ class Camera(Sensor):
         self._taken = -1
         self._look()
         renderer = self.context.server(Renderer)
-        self.request: CameraRequest = renderer.request(obj, self.lens, color=self.color, wanted=self._wants)
+        self.request: CameraRequest = renderer.request(
+            obj, self.lens, color=self.color, normals=self.normals, wanted=self._wants
+        )
         self.add_request(self.request)
         if self.context.scene.settings.fastmode and self.capturing:
             self.capturing = False

@@ -81,6 +81,25 @@ static int gather(const Frame *f, const Tile *tile, int left, int y, int top, in
     return count;
 }
 
+// The unit normals of the pixels of a row along the axes of the camera; 0 without a surface.
+static void write_normals(const Frame *f, const Camera *k, const Tile *tile, int y, int width, Looks *l) {
+    const float *r = k->axes, fy = (float)(tile->top + y) + 0.5f;
+    float (*to)[3] = f->normals + k->pixel + (int64_t)(tile->top + y) * k->width + tile->left;
+    EACH(x, width) {
+        const int32_t who = tile->shown[0][y * TILE + x];
+        float n[3] = {0, 0, 0};
+        if (who >= 0) {
+            const Planes *p = planes_of(f, l, who);
+            const float fx = (float)(tile->left + x) + 0.5f;
+            EACH(i, 3) n[i] = p->normal[i][0] * fx + p->normal[i][1] * fy + p->normal[i][2];
+        }
+        const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        const float factor = 1 / sqrtf(square > 1e-30f ? square : 1e-30f);
+        EACH(i, 3) n[i] *= factor;
+        EACH(i, 3) to[x][i] = r[3 * i] * n[0] + r[3 * i + 1] * n[1] + r[3 * i + 2] * n[2];
+    }
+}
+
 static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Looks *l) {
     const int left = f->tiles[t][1], top = f->tiles[t][2], samples = k->color ? f->sample_count : 1;
     clear(f, tile, left, top, samples, k->near, k->far);
@@ -100,6 +119,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Lo
             f->ids[pixel + x] = instance;
             f->depth[pixel + x] = who < 0 ? 0 : 1 / tile->inverse[0][y * TILE + x];
         }
+        if (k->normals) write_normals(f, k, tile, y, width, l);
         if (!k->color) continue;
         float row[3][TILE] = {{0}};
         const int count = gather(f, tile, left, y, top, width, l);

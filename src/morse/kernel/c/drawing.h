@@ -13,7 +13,7 @@ enum { MIRRORED = 2 };
 // A pinhole camera. Axes are rows: right, down, forward. `pixel` is its first pixel, `tile` its first tile.
 typedef struct {
     float fx, fy, cx, cy, near, far, axes[9], eye[3], exposure;
-    int32_t width, height, tile, color;
+    int32_t width, height, tile, color, normals;
     int64_t pixel;
 } Camera;
 
@@ -79,6 +79,7 @@ typedef struct {
     uint8_t *rgb;
     float *depth;
     int32_t *ids;
+    float (*normals)[3];  // unit vectors along the axes of the camera; null if no camera measures them
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
     int32_t near_width, near_height;
     int64_t next;  // index of the next piece of work

@@ -62,6 +62,7 @@ CAMERA = np.dtype(
         ("height", "i4"),
         ("tile", "i4"),
         ("color", "i4"),
+        ("normals", "i4"),
         ("pixel", "i8"),
     ],
     align=True,
@@ -146,11 +147,14 @@ class Pictures(NamedTuple):
         rgb: (N, 3) uint8; undefined for cameras without colour.
         depth: (N,) float32, metres along the axis, 0 without a surface.
         ids: (N,) int32, index of the instance, -1 without a surface.
+        normals: (N, 3) float32, unit vectors along the axes of the camera, 0 without a surface; undefined for cameras
+            without normals.
     """
 
     rgb: NDArray[np.uint8]
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
+    normals: NDArray[np.float32]
 
 
 def tiles_of(cameras: NDArray[Any]) -> NDArray[np.int32]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
 
-_OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "members", "rgb", "depth", "ids")
+_OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "members", "rgb", "depth", "ids", "normals")
 
 
 class NativeDrawer:
@@ -59,7 +59,8 @@ class NativeDrawer:
         self._bin(len(cameras), len(tiles))
         pixels = int((cameras["width"].astype(np.int64) * cameras["height"]).sum())
         colour = np.empty((pixels if cameras["color"].any() else 0, 3), np.uint8)
-        made = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32))
+        normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
+        made = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32), normals)
         frame.point(**made._asdict())
         self._run("morse_draw_pixels", len(tiles))
         frame.forget(*_OF_ONE_CALL)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.kernel.drawing import reference_colors, reference_shadows
+from morse.kernel.drawing import reference_colors, reference_normals, reference_shadows
 from morse.kernel.drawing.arrays import DITHERED, MASKED, SAMPLES, TILE, Pictures, tiles_of
 from morse.kernel.drawing.reference_project import Projected, project
 
@@ -35,7 +35,8 @@ class ReferenceDrawer:
         tiles_of(cameras)
         with np.errstate(all="ignore"):
             made = [self._draw(camera, poses, light, samples) for camera in cameras]
-        empty = Pictures(np.zeros((0, 3), np.uint8), np.zeros(0, np.float32), np.zeros(0, np.int32))
+        no_pixels = np.zeros(0, np.float32)
+        empty = Pictures(np.zeros((0, 3), np.uint8), no_pixels, np.zeros(0, np.int32), no_pixels.reshape(0, 3))
         return Pictures(*(np.concatenate(column) for column in zip(empty, *made, strict=True)))
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
@@ -58,7 +59,10 @@ class ReferenceDrawer:
         rgb = np.zeros((len(who), 3), np.uint8)
         if camera["color"]:
             rgb = reference_colors.paint(self.drawing, camera, poses, light, seen, shown.reshape(count, -1))
-        return Pictures(rgb, depth.astype(np.float32), ids.astype(np.int32))
+        normals = np.zeros((len(who), 3), np.float32)
+        if camera["normals"]:
+            normals = reference_normals.normals(self.drawing, camera, poses, seen, who)
+        return Pictures(rgb, depth.astype(np.float32), ids.astype(np.int32), normals)
 
     def _cover(
         self,

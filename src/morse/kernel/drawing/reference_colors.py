@@ -8,6 +8,7 @@ import numpy as np
 
 from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SHADELESS
 from morse.kernel.drawing.reference_light import lit, mixed, sky_in, tone, unit, within
+from morse.kernel.drawing.reference_normals import along, normals_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,24 +64,8 @@ def _colors(
     e, w = seen.e[number], seen.w[number]
     material = d.materials[seen.material[number]]
     v = seen.vertices(d, number)
-    turn = poses.turns[d.parts[seen.part[number], 1]]
-    facing = np.where(seen.back[number], np.float32(-1), _ONE)
     inverse = w[:, 0] * x + w[:, 1] * y + w[:, 2]
-    n = v["n"]
-    turned = np.stack(
-        [
-            (
-                turn[:, None, 3 * b] * n[..., 0]
-                + turn[:, None, 3 * b + 1] * n[..., 1]
-                + turn[:, None, 3 * b + 2] * n[..., 2]
-            )
-            * facing[:, None]
-            for b in range(3)
-        ],
-        axis=2,
-    )
-    planes = [[_sum(e, turned[:, :, b], a) for a in range(3)] for b in range(3)]
-    normal = unit([p[0] * x + p[1] * y + p[2] for p in planes])
+    normal = unit(normals_at(d, poses, seen, number, x, y))
     base = [material["color"][:, i].copy() for i in range(3)]
     textured = np.flatnonzero(material["texture"] >= 0)
     if len(textured):
@@ -104,12 +89,6 @@ def _colors(
     return result
 
 
-def _sum(e: Floats, values: Floats, axis: int) -> Floats:
-    """(N,) one coefficient of a plane, from edges (N, 3, 3) and values at the corners (N, 3)."""
-    made: Floats = e[:, 0, axis] * values[:, 0] + e[:, 1, axis] * values[:, 1] + e[:, 2, axis] * values[:, 2]
-    return made
-
-
 def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: Floats, y: Floats) -> list[Floats]:
     """Three colours (N,) of textures at points of triangles."""
     t = d.textures[numbers]
@@ -117,7 +96,7 @@ def _texture(d: Drawing, numbers: NDArray[np.int32], e: Floats, uv: Floats, x: F
     inverse = _ONE / (whole[0] * x + whole[1] * y + whole[2])
     at, across, down = [], [], []
     for b in range(2):
-        p = [_sum(e, uv[:, :, b], a) for a in range(3)]
+        p = [along(e, uv[:, :, b], a) for a in range(3)]
         value = (p[0] * x + p[1] * y + p[2]) * inverse
         at.append(value)
         across.append((p[0] - value * whole[0]) * inverse)

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
-    models turns cameras shadow sun near_shadow near_sun jobs starts counts seen firsts members tiles rgb depth ids"""
+    models turns cameras shadow sun near_shadow near_sun jobs starts counts seen firsts members tiles rgb depth ids
+    normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
     near_width near_height"""
 

@@ -118,7 +118,8 @@ def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
     """Convert an image to pixels (H, W) or (H, W, 3) for display.
 
     Colours are unchanged, each id (H, W) uint16 gets a colour, depths are shown from white (near) to black. Vectors
-    (H, W, 2) are coloured by direction.
+    (H, W, 2) are coloured by direction. Normals (H, W, 3) have their coordinates as red, green and blue,
+    with the side that faces the camera bright; pixels without a normal are black.
     """
     if image.dtype == np.uint8:
         return np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
@@ -126,6 +127,8 @@ def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
         return as_colors(image)
     if image.ndim == 3 and image.shape[2] == 2:
         return as_directions(image)
+    if image.ndim == 3 and image.shape[2] == 3:
+        return as_coordinates(image)
     values = np.asarray(image, dtype=np.float64)
     known = values[np.isfinite(values)]
     if not known.size:
@@ -133,6 +136,15 @@ def as_pixels(image: NDArray[Any]) -> NDArray[np.uint8]:
     low, high = float(known.min()), float(known.max())
     share = (values - low) / max(high - low, 1e-9)
     return (255 * (1.0 - np.clip(np.nan_to_num(share, nan=1.0, posinf=1.0, neginf=0.0), 0.0, 1.0))).astype(np.uint8)
+
+
+def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
+    """Colours of unit vectors (H, W, 3): right is red, up is green, towards the camera is blue; zeros are black."""
+    colors: NDArray[np.float64] = 127.5 + 127.5 * np.clip(np.nan_to_num(normals), -1.0, 1.0) * np.array(
+        (1.0, -1.0, -1.0)
+    )
+    colors[~np.any(normals, axis=2)] = 0.0
+    return np.asarray(colors + 0.5, np.float64).astype(np.uint8)
 
 
 def as_jpeg(pixels: NDArray[np.uint8]) -> bytes:
