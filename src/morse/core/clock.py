@@ -8,11 +8,16 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.scene import TimeStrategies
 
 
 #: share of a tick; times since the epoch are doubles with a resolution of 2e-7 s
 _SAME_TICK = 1e-2
+#: of ticks and nanoseconds, in 64 bits
+_LARGEST_PRODUCT = 2**62
 
 SLOWEST = 1e-3
 """The lowest speed of a simulation, simulated seconds per wall-clock second."""
@@ -74,18 +79,29 @@ class Clock:
         if seconds is None or seconds == self.time:
             # asked for by every component in every tick
             if self._stamped[0] != tick:
-                self._stamped = (tick, self._stamp_of(tick))
+                self._stamped = (tick, self.stamp_of(tick))
             return self._stamped[1]
         if isinstance(seconds, (int, float)) and math.isfinite(seconds):
             ticks = (seconds - self._origin) * self.frequency
             tick = round(ticks)
             if abs(ticks - tick) > _SAME_TICK:  # not a time of this clock
                 return round(seconds * 1e9)
-        return self._stamp_of(tick)
+        return self.stamp_of(tick)
 
-    def _stamp_of(self, tick: int) -> int:
+    def stamp_of(self, tick: int) -> int:
+        """Return the simulated time of a tick in whole nanoseconds."""
         nanoseconds = tick * 10**9 * self._rate.denominator
         return round(self._origin * 1e9) + (nanoseconds + self._rate.numerator // 2) // self._rate.numerator
+
+    def stamps_of(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the simulated times of ticks (N,) in whole nanoseconds."""
+        import numpy as np
+
+        factor = 10**9 * self._rate.denominator
+        if len(ticks) and int(ticks.max()) * factor > _LARGEST_PRODUCT:
+            return np.array([self.stamp_of(tick) for tick in ticks.tolist()], dtype=np.int64)
+        nanoseconds = ticks * factor + self._rate.numerator // 2
+        return nanoseconds // self._rate.numerator + round(self._origin * 1e9)
 
     def go_to(self, tick: int) -> None:
         """Set the tick, after another state was restored."""

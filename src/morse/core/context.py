@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from morse.core.abstractobject import AbstractObject
     from morse.core.clock import Clock
+    from morse.core.group import Group
     from morse.core.network import Network
     from morse.core.object import Object
     from morse.core.request_manager import MorseServices
@@ -58,6 +59,7 @@ class Context:
         service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
             objects may share a name.
         network: the network thread for sockets and the live view; None for a simulation without either.
+        group_taps: called after each measurement of sensors that act together, with their `morse.core.group.Group`.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
@@ -81,6 +83,7 @@ class Context:
     stream_managers: dict[str, Any] = field(default_factory=dict)
     service_objects: list[AbstractObject] = field(default_factory=list)
     overlays: dict[str, Any] = field(default_factory=dict)
+    group_taps: list[Callable[[Group], object]] = field(default_factory=list)
     failed: set[str] = field(default_factory=set)
     controls: Controls = _NOTHING_HELD
     journal: Journal = field(init=False)

@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 class GroupPoses:
     """Poses in the world, computed only for the requested rows.
 
-    Args:
+    Attributes:
         snapshot: see `morse.physics.snapshot.Snapshot`.
     """
 
-    __slots__ = ("_snapshot",)
+    __slots__ = ("snapshot",)
 
     def __init__(self, snapshot: Any) -> None:
-        self._snapshot = snapshot
+        self.snapshot = snapshot
 
     def pose(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3), m, and rotation (9, row by row) of a member."""
-        pose: tuple[Sequence[float], Sequence[float]] = self._snapshot.pose(row)
+        pose: tuple[Sequence[float], Sequence[float]] = self.snapshot.pose(row)
         return pose
 
     def numbers(self, row: int) -> tuple[float, float, float, float, float, float]:
@@ -36,15 +36,15 @@ class GroupPoses:
     def transformation(self, row: int) -> Transformation3d:
         """Return the pose of a member."""
         made = Transformation3d()
-        made.set_pose(*self._snapshot.pose(row))
+        made.set_pose(*self.snapshot.pose(row))
         return made
 
     def positions(self) -> NDArray[Any]:
         """(N, 3) m."""
-        found: NDArray[Any] = self._snapshot.positions()
+        found: NDArray[Any] = self.snapshot.positions()
         return found
 
     def rotations(self) -> NDArray[Any]:
         """(N, 3, 3) from the axes of each member to those of the world."""
-        found: NDArray[Any] = self._snapshot.rotations()
+        found: NDArray[Any] = self.snapshot.rotations()
         return found

@@ -27,9 +27,12 @@ class Snapshot:
         positions, rotations: (K, 3), (K, 9) poses of all rigid groups; these arrays never change.
         slots: groups of the objects.
         mountings: poses of the objects in their groups.
+
+    Attributes:
+        group_positions, group_rotations, slots, mountings: the arguments.
     """
 
-    __slots__ = ("_mountings", "_positions", "_rotations", "_slots")
+    __slots__ = ("group_positions", "group_rotations", "mountings", "slots")
 
     def __init__(
         self,
@@ -38,27 +41,27 @@ class Snapshot:
         slots: Sequence[int],
         mountings: Sequence[Mounting],
     ) -> None:
-        self._positions, self._rotations = positions, rotations
-        self._slots, self._mountings = slots, mountings
+        self.group_positions, self.group_rotations = positions, rotations
+        self.slots, self.mountings = slots, mountings
 
     def pose(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
         """Return the position (3) and rotation (9, row by row) of an object in the world."""
-        slot = self._slots[row]
-        return self._mountings[row].carried(self._positions[slot].tolist(), self._rotations[slot].tolist())
+        slot = self.slots[row]
+        return self.mountings[row].carried(self.group_positions[slot].tolist(), self.group_rotations[slot].tolist())
 
     def positions(self) -> NDArray[np.float64]:
         """Return the positions (N, 3) in the world, m."""
-        turned = self._rotations[self._slots]
-        offsets = np.array([mounting.offset for mounting in self._mountings])
+        turned = self.group_rotations[self.slots]
+        offsets = np.array([mounting.offset for mounting in self.mountings])
         columns = [turned[:, k] * offsets[:, 0] + turned[:, k + 1] * offsets[:, 1] + turned[:, k + 2] * offsets[:, 2]
                    for k in (0, 3, 6)]  # fmt: skip
-        moved: NDArray[np.float64] = self._positions[self._slots] + np.stack(columns, axis=1)
+        moved: NDArray[np.float64] = self.group_positions[self.slots] + np.stack(columns, axis=1)
         return moved
 
     def rotations(self) -> NDArray[np.float64]:
         """Return the rotations (N, 3, 3) from the axes of each object to those of the world."""
-        turned = np.array([mounting.turned for mounting in self._mountings]).reshape(-1, 3, 3)
-        return np.asarray(self._rotations[self._slots].reshape(-1, 3, 3) @ turned)
+        turned = np.array([mounting.turned for mounting in self.mountings]).reshape(-1, 3, 3)
+        return np.asarray(self.group_rotations[self.slots].reshape(-1, 3, 3) @ turned)
 
 
 class Snapshots:

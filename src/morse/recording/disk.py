@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import threading
+import time
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from morse.recording.mcap.records import Message
+from morse.recording.gathering import Block, Gathered
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from io import FileIO
 
-    _Item = Message | Callable[[McapWriter], object]
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.recording.captures import Capture, Layout, Moments
+    from morse.recording.mcap.records import Message
+
+    _Item = Gathered | Callable[[McapWriter], object]
 
 #: wall-clock seconds between two chunks: limits the loss if the process is killed, with a margin for the writing itself
 _INTERVAL = 0.5
@@ -21,8 +30,8 @@ _INTERVAL = 0.5
 _CHUNK = 4 << 20
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: approximate overhead of a message, bytes
-_OVERHEAD = 64
+#: blocks that are kept for use
+_MOST_BLOCKS = 3
 
 
 class Disk:
@@ -48,7 +57,12 @@ class Disk:
         self.waits = 0
         self._writer = McapWriter(file)
         self._items: deque[_Item] = deque()
-        self._given = self._taken = 0  # bytes; each is written by one thread only
+        self._given = self._taken = 0  # bytes; the second is written by the thread alone
+        #: held while messages are gathered, and while a chunk of them is closed
+        self._lock = threading.Lock()
+        self._gathered = Gathered()
+        #: blocks that may be used again
+        self._blocks: deque[Block] = deque()
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="morse-recording", daemon=True)
@@ -56,22 +70,88 @@ class Disk:
 
     def message(self, one: Message) -> None:
         """Queue a message."""
-        self._items.append(one)
-        self._given += len(one.data) + _OVERHEAD
-        if self._given - self._taken > _CHUNK:
-            self._wake.set()
-            if self._given - self._taken > _MOST_WAITING:
-                self._wait()
+        with self._lock:
+            gathered = self._gathered
+            gathered.message(one)
+        if gathered.held > _CHUNK:
+            self._pass_on()
+
+    def keep(
+        self,
+        layout: Layout,
+        tick: int,
+        moments: Moments,
+        positions: NDArray[np.float64],
+        rotations: NDArray[np.float64],
+        scans: Sequence[tuple[Capture, Any]] | None,
+    ) -> None:
+        """Queue the messages of a tick, which are encoded later.
+
+        Args:
+            layout: the records of the tick.
+            tick: its number.
+            moments: computes its time.
+            positions, rotations: (K, 3) m and (K, 9) of all rigid groups; those of the layout are copied.
+            scans: captures, and what they have taken.
+        """
+        with self._lock:
+            gathered = self._gathered
+            block, first, last = gathered.block, layout.first, layout.last
+            if block is None or block.first != first or block.last != last or gathered.moments is not moments:
+                gathered, block = self._begin_block(first, last)
+                gathered.moments = moments
+            ticks = gathered.ticks
+            row = len(ticks)
+            place, turn = block.rows[row]
+            place[:] = positions[first:last]
+            turn[:] = rotations[first:last]
+            ticks.append((tick, layout))
+            if scans is not None:
+                for capture, data in scans:
+                    gathered.scans.setdefault(capture, []).append(data)
+        row += 1
+        if row == block.count or row * layout.held > _CHUNK:
+            self._pass_on()
+
+    def _begin_block(self, first: int, last: int) -> tuple[Gathered, Block]:
+        """Return room for the poses of some rigid groups, in a chunk that has none yet."""
+        gathered = self._gathered if self._gathered.block is None else self._begin_chunk()
+        with contextlib.suppress(IndexError):
+            while gathered.block is None:
+                block = self._blocks.pop()
+                if (block.first, block.last) == (first, last):
+                    gathered.block = block
+        if gathered.block is None:
+            gathered.block = Block(first, last)
+        return gathered, gathered.block
 
     def other(self, write: Callable[[McapWriter], object]) -> None:
         """Queue another operation, after all previous messages."""
+        self._close_chunk()
         self._items.append(write)
 
-    def _wait(self) -> None:
-        self.waits += 1
-        while self._given - self._taken > _MOST_WAITING // 2 and self._thread.is_alive():
-            self._room.wait(_INTERVAL)
-            self._room.clear()
+    def _pass_on(self) -> None:
+        """Close the chunk, and wait if too many bytes are queued."""
+        self._close_chunk()
+        self._wake.set()
+        if self._given - self._taken > _MOST_WAITING:
+            self.waits += 1
+            while self._given - self._taken > _MOST_WAITING // 2 and self._thread.is_alive():
+                self._room.wait(_INTERVAL)
+                self._room.clear()
+
+    def _close_chunk(self) -> None:
+        """Append what was gathered to the items, and begin anew."""
+        with self._lock:
+            if self._gathered:
+                self._begin_chunk()
+
+    def _begin_chunk(self) -> Gathered:
+        """The same, by whoever holds the lock."""
+        self._given += self._gathered.weight()
+        self._items.append(self._gathered)
+        self._gathered = Gathered()
+        return self._gathered
 
     def close(self) -> None:
         """Write the remaining data and the index; wait until that is done."""
@@ -83,35 +163,36 @@ class Disk:
 
     def _run(self) -> None:
         try:
+            due = time.monotonic() + _INTERVAL
             while not self._ending:
-                self._wake.wait(_INTERVAL)
+                self._wake.wait(max(due - time.monotonic(), 0.0))
                 self._wake.clear()
+                if time.monotonic() >= due:
+                    due = time.monotonic() + _INTERVAL
+                    self._close_chunk()
                 self._drain()
+            self._close_chunk()
             self._drain()
             self._attempt(self._writer.finish)
         finally:
             self._file.close()
 
     def _drain(self) -> None:
-        """Write all queued messages, chunk by chunk."""
-        messages: list[Message] = []
-        size = 0
+        """Write all queued chunks and operations."""
         while self._items:
             item = self._items.popleft()
-            if isinstance(item, Message):
-                messages.append(item)
-                size += len(item.data) + _OVERHEAD
-            if size >= _CHUNK or not isinstance(item, Message):
-                self._chunk(messages, size)
-                messages, size = [], 0
-            if not isinstance(item, Message):
-                self._attempt(lambda write=item: write(self._writer))  # type: ignore[misc]
-        self._chunk(messages, size)
+            if isinstance(item, Gathered):
+                self._attempt(lambda item=item: self._chunk(item))  # type: ignore[misc]
+                self._taken += item.weight()
+                self._room.set()
+            else:
+                self._attempt(lambda item=item: item(self._writer))  # type: ignore[misc]
 
-    def _chunk(self, messages: list[Message], size: int) -> None:
-        self._attempt(lambda: self._writer.chunk(messages))
-        self._taken += size
-        self._room.set()
+    def _chunk(self, gathered: Gathered) -> None:
+        plain, index = gathered.encoded()
+        if gathered.block is not None and len(self._blocks) < _MOST_BLOCKS:
+            self._blocks.append(gathered.block)
+        self._writer.encoded(plain.data, index)
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:
@@ -120,6 +201,9 @@ class Disk:
             write()
         except OSError as error:
             self.error = error
+            self._end_well()
+        except Exception as error:  # a mistake of ours: the recording ends, and says so
+            self.error = OSError(errno.EIO, f"a message cannot be encoded ({type(error).__name__}: {error})")
             self._end_well()
 
     def _end_well(self) -> None:

@@ -70,7 +70,7 @@ class Recorder(Observer):
     ) -> None:
         self.path = os.path.abspath(path)
         self.error: str | None = None
-        self._context = context
+        self._context, self._clock = context, context.clock
         self._ending = beginning.ending
         #: called when the recording ends, for any reason
         self.on_end: Callable[[], object] = _nothing
@@ -111,7 +111,7 @@ class Recorder(Observer):
         """Write the data of the tick as a whole."""
         if not self._open:
             return
-        tick = self._context.clock.tick
+        tick = self._clock.tick
         if tick != self._flushed:  # no tick ends while the simulation is paused
             self._flushed = tick
             self._ticks += 1

@@ -9,6 +9,8 @@ from morse.core.exceptions import MorseError
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.ros2.definitions import definition
+from morse.recording.captures import Moments
+from morse.recording.keeping import Captures
 from morse.recording.mcap.records import Message
 from morse.scene import StreamDeclaration
 
@@ -16,11 +18,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from morse.core.context import Context
+    from morse.recording.captures import Layout
     from morse.recording.disk import Disk
 
 logger = logging.getLogger(__name__)
 
-_STREAM = "morse.middleware.ros2.stream.Ros2Stream"
+_STREAM = "morse.recording.recorded_stream.RecordedStream"
 _ROS2 = Ros2DatastreamManager.classpath
 #: options of ros2 for recordings, independent of the options of the scene
 _ALWAYS = {"clock": True, "tf": True, "rosout": True}
@@ -29,10 +32,14 @@ LEFT_OUT = ("sensor_msgs/msg/CompressedImage",)
 
 
 class _Topic(Publisher):
-    """Passes the messages of a topic to a writer."""
+    """Passes the messages of a topic to a writer.
 
-    def __init__(self, keep: Callable[[bytes], object]) -> None:
-        self._keep = keep
+    Attributes:
+        number: of the channel of the file.
+    """
+
+    def __init__(self, number: int, keep: Callable[[bytes], object]) -> None:
+        self.number, self._keep = number, keep
 
     def publish(self, data: bytes) -> bool:
         self._keep(data)
@@ -59,18 +66,34 @@ class Tape(Backend):
         self._clock = context.clock
         self._disk = disk
         self._topics: dict[tuple[str, str], _Topic] = {}
-        self._log_time = self._stamp = self._clock.stamp()
+        self._tick = self._clock.tick
+        self._moment: tuple[int, int, int] | None = None
         self._back = 0
+        self._moments = Moments(self._clock, 0)
 
     def now(self) -> tuple[int, int, int]:
-        """Number of ticks (32 bits), log time and simulated time, both in ns; log time never decreases."""
-        stamp = self._clock.stamp()
-        if stamp != self._stamp:
-            if stamp < self._stamp:  # after a restart or a restored state, time continues from the last value
-                self._back += self._stamp - stamp
-            self._stamp = stamp
-            self._log_time = stamp + self._back
-        return self._clock.tick & 0xFFFFFFFF, self._log_time, stamp
+        """Number of ticks (32 bits), log time, simulated time, both in ns; log time never decreases."""
+        tick = self._clock.tick
+        if tick != self._tick or self._moment is None:
+            if tick < self._tick:
+                self._go_back(tick)
+            self._tick = tick
+            stamp = self._clock.stamp()
+            self._moment = tick & 0xFFFFFFFF, stamp + self._back, stamp
+        return self._moment
+
+    def _go_back(self, tick: int) -> None:
+        """After a restart or a restored state, time continues from the last value."""
+        self._back += self._clock.stamp_of(self._tick) - self._clock.stamp_of(tick)
+        self._moments = Moments(self._clock, self._back)
+
+    def keep(self, layout: Layout, positions: Any, rotations: Any, scans: Any) -> None:
+        """Keep the messages of this tick; see `Disk.keep`."""
+        tick = self._clock.tick
+        if tick < self._tick:
+            self._go_back(tick)
+        self._tick, self._moment = tick, None
+        self._disk.keep(layout, tick, self._moments, positions, rotations, scans)
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
         """See `Backend.publisher`."""
@@ -84,7 +107,7 @@ class Tape(Backend):
             metadata = {"offered_qos_profiles": _profile(qos)}
             text = definition(type_name)
             self._disk.other(lambda file: file.channel(topic, file.schema(type_name, text), metadata))
-            self._topics[key] = _Topic(lambda data: message(Message(number, *self.now(), data)))
+            self._topics[key] = _Topic(number, lambda data: message(Message(number, *self.now(), data)))
         return self._topics[key]
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
@@ -132,6 +155,9 @@ class RecordedStreams(Ros2DatastreamManager):
         self._names = names
         self._refused: set[str] = set()
         super().__init__({**context.scene.manager_options.get(_ROS2, {}), **_ALWAYS}, context)
+        #: keep what is measured together, and encode it later; None: every message is encoded at once
+        records_sensors = names is None or bool(names)
+        self.captures = Captures.made_for(self, tape) if records_sensors and isinstance(tape, Tape) else None
         self.follow()
 
     def _make_backend(self) -> Backend:
@@ -139,6 +165,8 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def follow(self) -> None:
         """Record the present sensors, and no others."""
+        if self.captures is not None:
+            self.captures.forget()
         sensors = {
             declared.name: declared
             for declared in self.context.scene.components
@@ -175,10 +203,27 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def flush(self) -> None:
         """The end of a tick; without sensors, only inputs and the log are recorded."""
+        if self.captures is not None and self.captures.flush():
+            return
         if self._names is None or self._names:
             super().flush()
         else:
             self.write_log()
+
+    def flush_others(self) -> None:
+        """Publish what belongs to the tick beside time and frames."""
+        self.robots.publish()
+        if self._log is not None:
+            self._log.publish(self.context.clock.stamp())
+
+    def others(self) -> tuple[Collection[Any], ...]:
+        """Collections that are empty while `flush_others` has nothing to do."""
+        return (self.robots.stating, () if self._log is None else self._log.lines)
+
+    def own_channels(self) -> tuple[int, int] | None:
+        """The channels of simulated time and of the frames; None if they have no channels of a file."""
+        clock, frames = getattr(self._clock, "number", None), getattr(self._tf, "number", None)
+        return None if clock is None or frames is None else (clock, frames)
 
     def write_log(self) -> None:
         """Write the lines logged since the last tick."""
@@ -188,6 +233,8 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def finalize(self) -> None:
         """Release the sensors."""
+        if self.captures is not None:
+            self.captures.close()
         for streams in self.streams.values():
             for stream in streams:
                 functions = stream.component_instance.output_functions

@@ -156,6 +156,8 @@ class Together:
             group.fill(row)
         for member, publish in self._publishing():
             self._try(member, publish, member)
+        for tap in group.context.group_taps:
+            tap(group)
         return True
 
     def _together(self, group: Group) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections import deque
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -51,7 +52,7 @@ class _Topic(Publisher):
 
 
 class Comparison(Backend):
-    """Compares what is published with what is in the file."""
+    """Compares what is published with what is in the file, topic by topic; within a tick topics have no order."""
 
     name, opens = "comparison", "nothing"
 
@@ -61,6 +62,9 @@ class Comparison(Backend):
         free = recording.topic_numbers(*_FREE)
         self._expected = recording.messages({number for number in self._channels if number not in free})
         self._ticks = ticks
+        #: messages of one tick that are in the file and were not published yet, by topic
+        self._awaited: dict[str, deque[Message]] = {}
+        self._next: Message | None = next(self._expected, None)
         self._topics = {channel.topic for channel in self._channels.values()}
         self.departure: Departure | None = None
         self.count = 0
@@ -77,24 +81,48 @@ class Comparison(Backend):
     def _compare(self, topic: str, type_name: str, data: bytes) -> None:
         if self.departure is not None or self._over:
             return
-        expected = next(self._expected, None)
-        if expected is None:
+        if not self._awaited:
+            self._read_tick()
+        if not self._awaited:
             self._over = True
             if self._complete:
                 self._depart(topic, "the recording has no further message")
             return
         self.count += 1
-        was = self._channels[expected.channel].topic
-        if (was, expected.sequence) != (topic, self._ticks() & 0xFFFFFFFF):
-            self._depart(was, f"there is a message of tick {expected.sequence} in the recording, and {topic} comes now")
-        elif expected.data != data:
-            self._depart(topic, difference(type_name, expected.data, data))
+        expected = self._awaited.get(topic)
+        first = next(iter(self._awaited))
+        tick = self._awaited[first][0].sequence
+        if expected is None or tick != self._ticks() & 0xFFFFFFFF:
+            if self._next is None and not self._complete and tick == self._ticks() & 0xFFFFFFFF:
+                self._over = True  # the recording breaks off within this tick
+                return
+            self._depart(first, f"there is a message of tick {tick} in the recording, and {topic} comes now")
+            return
+        was = expected.popleft().data
+        if not expected:
+            del self._awaited[topic]
+        if was != data:
+            self._depart(topic, difference(type_name, was, data))
+
+    def _read_tick(self) -> None:
+        """Read the messages of the next tick that has any."""
+        while self._next is not None:
+            topic, tick = self._channels[self._next.channel].topic, self._next.sequence
+            self._awaited.setdefault(topic, deque()).append(self._next)
+            self._next = next(self._expected, None)
+            if self._next is None or self._next.sequence != tick:
+                return
 
     def finish(self) -> None:
         """The run is over: nothing may be left in the file."""
-        rest: Message | None = next(self._expected, None) if self.departure is None and not self._over else None
-        if rest is not None:
+        if self.departure is not None or self._over:
+            return
+        if not self._awaited:
+            self._read_tick()
+        for awaited in self._awaited.values():
+            rest = awaited[0]
             self._depart(self._channels[rest.channel].topic, f"the recording goes on, at tick {rest.sequence}")
+            return
 
     def _depart(self, what: str, how: str) -> None:
         self.departure = Departure(self._ticks(), what, how)

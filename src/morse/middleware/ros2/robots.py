@@ -43,12 +43,16 @@ class Robots:
 
     Args:
         manager: publishes the topics.
+
+    Attributes:
+        stating: robots with a topic of joint states.
     """
 
     def __init__(self, manager: Any) -> None:
         self._manager = manager
         self._robots: dict[str, _Robot] = {}
         self._changed: set[str] = set()
+        self.stating: list[_Robot] = []
 
     def add(self, stream: Ros2Stream) -> None:
         """Add the stream of a sensor."""
@@ -75,6 +79,7 @@ class Robots:
         """Components were deleted: close the topics of deleted robots."""
         for name in [name for name, known in self._robots.items() if not known.streams]:
             known = self._robots.pop(name)
+            self._changed.add(name)
             for publisher in (known.states, known.description):
                 if publisher is not None:
                     publisher.close()
@@ -82,10 +87,12 @@ class Robots:
 
     def publish(self) -> None:
         """Send the changes of a tick."""
-        changed, self._changed = self._changed, set()
-        for name in sorted(changed & self._robots.keys()):
-            self._describe(self._robots[name])
-        for known in self._robots.values():
+        if self._changed:
+            changed, self._changed = self._changed, set()
+            for name in sorted(changed & self._robots.keys()):
+                self._describe(self._robots[name])
+            self.stating = [known for known in self._robots.values() if known.states is not None]
+        for known in self.stating:
             if known.states is not None and known.states.wanted():
                 self._send_states(known)
 

@@ -24,12 +24,15 @@ class LogTopic(logging.Handler):
 
     Args:
         manager: publishes the topic.
+
+    Attributes:
+        lines: unsent lines.
     """
 
     def __init__(self, manager: Any) -> None:
         super().__init__()
         self._manager = manager
-        self._lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
+        self.lines: deque[logging.LogRecord] = deque(maxlen=_WAITING)
         # later subscribers receive the last lines, as from every ROS node
         qos = Qos(_WAITING, latched=True)
         self._publisher: Publisher | None = manager.own("/rosout", _TYPE, qos, "the simulation")
@@ -39,11 +42,11 @@ class LogTopic(logging.Handler):
     @property
     def waiting(self) -> bool:
         """Whether there are unsent lines."""
-        return bool(self._lines)
+        return bool(self.lines)
 
     def emit(self, record: logging.LogRecord) -> None:
         """See `logging.Handler.emit`."""
-        self._lines.append(record)
+        self.lines.append(record)
 
     def publish(self, stamp: int) -> None:
         """Send the logged lines.
@@ -51,8 +54,8 @@ class LogTopic(logging.Handler):
         Args:
             stamp: simulated time, ns.
         """
-        for _ in range(min(len(self._lines), _EACH_TICK)):
-            self._manager.send(self._publisher, _TYPE, _message(self._lines.popleft(), stamp))
+        for _ in range(min(len(self.lines), _EACH_TICK)):
+            self._manager.send(self._publisher, _TYPE, _message(self.lines.popleft(), stamp))
 
     def close(self) -> None:
         """Stop collecting."""

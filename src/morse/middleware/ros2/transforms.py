@@ -58,12 +58,15 @@ class Transforms:
     Args:
         localization: another node publishes the transform from map to odom.
         send, send_static: send a ``tf2_msgs/TFMessage``.
+
+    Attributes:
+        changed: whether the frames have changed since `publish` was called.
     """
 
     def __init__(self, localization: bool, send: _Send, send_static: _Send) -> None:
         self._localization, self._send, self._send_static = localization, send, send_static
         self._robots: dict[str, _RobotFrames] = {}
-        self._changed = False
+        self.changed = False
 
     def add(self, stream: Ros2Stream, *, lenient: bool = False) -> None:
         """Add the stream of a sensor.
@@ -88,7 +91,7 @@ class Transforms:
             frames.source = stream.component_name
             frames.odom, frames.base = stream.frame_id("start"), stream.child_frame_id()
         frames.streams.append(stream)
-        self._changed = True
+        self.changed = True
 
     def remove(self, stream: Ros2Stream) -> None:
         """Remove a stream."""
@@ -107,6 +110,20 @@ class Transforms:
         if frames.source == stream.component_name:
             frames.moved = pose
 
+    def plain(self) -> list[tuple[str, str, Any]] | None:
+        """Return odom frame, base frame and robot of all robots, in order, as `publish` has found them.
+
+        Returns:
+            None if a frame moves that is not the base of a robot, or if odometry moves a base.
+        """
+        for frames in self._robots.values():
+            streams = frames.streams
+            if frames.source is not None or frames.joints or frames.upright:
+                return None
+            if any(stream.is_carried() or stream.master() is not None for stream in streams):
+                return None
+        return [(frames.odom, frames.base, frames.robot) for frames in self._robots.values()]
+
     def publish(self, stamp: int, *, wanted: bool) -> None:
         """Send the moving transforms, and the fixed transforms if they have changed.
 
@@ -116,14 +133,14 @@ class Transforms:
         """
         if stamp <= 0:
             return
-        if self._changed:
-            self._changed = False
+        if self.changed:
+            self.changed = False
             for frames in self._robots.values():
                 frames.joints = joints_of(frames.robot, frames.streams[0].manager.names)
                 frames.upright = [stream for stream in frames.streams if "down" in stream.frames()]
-            self._send_static({"transforms": [_transform(stamp, *one) for one in self._static()]})
+            self._send_static({"transforms": [transform(stamp, *one) for one in self._static()]})
         if wanted and self._robots:
-            self._send({"transforms": [_transform(stamp, *one) for one in self._moving()]})
+            self._send({"transforms": [transform(stamp, *one) for one in self._moving()]})
 
     def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
         frames_of_world = set()
@@ -157,7 +174,8 @@ class Transforms:
             yield from poses_of(frames.joints)
 
 
-def _transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:
+def transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:
+    """``geometry_msgs/TransformStamped`` of whole ns."""
     return {
         "header": {"stamp": time(stamp), "frame_id": parent},
         "child_frame_id": child,

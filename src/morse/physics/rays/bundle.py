@@ -65,53 +65,58 @@ class Scan:
 
 
 class Sight:
-    """The results of one bundle in one cast; it does not change at the next cast."""
+    """The results of one bundle in one cast; it does not change at the next cast.
 
-    __slots__ = ("_row", "_scan")
+    Attributes:
+        scan: the results of all bundles that were cast together with it.
+        row: its row in the arrays of ``scan``.
+    """
+
+    __slots__ = ("row", "scan")
 
     def __init__(self, scan: Scan, row: int) -> None:
-        self._scan, self._row = scan, row
+        self.scan, self.row = scan, row
 
     @property
     def distances(self) -> NDArray[np.float64]:
         """(N,) distance of each hit, m; infinite for no hit."""
-        row: NDArray[np.float64] = self._scan.distances[self._row]
+        row: NDArray[np.float64] = self.scan.distances[self.row]
         return row
 
     @property
     def ranges(self) -> NDArray[np.float64]:
         """(N,) distance of each hit, m; the reach for no hit."""
-        row: NDArray[np.float64] = self._scan.ranges()[self._row]
+        row: NDArray[np.float64] = self.scan.ranges()[self.row]
         return row
 
     @property
     def points(self) -> NDArray[np.float64]:
         """(N, 3) hit points in the frame of the sensor, m; [0, 0, 0] for no hit."""
-        row: NDArray[np.float64] = self._scan.points()[self._row]
+        row: NDArray[np.float64] = self.scan.points()[self.row]
         return row
 
     @property
     def hit(self) -> NDArray[np.int64]:
         """(N,) number of the solid at each hit; -1 for no hit."""
-        row: NDArray[np.int64] = self._scan.solids[self._row]
+        row: NDArray[np.int64] = self.scan.solids[self.row]
         return row
 
     @property
     def faces(self) -> NDArray[np.int32]:
         """(N,) triangle of the mesh of the solid at each hit; -1 for other solids."""
-        row: NDArray[np.int32] = self._scan.faces[self._row]
+        row: NDArray[np.int32] = self.scan.faces[self.row]
         return row
 
     @property
     def nodes(self) -> Sequence[Node]:
         """[S] nodes of the solids, by the numbers in ``hit``."""
-        known = self._scan.known
+        known = self.scan.known
         return known.nodes if known is not None else ()
 
     @property
     def remissions(self) -> NDArray[np.float64]:
         """(N,) ``specular`` of the material at each hit; 0 for no hit."""
-        known = self._scan.known
+        known = self.scan.known
         return known.remissions_of(self.hit, self.faces) if known is not None else np.zeros(len(self.hit))
 
 

@@ -6,8 +6,12 @@ import struct
 import zlib
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
 
 MAGIC = b"\x89MCAP0\r\n"
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
@@ -21,7 +25,6 @@ MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 MESSAGE_FIXED = MESSAGE_HEAD.size - PREFIX.size
 #: format of a chunk: first and last log time (ns), uncompressed size, CRC-32 of the uncompressed data
 CHUNK_HEAD = struct.Struct("<QQQI")
-_ENTRY = struct.Struct("<QQ")
 
 
 class Message(NamedTuple):
@@ -85,27 +88,27 @@ def message(one: Message) -> bytes:
     return head + one.data
 
 
-def chunk(start: int, end: int, plain: bytes, compression: str, compressed: bytes) -> bytes:
-    """Many messages, compressed.
+def chunk_head(start: int, end: int, plain: memoryview, compression: str, compressed: int) -> bytes:
+    """The beginning of a chunk: the compressed records follow it.
 
     Args:
         start, end: first and last log time, ns.
         plain: the records.
-        compression: name of the algorithm; empty for none.
-        compressed: the records after compression.
+        compression: name of the method; empty for none.
+        compressed: bytes of the records after compression.
     """
     content = CHUNK_HEAD.pack(start, end, len(plain), zlib.crc32(plain)) + text(compression)
-    return record(CHUNK, content + struct.pack("<Q", len(compressed)) + compressed)
+    return PREFIX.pack(CHUNK, len(content) + 8 + compressed) + content + struct.pack("<Q", compressed)
 
 
-def message_index(number: int, entries: Sequence[tuple[int, int]]) -> bytes:
-    """The positions of the messages of a channel in the preceding chunk.
+def message_index(number: int, entries: NDArray[np.int64]) -> bytes:
+    """Where the messages of a channel are in the chunk before it.
 
     Args:
-        number: id of the channel.
-        entries: log time (ns) and offset in the records of the chunk.
+        number: of the channel.
+        entries: (N, 2) log time (ns) and offset in the records of the chunk.
     """
-    content = b"".join(_ENTRY.pack(*entry) for entry in entries)
+    content = np.ascontiguousarray(entries, dtype="<i8").tobytes()
     return record(MESSAGE_INDEX, struct.pack("<HI", number, len(content)) + content)
 
 

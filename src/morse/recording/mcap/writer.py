@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import contextlib
 import struct
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+import numpy as np
 import zstandard
+from numpy.typing import NDArray
 
 from morse.recording.mcap import records
 from morse.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from io import FileIO
 
     from morse.recording.mcap.records import Message
+
+#: log time (ns) and offset in the chunk of messages of a channel, (N, 2)
+Entries: TypeAlias = NDArray[np.int64]
+#: the same by channel, in the order of the offsets
+Index: TypeAlias = Mapping[int, Entries]
 
 _COMPRESSION = "zstd"
 #: a fast level: the simulation waits for a recording that cannot keep up
@@ -54,18 +62,20 @@ class McapWriter:
         self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
         self._write(records.MAGIC + records.header(profile, f"morse {__version__}"))
 
-    def _write(self, data: bytes) -> int:
+    def _write(self, *parts: bytes | memoryview) -> int:
         """Append data; returns their offset."""
-        begin, view = self._offset, memoryview(data)
+        begin = self._offset
         try:
-            while view:
-                view = view[self._file.write(view) :]
+            for part in parts:
+                view = memoryview(part)
+                while view:
+                    view = view[self._file.write(view) :]
         except BaseException:
             with contextlib.suppress(OSError):  # not every writable file can be truncated
                 self._file.seek(begin)
                 self._file.truncate()
             raise
-        self._offset += len(data)
+        self._offset += sum(map(len, parts))
         return begin
 
     def schema(self, name: str, definition: str) -> int:
@@ -90,32 +100,42 @@ class McapWriter:
 
     def chunk(self, messages: Sequence[Message]) -> None:
         """Write messages, compressed and with an index."""
-        if not messages:
-            return
         plain = bytearray()
         entries: dict[int, list[tuple[int, int]]] = {}
         for one in messages:
             entries.setdefault(one.channel, []).append((one.log_time, len(plain)))
             plain += records.message(one)
-        start = min(one.log_time for one in messages)
-        end = max(one.log_time for one in messages)
+        self.encoded(memoryview(plain), {number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
+
+    def encoded(self, plain: memoryview, index: Index) -> None:
+        """Write messages that are encoded already, compressed and with an index.
+
+        Args:
+            plain: their records, as bytes.
+            index: where they are in ``plain``.
+        """
+        if not index:
+            return
+        # log time never falls
+        start = min(int(entries[0, 0]) for entries in index.values())
+        end = max(int(entries[-1, 0]) for entries in index.values())
         compressed = self._compressor.compress(plain)
-        made = records.chunk(start, end, bytes(plain), _COMPRESSION, compressed)
-        parts, indexes, place = [made], {}, self._offset + len(made)
-        for number, entry in entries.items():
-            index = records.message_index(number, entry)
+        head = records.chunk_head(start, end, plain, _COMPRESSION, len(compressed))
+        length = len(head) + len(compressed)
+        parts, indexes, place = [], {}, self._offset + length
+        for number, entries in index.items():
+            made = records.message_index(number, entries)
             indexes[number] = place
-            place += len(index)
-            parts.append(index)
-        offset = self._write(b"".join(parts))
-        length = len(made)
+            place += len(made)
+            parts.append(made)
+        offset = self._write(head, compressed, b"".join(parts))
         self._chunks.append(
             records.ChunkPlace(
                 start, end, offset, length, indexes, place - offset - length, _COMPRESSION, len(compressed), len(plain)
             )
         )
-        for number, entry in entries.items():
-            self._counts[number] += len(entry)
+        for number, entries in index.items():
+            self._counts[number] += len(entries)
 
     def attachment(self, name: str, media_type: str, data: bytes, log_time: int = 0) -> None:
         """Attach a file."""

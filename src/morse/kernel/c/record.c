@@ -1,0 +1,145 @@
+// Encodes what a recording has kept of many ticks; `kernel/recording/arrays.py` describes the arrays.
+#include "record.h"
+
+#include <math.h>
+
+#include "export.h"
+
+// Positions in the head of a record, behind the opcode (1), the length (8) and the channel (2).
+enum { SEQUENCE = 11, LOG_TIME = 15, PUBLISH_TIME = 23 };
+
+typedef double (*Unary)(double);
+typedef double (*Binary)(double, double);
+
+typedef struct {
+    Binary atan2;
+    Unary asin, sin, cos;
+} RecordFunctions;
+
+MORSE_EXPORT void morse_record_rows(const RecordRows *rows);
+MORSE_EXPORT int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use,
+                                        uint8_t *left);
+MORSE_EXPORT int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins,
+                                         uint8_t *left);
+MORSE_EXPORT void morse_record_scans(const RecordRows *rows, int64_t members, int64_t rays, int64_t kept,
+                                     const double *distances, const double *reaches, const int64_t *places);
+
+// Copies the templates into the chunk, and writes the time of each tick into the copies.
+void morse_record_rows(const RecordRows *rows) {
+    for (int64_t i = 0; i < rows->rows; i++) {
+        uint8_t *begin = rows->chunk + rows->begins[i];
+        const int64_t *moment = rows->moments + 3 * i;
+        const uint32_t sequence = (uint32_t)moment[0];
+        const int64_t second = 1000000000;
+        const int64_t seconds = moment[2] / second - (moment[2] % second < 0);
+        const uint32_t stamp[2] = {(uint32_t)seconds, (uint32_t)(moment[2] - seconds * second)};
+        memcpy(begin, rows->templates, (size_t)rows->size);
+        for (int64_t k = 0; k < rows->heads; k++) {
+            uint8_t *head = begin + rows->head_places[k];
+            memcpy(head + SEQUENCE, &sequence, sizeof sequence);
+            memcpy(head + LOG_TIME, moment + 1, 8);
+            memcpy(head + PUBLISH_TIME, moment + 2, 8);
+        }
+        for (int64_t k = 0; k < rows->stamps; k++) memcpy(begin + rows->stamp_places[k], stamp, sizeof stamp);
+    }
+}
+
+// An own Z axis that rises more steeply than this has one set of angles; see `helpers/transformation.py`.
+#define UPRIGHT 0.51
+
+// Poses as the sensor `Pose` measures them: the quaternion follows from the angles. The functions are those that Python
+// calls. Returns how many are left to Python; `left` (R, N) says which.
+int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left) {
+    int64_t count = 0;
+    for (int64_t i = 0; i < rows->rows; i++) {
+        for (int64_t k = 0; k < all->members; k++) {
+            const RecordPose pose = record_pose(all, i, k);
+            const double *m = pose.rotation;
+            uint8_t *is_left = left + i * all->members + k;
+            *is_left = 1;
+            count++;
+            if (!(m[8] > UPRIGHT) || !(fabs(m[6]) <= 1.0)) continue;
+            const double yaw = use->atan2(m[3], m[0]), pitch = -use->asin(m[6]), roll = use->atan2(m[7], m[8]);
+            const double a = 0.5 * roll, b = 0.5 * pitch, c = 0.5 * yaw;
+            const double cr = use->cos(a), sr = use->sin(a), cp = use->cos(b), sp = use->sin(b);
+            const double cy = use->cos(c), sy = use->sin(c);
+            double q[4] = {cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
+                           cr * cp * sy - sr * sp * cy};
+            if (!(q[0] >= 0.0)) {
+                for (int j = 0; j < 4; j++) q[j] = -q[j];
+            }
+            const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+            // fields are added to an offset of zero, which removes the sign of zero
+            const double position[3] = {pose.position[0] + 0.0, pose.position[1] + 0.0, pose.position[2] + 0.0};
+            if (!record_numbers(rows->chunk + rows->begins[i] + all->places[k], position, q, length)) continue;
+            *is_left = 0;
+            count--;
+        }
+    }
+    return count;
+}
+
+static double at_least_zero(double value) { return value > 0.0 ? value : 0.0; }
+
+static double or_one(double value) { return value != 0.0 ? value : 1.0; }
+
+// As `quaternion_from_rotation` in `mathutils/rotations.py`.
+static void quaternion_of(const double *m, double *q) {
+    const double a = m[0], b = m[1], c = m[2], d = m[3], e = m[4], f = m[5], g = m[6], h = m[7], i = m[8];
+    double s;
+    if (a + e + i > 0.0) {
+        s = 2.0 * sqrt(1.0 + a + e + i);
+        q[0] = s / 4, q[1] = (h - f) / s, q[2] = (c - g) / s, q[3] = (d - b) / s;
+    } else if (a >= e && a >= i) {
+        s = or_one(2.0 * sqrt(at_least_zero(1.0 + a - e - i)));
+        q[0] = (h - f) / s, q[1] = s / 4, q[2] = (b + d) / s, q[3] = (c + g) / s;
+    } else if (e >= i) {
+        s = or_one(2.0 * sqrt(at_least_zero(1.0 + e - a - i)));
+        q[0] = (c - g) / s, q[1] = (b + d) / s, q[2] = s / 4, q[3] = (f + h) / s;
+    } else {
+        s = or_one(2.0 * sqrt(at_least_zero(1.0 + i - a - e)));
+        q[0] = (d - b) / s, q[1] = (c + g) / s, q[2] = (f + h) / s, q[3] = s / 4;
+    }
+    const double scale = copysign(1.0 / or_one(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])), q[0]);
+    for (int k = 0; k < 4; k++) q[k] = q[k] * scale;
+}
+
+// Poses of robots in the frames of their start: `origins` (N, 12) are positions and rotations. Returns how many are
+// left to Python; `left` (R, N) says which.
+int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left) {
+    int64_t count = 0;
+    for (int64_t i = 0; i < rows->rows; i++) {
+        for (int64_t k = 0; k < all->members; k++) {
+            const RecordPose pose = record_pose(all, i, k);
+            const double *p = origins + 12 * k, *r = p + 3;
+            const double x = pose.position[0] - p[0], y = pose.position[1] - p[1], z = pose.position[2] - p[2];
+            const double position[3] = {r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z,
+                                        r[2] * x + r[5] * y + r[8] * z};
+            const double back[9] = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]};
+            double turned[9], q[4];
+            record_product(back, pose.rotation, turned);
+            quaternion_of(turned, q);
+            const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+            uint8_t *place = rows->chunk + rows->begins[i] + all->places[k];
+            left[i * all->members + k] = !record_numbers(place, position, q, length);
+            count += left[i * all->members + k];
+        }
+    }
+    return count;
+}
+
+// Distances (R, N, rays) of scanners, in single precision; infinite from the reach of the scanner on. The first `kept`
+// rays of each scan are written.
+void morse_record_scans(const RecordRows *rows, int64_t members, int64_t rays, int64_t kept, const double *distances,
+                        const double *reaches, const int64_t *places) {
+    for (int64_t i = 0; i < rows->rows; i++) {
+        for (int64_t k = 0; k < members; k++) {
+            const double *from = distances + (i * members + k) * rays;
+            uint8_t *place = rows->chunk + rows->begins[i] + places[k];
+            for (int64_t j = 0; j < kept; j++) {
+                const float range = from[j] >= reaches[k] ? __builtin_inff() : (float)from[j];
+                memcpy(place + 4 * j, &range, sizeof range);
+            }
+        }
+    }
+}

@@ -1,0 +1,19 @@
+"""Records of many ticks, encoded in one call without the GIL.
+
+The reference are the streams of ROS 2, which encode one message at a time. `morse.recording.captures` compares the
+messages of one tick with them.
+"""
+
+from __future__ import annotations
+
+from morse.kernel.loading import library
+from morse.kernel.recording.arrays import Poses, Rows
+from morse.kernel.recording.native import NativeRecords
+
+__all__ = ["NativeRecords", "Poses", "Rows", "records"]
+
+
+def records() -> NativeRecords | None:
+    """What encodes records; None without a kernel."""
+    loaded = library()
+    return None if loaded is None else NativeRecords(loaded)

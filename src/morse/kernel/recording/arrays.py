@@ -1,0 +1,53 @@
+"""Arrays that describe the records of many ticks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Bytes = NDArray[np.uint8]
+    Integers = NDArray[np.int64]
+    Floats = NDArray[np.float64]
+
+
+class Rows(NamedTuple):
+    """The records of R ticks, which differ in their times and numbers only.
+
+    Attributes:
+        begins: (R,) position of the first record of each tick in the chunk, bytes.
+        moments: (R, 3) number of the tick, log time (ns), simulated time (ns).
+        templates: (size,) the records of one tick, one behind the other.
+        heads: (H,) position of each record in the templates.
+        stamps: (S,) position of each time stamp (seconds and nanoseconds, 4 bytes each) in the templates.
+        chunk: receives the records.
+    """
+
+    begins: Integers
+    moments: Integers
+    templates: Bytes
+    heads: Integers
+    stamps: Integers
+    chunk: Bytes
+
+
+class Poses(NamedTuple):
+    """The poses of N objects in R ticks.
+
+    Attributes:
+        positions, rotations: (R, K, 3) m and (R, K, 9) of all rigid groups, world frame.
+        slots: (N,) rigid group of each object.
+        offsets, turned: (N, 3) m and (N, 9), pose of each object in its group.
+        apart: (N,) 0 for an object with the pose of its group, 1 for one that is moved, 2 for one that is also rotated.
+        places: (N,) position of the seven numbers x, y, z and quaternion x, y, z, w in the templates.
+    """
+
+    positions: Floats
+    rotations: Floats
+    slots: Integers
+    offsets: Floats
+    turned: Floats
+    apart: Bytes
+    places: Integers

@@ -1,0 +1,13 @@
+"""Messages whose numbers are kept in the tick, and which are encoded later, for many ticks at once.
+
+A capture stands for the messages of several components or robots in one tick. In the tick, the poses of all rigid
+groups and the distances of scans are kept. The thread that writes the file encodes them by the kernel.
+"""
+
+from morse.recording.captures.capture import Capture
+from morse.recording.captures.frames import FramesCapture
+from morse.recording.captures.groups import capture_of
+from morse.recording.captures.layout import Layout
+from morse.recording.captures.moments import Moments
+
+__all__ = ["Capture", "FramesCapture", "Layout", "Moments", "capture_of"]

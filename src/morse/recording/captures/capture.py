@@ -1,0 +1,77 @@
+"""The base class of captures."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.kernel.recording import Rows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.recording import NativeRecords
+    from morse.recording.captures.template import Template
+
+
+class Capture(ABC):
+    """The messages of one tick, which differ from those of another tick in their times and numbers only.
+
+    Attributes:
+        template: the records of one tick.
+        size: bytes of these records.
+        held: bytes of memory, beside poses, that a tick takes until it is encoded, about.
+    """
+
+    held = 0
+
+    def __init__(self, native: NativeRecords, template: Template) -> None:
+        self._native = native
+        self.template = template
+        self.size = len(template.bytes)
+
+    def encode(
+        self, begins: NDArray[np.int64], moments: NDArray[np.int64], data: Sequence[Any], chunk: NDArray[np.uint8]
+    ) -> None:
+        """Write the records of R ticks.
+
+        Args:
+            begins: (R,) position of the records of each tick in the chunk.
+            moments: (R, 3) number of the tick, log time (ns), simulated time (ns).
+            data: what was kept of R ticks.
+            chunk: receives the records.
+        """
+        template = self.template
+        rows = Rows(begins, moments, template.bytes, template.heads, template.stamps, chunk)
+        self._native.rows(rows)
+        self._fill(rows, data)
+
+    @abstractmethod
+    def _fill(self, rows: Rows, data: Sequence[Any]) -> None:
+        """Write the numbers into the records."""
+
+    def agrees(self, data: Sequence[Any], wanted: Sequence[bytes]) -> bool:
+        """Whether the messages of a tick are those that the streams encode, to the bit.
+
+        Args:
+            data: what was kept of the tick.
+            wanted: the messages of the same tick, in order.
+        """
+        chunk = np.empty(self.size, dtype=np.uint8)
+        rows = self._of_template(chunk)
+        self._fill(rows, data)
+        found = chunk.tobytes()
+        return all(
+            found[begin : begin + len(message)] == message
+            for begin, message in zip(self.template.begins.tolist(), wanted, strict=True)
+        )
+
+    def _of_template(self, chunk: NDArray[np.uint8]) -> Rows:
+        """One row that holds the template with its own times."""
+        chunk[:] = self.template.bytes
+        begins, moments = np.zeros(1, dtype=np.int64), np.zeros((1, 3), dtype=np.int64)
+        return Rows(begins, moments, self.template.bytes, self.template.heads, self.template.stamps, chunk)

@@ -1,0 +1,71 @@
+"""Finds the capture for sensors that measure together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.recording.captures.sensors import PoseSensors, Scanners
+from morse.recording.captures.template import Part, Template
+from morse.sensors.laserscanner import LaserScanner
+from morse.sensors.pose import Pose
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.core.group import Group
+    from morse.kernel.recording import NativeRecords
+    from morse.recording.captures.capture import Capture
+    from morse.recording.recorded_stream import RecordedStream, Single
+
+_MESSAGES: dict[Any, str] = {Pose: "geometry_msgs/msg/PoseStamped", LaserScanner: "sensor_msgs/msg/LaserScan"}
+
+
+def capture_of(native: NativeRecords, group: Group, streams: Sequence[RecordedStream]) -> Capture | None:
+    """Return what keeps the measurements of a group.
+
+    Args:
+        native: encodes.
+        group: has measured in this tick.
+        streams: one for each member that is recorded, in the order of the members.
+
+    Returns:
+        None if the streams have to encode each message themselves.
+    """
+    kind = type(group.members[0])
+    wanted = _MESSAGES.get(kind)
+    if wanted is None or not streams:
+        return None
+    messages = [message for stream in streams if (message := stream.single(wanted)) is not None]
+    if len(messages) < len(streams):
+        return None
+    template = Template(Part(*message) for message in messages)
+    rows = [group.row_of(stream.component_instance) for stream in streams]
+    if wanted == _MESSAGES[Pose]:
+        return _poses(native, template, group, rows, messages)
+    return _scanners(native, template, group, rows, messages)
+
+
+def _poses(
+    native: NativeRecords, template: Template, group: Group, rows: Sequence[int], messages: Sequence[Single]
+) -> Capture | None:
+    if not native.measures_poses:
+        return None
+    snapshot = group.poses.snapshot
+    made = PoseSensors(native, template, snapshot, rows)
+    data = snapshot.group_positions[None], snapshot.group_rotations[None], 0
+    return made if made.agrees(data, [message.data for message in messages]) else None
+
+
+def _scanners(
+    native: NativeRecords, template: Template, group: Group, rows: Sequence[int], messages: Sequence[Single]
+) -> Capture | None:
+    scanners: Any = group.members
+    first = scanners[0]
+    alike = all(one.rays.shape == first.rays.shape and one.laser_range == first.laser_range for one in scanners)
+    if not alike or first.rays.reach != first.laser_range or "remission_list" in group.fields:
+        return None
+    rays = len(first.rays)
+    kept = rays - 1 if first.scan_window == 360.0 and rays > 1 else rays
+    made = Scanners(native, template, [one.rays for one in scanners], rows, kept, first.laser_range)
+    data = made.take(group)
+    return made if data is not None and made.agrees([data], [message.data for message in messages]) else None

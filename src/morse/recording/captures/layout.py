@@ -1,0 +1,40 @@
+"""What is kept of one tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from morse.recording.captures.poses import PosesCapture
+from morse.recording.captures.sensors import PoseSensors, Scanners
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.core.group import Group
+    from morse.recording.captures.capture import Capture
+
+
+class Layout:
+    """The records of a tick in which certain groups of sensors have measured.
+
+    Attributes:
+        offsets: position of the records of each capture.
+        size: bytes of all records.
+        held: bytes of memory that a tick takes until it is encoded, about.
+        posed: groups whose poses are kept.
+        scans: groups whose scans are kept, and their captures.
+        first, last: the rigid groups whose poses are kept: ``range(first, last)``.
+    """
+
+    def __init__(self, groups: Sequence[Group], captures: Sequence[Capture], frames: Capture | None) -> None:
+        self.offsets: dict[Capture, int] = {}
+        self.size = self.held = 0
+        for capture in (*captures, *(() if frames is None else (frames,))):
+            self.offsets[capture] = self.size
+            self.size += capture.size
+            self.held += capture.size + capture.held
+        pairs = list(zip(groups, captures, strict=True))
+        self.posed = [group for group, capture in pairs if isinstance(capture, PoseSensors)]
+        self.scans = [(group, capture) for group, capture in pairs if isinstance(capture, Scanners)]
+        slots = [slot for capture in self.offsets if isinstance(capture, PosesCapture) for slot in capture.slots]
+        self.first, self.last = min(slots, default=0), max(slots, default=-1) + 1

@@ -1,0 +1,100 @@
+"""Captures of sensors that measure together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.kinds.turning import quaternion_of
+from morse.recording.captures.capture import Capture
+from morse.recording.captures.poses import POSE, PosesCapture
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.core.group import Group
+    from morse.helpers.transformation import Transformation3d
+    from morse.kernel.recording import NativeRecords, Poses, Rows
+    from morse.physics.rays.bundle import RayBundle
+    from morse.physics.snapshot import Snapshot
+    from morse.recording.captures.template import Template
+
+
+class PoseSensors(PosesCapture):
+    """``geometry_msgs/PoseStamped`` of sensors of the class `Pose`.
+
+    Args:
+        native: encodes.
+        template: the message of each sensor.
+        snapshot: the poses of a group.
+        members: rows of the sensors in the group.
+    """
+
+    def __init__(self, native: NativeRecords, template: Template, snapshot: Snapshot, members: Sequence[int]) -> None:
+        # the numbers are the end of each message
+        places = np.append(template.heads[1:], len(template.bytes)) - POSE
+        slots, mountings = ([of[row] for row in members] for of in (snapshot.slots, snapshot.mountings))
+        super().__init__(native, template, places, slots, mountings)  # type: ignore[arg-type]
+
+    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
+        return self._native.poses(rows, poses)
+
+    def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
+        x, y, z, yaw, pitch, roll = pose.numbers()
+        # fields are added to an offset of zero, which removes the sign of zero
+        return (x + 0.0, y + 0.0, z + 0.0), quaternion_of(roll, pitch, yaw)
+
+
+class Scanners(Capture):
+    """``sensor_msgs/LaserScan`` of laser scanners with equal fans.
+
+    What is kept of R ticks is R arrays (B, rays) of distances, m.
+
+    Args:
+        native: encodes.
+        template: the message of each scanner.
+        bundles: rays of all scanners of the group.
+        members: rows of those that are recorded.
+        kept: number of rays of each scan that are in its message.
+        reach: distance that stands for no hit, m.
+    """
+
+    def __init__(
+        self,
+        native: NativeRecords,
+        template: Template,
+        bundles: Sequence[RayBundle],
+        members: Sequence[int],
+        kept: int,
+        reach: float,
+    ) -> None:
+        super().__init__(native, template)
+        self.held = 8 * len(bundles) * len(bundles[0])
+        self._bundles, self._kept = bundles, kept
+        self._members = np.array(members, dtype=np.int64)
+        self._rows = list(range(len(bundles)))
+        self._reaches = np.full(len(members), reach)
+        # the distances, and the number 0 of intensities, are the end of each message
+        self._places: NDArray[np.int64] = np.append(template.heads[1:], self.size) - 4 * kept - 4
+
+    def take(self, group: Group) -> NDArray[np.float64] | None:
+        """The distances (B, rays) of a tick; None if the scans were not made in one cast, or if a fan has changed."""
+        scanners: Any = group.members
+        bundles = [scanner.rays for scanner in scanners]
+        if bundles != self._bundles:
+            return None
+        sights = [bundle.sight for bundle in bundles]
+        scan = sights[0].scan
+        if [sight.row for sight in sights] != self._rows or any(sight.scan is not scan for sight in sights):
+            return None
+        distances: NDArray[np.float64] = scan.distances
+        return distances
+
+    def _fill(self, rows: Rows, data: Sequence[Any]) -> None:
+        distances = np.concatenate(data).reshape(len(data), -1, data[0].shape[1])
+        if distances.shape[1] != len(self._members):
+            distances = np.ascontiguousarray(distances[:, self._members])
+        self._native.scans(rows, distances, self._kept, self._reaches, self._places)

@@ -1,0 +1,58 @@
+"""The records of one tick, whose times and numbers are replaced."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.recording.mcap import records
+from morse.recording.mcap.records import MESSAGE_HEAD, Message
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
+
+#: position of the time stamp in a message that begins with a header or a time: after the head of CDR
+STAMP = 4
+
+
+class Part(NamedTuple):
+    """One record of a template.
+
+    Attributes:
+        channel: number of its channel.
+        data: the message in CDR.
+        stamps: positions of time stamps in the message.
+    """
+
+    channel: int
+    data: bytes
+    stamps: Sequence[int] = (STAMP,)
+
+
+class Template:
+    """Records, one behind the other.
+
+    Attributes:
+        bytes: (size,) the records.
+        channels: of each record.
+        heads: (H,) position of each record.
+        begins: (H,) position of each message.
+        stamps: (S,) position of each time stamp.
+    """
+
+    def __init__(self, parts: Iterable[Part]) -> None:
+        made, heads, stamps, at = [], [], [], 0
+        self.channels: list[int] = []
+        for part in parts:
+            heads.append(at)
+            stamps += [at + MESSAGE_HEAD.size + place for place in part.stamps]
+            self.channels.append(part.channel)
+            made.append(records.message(Message(part.channel, 0, 0, 0, part.data)))
+            at += len(made[-1])
+        self.bytes: NDArray[np.uint8] = np.frombuffer(b"".join(made), dtype=np.uint8)
+        self.heads = np.array(heads, dtype=np.int64)
+        self.begins = self.heads + MESSAGE_HEAD.size
+        self.stamps = np.array(stamps, dtype=np.int64)

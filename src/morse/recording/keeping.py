@@ -1,0 +1,231 @@
+"""Keeps what sensors measure together, and the frames of robots, so that they are encoded later."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.kernel.recording import records
+from morse.middleware.ros2.cdr import encode
+from morse.middleware.ros2.kinds.states import clock
+from morse.middleware.ros2.transforms import transform
+from morse.recording.captures import FramesCapture, Layout, capture_of
+from morse.recording.captures.template import STAMP, Part, Template
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.core.group import Group
+    from morse.kernel.recording import NativeRecords
+    from morse.physics.mounting import Mounting
+    from morse.recording.captures import Capture
+    from morse.recording.recorded_stream import RecordedStream
+    from morse.recording.streams import RecordedStreams, Tape
+
+_CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
+#: groups and layouts that are known at most; groups are formed again when their members change
+_MOST_KNOWN = 256
+#: captures that are made at most until the components change: making one takes as long as hundreds of messages
+_MOST_MADE = 200
+
+
+class Captures:
+    """What is kept in the tick of the messages of a recording.
+
+    A group of sensors is kept from the tick after its first measurement on: the streams of its members are quiet then,
+    see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all messages.
+
+    Args:
+        native: encodes.
+        streams: of the recording.
+        tape: takes the messages.
+    """
+
+    def __init__(self, native: NativeRecords, streams: RecordedStreams, tape: Tape) -> None:
+        self._native, self._streams, self._tape = native, streams, tape
+        self._context, self._world = streams.context, streams.context.world
+        self._transforms = streams.transforms
+        #: groups that have measured in this tick, in order
+        self._fired: list[Group] = []
+        self._fire = self._fired.append
+        #: components whose streams are quiet while they act together
+        self._quiet: set[Any] = set()
+        self.forget()
+        self._context.group_taps.append(self._fire)
+
+    @classmethod
+    def made_for(cls, streams: RecordedStreams, tape: Tape) -> Captures | None:
+        """Return the captures of a recording; None if there is no kernel."""
+        native = records()
+        return None if native is None else cls(native, streams, tape)
+
+    def forget(self) -> None:
+        """The components may be others now."""
+        #: by the members of a group
+        self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
+        self._layouts: dict[tuple[Group, ...], Layout] = {}
+        self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
+        self._displacements = -1
+        self._made = 0
+        self._looked = False
+        present = set(map(id, self._context.components.values()))
+        self._quiet = {component for component in self._quiet if id(component) in present}
+
+    def close(self) -> None:
+        """Keep nothing more."""
+        self._fired.clear()
+        if self._fire in self._context.group_taps:
+            self._context.group_taps.remove(self._fire)
+
+    def is_quiet(self, component: Any) -> bool:
+        """Whether the stream of a component does not encode what the component measures together with others."""
+        return component in self._quiet
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def flush(self) -> bool:
+        """A tick ends. Returns False if the streams have to encode simulated time and the frames."""
+        fired, world = self._fired, self._world
+        layout = self._layouts.get(tuple(fired))
+        if layout is None or world.displacements != self._displacements or self._transforms.changed:
+            return self._look_around()
+        positions = world.positions.array
+        for group in layout.posed:
+            if group.poses.snapshot.group_positions is not positions:  # something has moved since
+                return self._encode_all()
+        scans = None
+        if layout.scans:
+            scans = [(capture, capture.take(group)) for group, capture in layout.scans]
+            if any(distances is None for _, distances in scans):
+                return self._encode_all()
+        fired.clear()
+        self._tape.keep(layout, positions, world.rotations.array, scans)
+        if self._frames is None:
+            return False
+        joints, lines = self._others
+        if joints or lines:
+            self._streams.flush_others()
+        return True
+
+    def _encode_all(self) -> bool:
+        """Let the streams encode what the groups of this tick have measured."""
+        for group in self._fired:
+            for stream in self._streams_of(group):
+                if stream.component_instance in self._quiet:
+                    stream.default(stream.component_instance)
+        self._fired.clear()
+        return False
+
+    def _streams_of(self, group: Group) -> list[RecordedStream]:
+        known: Any = self._streams.streams
+        members: Any = group.members
+        return [stream for member in members for stream in known.get(member.name(), ())]
+
+    # -- what has changed --------------------------------------------------------------------
+
+    def _look_around(self) -> bool:
+        """Encode this tick by the streams, and find out how the next ones can be kept."""
+        fired = tuple(self._fired)
+        self._encode_all()
+        if self._displacements != self._world.displacements:
+            self._displacements = self._world.displacements
+            self._drop_displaced()
+        if self._transforms.changed:
+            self._frames, self._looked = None, False  # the streams find the frames when they encode them
+            self._layouts.clear()
+            return False
+        self._others = self._streams.others()
+        if not self._looked:
+            self._looked = True
+            self._make_frames()
+            self._layouts.clear()
+        self._drop_dissolved()
+        found = [(group, self._find(group)) for group in fired]
+        kept = [(group, capture) for group, capture in found if capture is not None]
+        frames = self._frames
+        if not any(group.is_changed for group in fired):
+            self._layouts[fired] = Layout(
+                [group for group, _ in kept], [capture for _, capture in kept], None if frames is None else frames[0]
+            )
+            # one block serves the ticks of all layouts
+            first = min(layout.first for layout in self._layouts.values())
+            last = max(layout.last for layout in self._layouts.values())
+            for layout in self._layouts.values():
+                layout.first, layout.last = first, last
+        return False
+
+    def _drop_dissolved(self) -> None:
+        """Forget the groups that have been dissolved: their members are in other ones, and must not be held twice."""
+        if len(self._known) + len(self._layouts) > _MOST_KNOWN:
+            self._known.clear()
+            self._layouts.clear()
+        for groups in list(self._layouts):
+            if any(group.members[0].group is not group for group in groups):
+                del self._layouts[groups]
+
+    def _drop_displaced(self) -> None:
+        """Forget the captures of objects that were moved within their rigid groups."""
+        for members, found in list(self._known.items()):
+            if found is not None and found[1] != _mountings(members):
+                del self._known[members]
+                self._layouts.clear()
+        if self._frames is not None and self._frames[1] != _mountings(robot for _, _, robot in self._plain()):
+            self._frames, self._looked = None, False
+            self._layouts.clear()
+
+    def _plain(self) -> list[tuple[str, str, Any]]:
+        return self._transforms.plain() or []
+
+    def _find(self, group: Group) -> Capture | None:
+        """The capture of a group; its members become quiet, or cease to be so, when the group is formed again."""
+        if group.members not in self._known:
+            self._known[group.members] = self._make(group)
+        found = self._known[group.members]
+        members = {stream.component_instance for stream in self._streams_of(group)}
+        if found is None:
+            group.is_changed |= not self._quiet.isdisjoint(members)
+            self._quiet -= members
+            return None
+        group.is_changed |= not members <= self._quiet
+        self._quiet |= members
+        return found[0]
+
+    def _make(self, group: Group) -> tuple[Capture, Sequence[Mounting]] | None:
+        streams = self._streams_of(group)
+        once = len({id(stream.component_instance) for stream in streams}) == len(streams)
+        self._made += 1
+        if not once or self._made > _MOST_MADE:
+            return None
+        capture = capture_of(self._native, group, streams)
+        return None if capture is None else (capture, _mountings(group.members))
+
+    def _make_frames(self) -> None:
+        robots, channels = self._transforms.plain(), self._streams.own_channels()
+        stamp = self._context.clock.stamp()
+        self._made += 1
+        if robots is None or channels is None or stamp <= 0 or self._made > _MOST_MADE:
+            return
+        starts = [robot.initial_position_3d for _, _, robot in robots]
+        poses = [
+            start.transformation3d_with(type(start)(one[2].bge_object))
+            for start, one in zip(starts, robots, strict=True)
+        ]
+        made = [transform(stamp, odom, base, pose) for (odom, base, _), pose in zip(robots, poses, strict=True)]
+        ends = [len(encode(_TF, {"transforms": made[: count + 1]})) for count in range(len(made))]
+        messages = [encode(_CLOCK, clock(stamp))]
+        parts = [Part(channels[0], messages[0])]
+        if made:  # without robots, no frames are sent
+            messages.append(encode(_TF, {"transforms": made}))
+            parts.append(Part(channels[1], messages[1], _stamps(ends)))
+        snapshot = self._world.snapshots([robot.bge_object for _, _, robot in robots]).now()
+        capture = FramesCapture(self._native, Template(parts), ends, starts, snapshot)
+        if capture.agrees((snapshot.group_positions[None], snapshot.group_rotations[None], 0), messages):
+            self._frames = capture, _mountings(robot for _, _, robot in robots)
+
+
+def _mountings(components: Any) -> list[Mounting]:
+    return [component.bge_object.mounting for component in components]
+
+
+def _stamps(ends: Sequence[int]) -> list[int]:
+    """Positions of the time stamps of the transforms: after the count, and after each transform."""
+    return [begin + -(begin - STAMP) % 4 for begin in (2 * STAMP, *ends[:-1])]
