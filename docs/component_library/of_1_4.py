@@ -19,8 +19,8 @@ ROBOTS = (
 )  # fmt: skip
 MODIFIERS = ("ECEF", "feet", "geocentric", "geodetic", "IMUNoise", "NED", "OdometryNoise", "PoseNoise", "UTM")
 ENVIRONMENTS = (
-    "apartment", "empty", "indoors-1/boxes", "indoors-1/indoor-1", "laas/grande_salle", "land-1/buildings_1",
-    "land-1/buildings_2", "land-1/rosace_1", "land-1/trees", "outdoors", "sandbox", "tum_kitchen/tum_kitchen",
-    "water-1/deep_water", "water-1/water_scene",
+    "apartment", "empty", "human_tut/tutorial_scene", "indoors-1/boxes", "indoors-1/indoor-1", "laas/grande_salle",
+    "land-1/buildings_1", "land-1/buildings_2", "land-1/rosace_1", "land-1/trees", "outdoors", "sandbox",
+    "tum_kitchen/tum_kitchen", "water-1/deep_water", "water-1/water_scene",
 )  # fmt: skip
 MIDDLEWARES = ("hla", "mavlink", "moos", "pocolibs", "pprzlink", "ros", "socket", "text", "yarp", "yarp_json")

@@ -24,6 +24,7 @@ WORLDS = (
     "sandbox",
     "apartment",
     "outdoors",
+    "human_tut/tutorial_scene",
     "indoors-1/boxes",
     "indoors-1/indoor-1",
     "indoors-1/office",
@@ -187,3 +188,26 @@ def test_the_script_has_the_last_word_on_the_view() -> None:
 
     with morse.load(scene) as simulation:
         assert simulation.context.scene.settings.view.camera_location == (1.0, 2.0, 3.0)
+
+
+# --- the room of the human tutorial ----------------------------------------------------------------
+
+
+def test_a_robot_drives_from_the_room_of_the_tutorial_along_its_path() -> None:
+    def scene() -> None:
+        robot = ATRV()
+        robot.translate(0.0, 0.0, 0.15)
+        robot.append(MotionVW("motion"))
+        robot.append(Pose("pose"))
+        Environment("human_tut/tutorial_scene", fastmode=True)
+
+    with morse.load(scene) as simulation:
+        component = simulation.context.component
+        component("robot.motion").local_data.update(v=2.0, w=0.0)
+        simulation.step(8 * 60)
+        place = component("robot.pose").local_data
+    # through the doorway in the east, and 12 m on at the level of the floor, six metres above the meadow
+    assert place["x"] == pytest.approx(16.0, abs=0.2)
+    assert place["z"] == pytest.approx(0.1, abs=0.02)
+    cup = next(node for node in scene_of("human_tut/tutorial_scene").nodes() if node.name == "CubeSelect")
+    assert cup.properties["Graspable"]

@@ -7,8 +7,9 @@ import json
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from common.objects import empty, exact, hidden_box, twin
+from common.objects import empty, exact, hidden_shape, twin
 from common.parts import bounds
+from common.shapes import box
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from common.objects import Triple
     from common.parts import Part
 
-COLLISION = {"BOX": "box", "TRIANGLE_MESH": "mesh", "CONVEX_HULL": "convex"}
+COLLISION = {"BOX": "box", "CYLINDER": "cylinder", "TRIANGLE_MESH": "mesh", "CONVEX_HULL": "convex"}
 
 
 @dataclass
@@ -81,7 +82,9 @@ class Furnisher:
         if row.size is None:
             return empty(row.name, row.at, row.turned, parent=parent, **row.options)
         if "collision" in row.name.lower():
-            return hidden_box(row.name, row.size, row.at, row.turned, parent=parent, **row.options)
+            parts = [box(*row.size).moved(*row.centre)]
+            row.options.setdefault("collision", "box")
+            return hidden_shape(row.name, parts, row.at, row.turned, parent=parent, **row.options)
         kind, build = self._looks(row)
         if kind in self._boxes:
             row.options.setdefault("collision", "box")
