@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from morse.launch.load import described, resolve
 from morse.launch.recorded_run import inputs_of, options_of
+from morse.middleware.ros2.datastream import Ros2DatastreamManager
+from morse.middleware.ros2.names import Names
 from morse.simulation.simulation import Simulation
 from morse.simulation.timeline import Timeline
 from morse.viewer.replay_view import ReplayView
@@ -50,12 +52,13 @@ def playing(
         options = options_of(recording, scene, trust, stack, told)
         options = replace(options, view="web", view_port=port, open_browser=browser, speed=1.0)
         recorded_scene = described(options.script, options)
+        naming = _Naming(recorded_scene)
         _close(recorded_scene)
         resolve(recorded_scene)
         simulation = stack.enter_context(Simulation(recorded_scene, options))
         simulation.load()
         timeline = Timeline(simulation, inputs, recording.length())
-        view = ReplayView(simulation, timeline)
+        view = ReplayView(simulation, timeline, recording, naming.topics(simulation))
         simulation.view = view
         simulation.observers.append(view)
         yield view
@@ -70,6 +73,28 @@ def play(view: ReplayView) -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+class _Naming:
+    """The options of a scene that name the topics of its recordings."""
+
+    def __init__(self, scene: Scene) -> None:
+        manager = Ros2DatastreamManager.classpath
+        self._names = Names({"namespace": None, "frame_prefix": None, **scene.manager_options.get(manager, {})})
+        self._streams = {
+            declared.name: next((stream.options for stream in declared.streams if stream.manager == manager), {})
+            for declared in scene.components
+            if declared.kind == "sensor"
+        }
+
+    def topics(self, simulation: Simulation) -> dict[str, str]:
+        """The topic of each sensor, by its name."""
+        sensors = {name: simulation.context.components.get(name) for name in self._streams}
+        return {
+            name: self._names.topic(sensor, {"namespace": None, "topic": None, **self._streams[name]})
+            for name, sensor in sensors.items()
+            if sensor is not None
+        }
 
 
 def _close(scene: Scene) -> None:

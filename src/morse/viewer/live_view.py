@@ -88,7 +88,7 @@ class View(Observer):
         self._states = StatesFeed(context, server)
         self._rays = ViewRays(context, server)
         self._frustums = ViewFrustums(context, server)
-        self._pictures = PicturesFeed(context, server)
+        self._pictures: Feed = PicturesFeed(context, server)
         self._sounds = SoundsFeed(context, server)
         self._feeds: list[Feed] = [
             ValuesFeed(context, server),

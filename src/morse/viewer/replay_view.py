@@ -7,12 +7,14 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from morse.viewer import page_messages as page
+from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
 from morse.viewer.live_view import View
 from morse.viewer.view_messages import History, Refused
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
+    from morse.recording.recording import Recording
     from morse.simulation.simulation import Simulation
     from morse.simulation.timeline import Timeline
 
@@ -42,11 +44,15 @@ class ReplayView(View):
     Args:
         simulation: the simulation of the scene.
         timeline: the recorded run.
+        recording: the file of the run.
+        topics: names of the topics of the sensors in the file, by the names of the sensors.
     """
 
     changeable = False
 
-    def __init__(self, simulation: Simulation, timeline: Timeline) -> None:
+    def __init__(
+        self, simulation: Simulation, timeline: Timeline, recording: Recording, topics: Mapping[str, str]
+    ) -> None:
         self._timeline = timeline
         self._start = simulation.clock.time
         self._direction = 1
@@ -56,6 +62,7 @@ class ReplayView(View):
         assert simulation.context.network is not None
         self._network = simulation.context.network
         self._history: Any = _NoHistory()
+        self._pictures = RecordedPicturesFeed(simulation.context, self._server, recording, topics, self._time)
         pacer = simulation.pacer
         refused = dict.fromkeys(self._handlers, self._refuse)
         own: dict[type[Any], Callable[[Any], object]] = {

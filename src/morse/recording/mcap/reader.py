@@ -181,15 +181,34 @@ class McapFile:
             RecordingError: a chunk is damaged.
         """
         for place in self._chunks:
-            for opcode, content in self._plain(place).records():
-                if opcode in (records.SCHEMA, records.CHANNEL):
-                    self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
-                if opcode != records.MESSAGE:
-                    continue
-                fields = Fields(content, f"{self.path}: a message")
-                number, sequence, log_time, publish_time = fields.numbers("<HIQQ")
-                if channels is None or number in channels:
-                    yield Message(number, sequence, log_time, publish_time, bytes(fields.bytes(fields.left)))
+            yield from self._of_chunk(place, channels)
+
+    def _of_chunk(self, place: _Place, channels: Collection[int] | None) -> Iterator[Message]:
+        for opcode, content in self._plain(place).records():
+            if opcode in (records.SCHEMA, records.CHANNEL):
+                self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
+            if opcode != records.MESSAGE:
+                continue
+            fields = Fields(content, f"{self.path}: a message")
+            number, sequence, log_time, publish_time = fields.numbers("<HIQQ")
+            if channels is None or number in channels:
+                yield Message(number, sequence, log_time, publish_time, bytes(fields.bytes(fields.left)))
+
+    def last(self, channel: int, until: int, most_chunks: int) -> Message | None:
+        """The last message of a channel whose log time is not later than ``until``, ns.
+
+        Args:
+            most_chunks: chunks that are searched, from the latest one backward.
+
+        Raises:
+            RecordingError: a chunk is damaged.
+        """
+        chunks = [place for place in self._chunks if place.start <= until][-most_chunks:]
+        for place in reversed(chunks):
+            found = [one for one in self._of_chunk(place, (channel,)) if one.log_time <= until]
+            if found:
+                return found[-1]
+        return None
 
     def _plain(self, place: _Place) -> Fields:
         self._file.seek(place.offset)

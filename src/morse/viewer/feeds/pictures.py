@@ -30,43 +30,67 @@ _MOST_SIGHTINGS = 200
 _LONGEST_NAME = 80
 
 
+class Shot(NamedTuple):
+    """An image of a camera.
+
+    Attributes:
+        image: the top row is first.
+        source: changes with every new image.
+        time: simulated seconds.
+        objects: that the camera has recognised.
+    """
+
+    image: NDArray[Any]
+    source: object
+    time: float
+    objects: Any = ()
+
+
 class PicturesFeed:
-    """Sends the images of the cameras whose panels are open."""
+    """Sends the pictures of the cameras whose panels are open."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
         self._server = server
-        self._sent: dict[str, Any] = {}
+        self._sent: dict[str, object] = {}
 
     def update(self) -> None:
-        """Send the images captured since the last call."""
+        """Send the pictures that were taken since the last call."""
         wished = self._server.wishes.images
         for name in self._sent.keys() - wished:
             del self._sent[name]
         for name in sorted(wished):
             component = self._context.components.get(name)
-            image = None if component is None else component.local_data.get("image")
-            if component is None or image is self._sent.get(name) or not _is_picture(image):
+            shot = None if component is None else self.shot(name, component)
+            if shot is None or shot.source is self._sent.get(name):
                 continue
-            self._sent[name] = image
-            self._server.send(picture_of(name, component, image))
+            self._sent[name] = shot.source
+            self._server.send(picture_of(name, component, shot))
+
+    def shot(self, _name: str, component: Any) -> Shot | None:
+        """What a camera has taken last."""
+        image = component.local_data.get("image")
+        if not is_picture(image):
+            return None
+        data = component.local_data
+        top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
+        return Shot(top_first, image, float(data.get("timestamp", 0.0)), data.get("objects", ()))
 
 
-def picture_of(name: str, component: Any, image: NDArray[Any]) -> Picture:
-    """The message for a new image of a camera."""
-    top_first = image if getattr(component, "vertical_flip", True) else image[::-1]
+def picture_of(name: str, component: Any, shot: Shot) -> Picture:
+    """The message for an image of a camera."""
+    image = shot.image
     height, width = image.shape[:2]
-    time = float(component.local_data.get("timestamp", 0.0))
     if image.dtype == np.uint16 and image.ndim == 2:
-        rows = zlib.compress(np.ascontiguousarray(top_first, "<u2").data, 1)
-        found = list(sightings(component.local_data.get("objects", ())))
-        return Picture(rows, name, width, height, "image/x-u16", time, "ids", sightings=found)
+        rows = zlib.compress(np.ascontiguousarray(image, "<u2").data, 1)
+        found = list(sightings(shot.objects))
+        return Picture(rows, name, width, height, "image/x-u16", shot.time, "ids", sightings=found)
     if image.ndim == 2 and image.dtype != np.uint8:
-        levels = depth_levels(top_first)
+        levels = depth_levels(image)
         unit = getattr(fields_of_component(component).get("image"), "unit", "")
         jpeg = as_jpeg(levels.grey)
-        return Picture(jpeg, name, width, height, "image/jpeg", time, "depth", levels.low, levels.high, unit)
-    return Picture(as_jpeg(as_pixels(top_first)), name, width, height, "image/jpeg", time)
+        return Picture(jpeg, name, width, height, "image/jpeg", shot.time, "depth", levels.low, levels.high, unit)
+    return Picture(as_jpeg(as_pixels(image)), name, width, height, "image/jpeg", shot.time)
 
 
 class Levels(NamedTuple):
@@ -107,7 +131,8 @@ def sightings(objects: Any) -> Iterator[Sighting]:
             yield Sighting(number, label, kind, (x0, y0, x1, y1))
 
 
-def _is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
+def is_picture(image: Any) -> TypeGuard[NDArray[Any]]:
+    """Whether it is an image that can be shown."""
     if not isinstance(image, np.ndarray) or image.dtype.kind not in "fiub" or not image.size:
         return False
     channels = (3, 4) if image.dtype == np.uint8 else (2, 3)

@@ -1,0 +1,120 @@
+"""Sends recorded images of cameras to pages that show a recorded run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.exceptions import MorseError
+from morse.middleware.ros2.cdr import CdrError, decode
+from morse.viewer.feeds.pictures import PicturesFeed, Shot, is_picture
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
+
+    from morse.core.context import Context
+    from morse.recording.mcap.records import Message
+    from morse.recording.recording import Recording
+    from morse.viewer.server import ViewServer
+
+IMAGE = "sensor_msgs/msg/Image"
+#: element type and number of channels by the encoding of ROS
+_ENCODINGS = {
+    "rgba8": ("u1", 4),
+    "rgb8": ("u1", 3),
+    "mono8": ("u1", 1),
+    "16UC1": ("u2", 1),
+    "32FC1": ("f4", 1),
+    "32FC2": ("f4", 2),
+}
+#: chunks of the file that are searched for an image: a camera that took none for so long has none to show
+_MOST_CHUNKS = 200
+#: ns: times of messages are rounded
+_ROUNDING = 1_000_000
+
+
+class RecordedPicturesFeed(PicturesFeed):
+    """Sends the recorded images of cameras; images of cameras that were not recorded are those of the simulation.
+
+    Args:
+        context: of the simulation.
+        server: of the pages.
+        recording: of the run.
+        topics: names of topics by the name of the camera, without the part that follows for its images.
+        time: the present time of the recording, s.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        server: ViewServer,
+        recording: Recording,
+        topics: Mapping[str, str],
+        time: Callable[[], float],
+    ) -> None:
+        super().__init__(context, server)
+        self._recording = recording
+        self._time = time
+        self._channels: dict[str, int] = {}
+        for name, topic in topics.items():
+            for channel in recording.channels.values():
+                if channel.type == IMAGE and (channel.topic == topic or channel.topic.startswith(f"{topic}/")):
+                    self._channels.setdefault(name, channel.number)
+        self._known: dict[str, tuple[int, int, Shot]] = {}
+
+    def shot(self, name: str, component: Any) -> Shot | None:
+        """The image that the camera had taken last at the present time of the recording."""
+        channel = self._channels.get(name)
+        if channel is None:
+            return super().shot(name, component)
+        now = round(self._time() * 1e9) + _ROUNDING
+        at, stamp, shot = self._known.get(name, (-1, -1, None))
+        if at == now:
+            return shot
+        try:
+            message = self._recording.last(channel, now, _MOST_CHUNKS)
+            if message is None:
+                return None
+            if message.log_time != stamp or shot is None:
+                shot = _shot(message, component)
+        except (CdrError, MorseError, ValueError):
+            # a damaged message: what the simulation shows is all that is left
+            return super().shot(name, component)
+        self._known[name] = (now, message.log_time, shot)
+        return shot
+
+
+def _shot(message: Message, component: Any) -> Shot:
+    image = image_of(decode(IMAGE, message.data))
+    time = message.publish_time / 1e9
+    data = component.local_data
+    # boxes are not recorded; those of the simulation belong to the image if both are of the same time
+    same = abs(float(data.get("timestamp", -1.0)) - time) < _ROUNDING / 1e9
+    return Shot(image, image, time, data.get("objects", ()) if same else ())
+
+
+def image_of(message: Mapping[str, Any]) -> NDArray[Any]:
+    """The pixels of a message ``sensor_msgs/Image``: (H, W) or (H, W, channels).
+
+    Raises:
+        ValueError: the message is not an image, or has another encoding than those that MORSE writes.
+    """
+    known = _ENCODINGS.get(message["encoding"])
+    if known is None:
+        raise ValueError(f"the encoding of the image is {message['encoding']!r:.40}, expected {', '.join(_ENCODINGS)}")
+    kind, channels = known
+    height, width, step = message["height"], message["width"], message["step"]
+    dtype = np.dtype((">" if message["is_bigendian"] else "<") + kind)
+    row = width * channels * dtype.itemsize
+    data = np.frombuffer(bytes(message["data"]), np.uint8)
+    if not height or not width or step < row or len(data) != height * step:
+        raise ValueError(f"an image of {width} x {height} pixels with {step} bytes a row has {len(data)} bytes")
+    pixels = np.ascontiguousarray(data.reshape(height, step)[:, :row]).view(dtype).reshape(height, width, channels)
+    image = pixels.astype(dtype.newbyteorder("="), copy=False)
+    image = image[..., 0] if channels == 1 else image
+    if not is_picture(image):
+        raise ValueError("the image cannot be shown")
+    return image
