@@ -63,7 +63,7 @@ class Bodies:
         state.positions[index], state.rotations[index], state.quaternions[index] = tuple(position), tuple(rotation), q
         state.touched.add(index)
         state.stamp += 1
-        attached = (*state.wheels.get(index, ()), *state.links.get(index, ()))
+        attached = state.attached.get(index, ())
         if attached:
             mujoco.mj_kinematics(state.model, data)
         for other in attached:

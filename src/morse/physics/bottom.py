@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 def bottom_of(state: EngineState, node: Node) -> float | None:
     """Return the height of the lowest point of a body with wheels and links, m; None if it has no collision shapes."""
     own = state.slots[state.slot_of[node]]
-    index = state.slot_of[node]
-    attached = [state.slots[i] for i in (*state.wheels.get(index, ()), *state.links.get(index, ()))]
+    attached = [state.slots[index] for index in state.attached.get(state.slot_of[node], ())]
     geoms = [geom for slot in (own, *attached) for numbers in slot.geoms.values() for geom in numbers]
     return min((_lowest(state, geom) for geom in geoms if state.model.geom_contype[geom]), default=None)
 

@@ -32,6 +32,7 @@ class EngineState:
         slot_of: index of the slot of each node.
         wheels: slot of a robot to the slots of its wheels.
         links: slot of a body to all slots that joints attach to it.
+        attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
         geom_node: node of each geom.
         steps: physics steps per tick.
@@ -84,6 +85,9 @@ class EngineState:
             while outer is not None:
                 self.links.setdefault(self.slot_of[outer.node], []).append(index)
                 outer = outer.parent
+        self.attached = {
+            index: (*self.wheels.get(index, ()), *self.links.get(index, ())) for index in {*self.wheels, *self.links}
+        }
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from morse.scene.appearance import Image
+    from morse.scene.declared_sensor import DeclaredSensor
     from morse.scene.node import Node
 
 
@@ -23,6 +24,7 @@ class Library:
         outside_scene: names of nodes that are in the file but not in its scene: templates, which are only shown by
             instances of their collection.
         images: images by name, for textures that no material uses.
+        sensors: the sensors that the file declares.
         warnings: warnings for the user about what could not be read, one sentence each.
     """
 
@@ -32,6 +34,7 @@ class Library:
     world: dict[str, object] = field(default_factory=dict)
     outside_scene: set[str] = field(default_factory=set)
     images: dict[str, Image] = field(default_factory=dict)
+    sensors: list[DeclaredSensor] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
     def nodes(self) -> list[Node]:

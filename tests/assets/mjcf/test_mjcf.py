@@ -194,5 +194,18 @@ def test_a_script_drives_it(folder: Path) -> None:
         assert speeds["yaw"] == pytest.approx(0.0, abs=0.02)
 
 
+def test_cameras_and_sensors(folder: Path) -> None:
+    eye, imu = read_mjcf(folder / "crab.xml").sensors
+    assert (eye.name, eye.product, eye.link, eye.position) == ("eye", "VideoCamera", "trunk", (0.2, 0.0, 0.05))
+    assert dict(eye.properties) == {"cam_fov": pytest.approx(50.0)}
+    # turned by 90 degrees about X, then by -90 about its own Z: it looks along +Y of the trunk, its right is -Z
+    columns = np.reshape(eye.rotation, (3, 3)).T
+    turned = np.zeros(9)
+    mujoco.mju_quat2Mat(turned, np.array([0.5, 0.5, 0.5, -0.5]))
+    right, up, back = turned.reshape(3, 3).T
+    assert columns == pytest.approx(np.array([-back, -right, up]), abs=1e-9)
+    assert (imu.product, imu.link, imu.position) == ("IMU", "trunk", (0.1, 0.0, 0.0))
+
+
 def test_it_is_found_by_its_suffix(folder: Path) -> None:
     assert load(folder / "crab.xml").roots[0].name == "crab"

@@ -9,6 +9,7 @@ import numpy as np
 
 from morse.assets.errors import AssetError
 from morse.assets.mjcf.joints import Bones, pose
+from morse.assets.mjcf.sensors import sensors_of
 from morse.assets.mjcf.shapes import shape_node
 from morse.assets.mjcf.source import Source
 from morse.mathutils import Matrix
@@ -82,7 +83,8 @@ class _Reader:
             armature.attach(world)
         elif world.children:
             self.warnings.append(f"{len(world.children)} shapes of the world are left out: the robot is free")
-        return Library(str(self.source.path), roots=[root], warnings=self.warnings)
+        sensors, remarks = sensors_of(self.model, {index: links[index] for index in chosen})
+        return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
 
     def _choose(self) -> tuple[list[int], int | None]:
         """Return the bodies of the robot, parents first, and the one that is free; None for a robot that is fixed."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from morse.assets.errors import AssetError
 from morse.assets.inertial import inertial_of
+from morse.assets.urdf.sensors import sensors_of
 from morse.assets.xml_files import read_xml
 from morse.mathutils import Euler, Matrix
 from morse.scene import JointDynamics
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from xml.etree import ElementTree
 
     from morse.scene import Inertial
+    from morse.scene.declared_sensor import DeclaredSensor
 
 _FARTHEST = 1e6
 #: links, and joints in a row
@@ -97,6 +99,7 @@ class Document:
     joints: list[Joint]
     root: str
     warnings: list[str]
+    sensors: list[DeclaredSensor]
 
 
 class _Parser:
@@ -263,7 +266,8 @@ def parse(path: Path) -> Document:
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
     joints = [parser.joint(element) for element in robot.findall("joint")]
     root, ordered = _tree(parser, links, joints)
-    return Document(robot.get("name") or path.stem, links, ordered, root, parser.warnings)
+    sensors, remarks = sensors_of(robot, links)
+    return Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
 
 
 def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:

@@ -14,6 +14,7 @@ from morse.middleware import registry
 from morse.scene import Bounds, PhysicsType
 
 if TYPE_CHECKING:
+    from morse.builder.abstractcomponent import AbstractComponent
     from morse.scene import Material, Node
 
 _PHYSICS_TYPES = [kind.value for kind in PhysicsType if kind is not PhysicsType.AUTO]
@@ -28,12 +29,23 @@ class Robot(Component):
         name: its name, if not that of the variable that holds it.
         blender_object_name: the object of the file that is the body; None for the one without a
             parent.
+        sensors: whether the sensors that the file declares (URDF, MJCF) are created.
+
+    Attributes:
+        sensors: the sensors that the file declares, by name.
     """
 
     _kind = "robot"
     _classpath: str = "morse.core.robot.Robot"
 
-    def __init__(self, filename: str = "", name: str | None = None, blender_object_name: str | None = None) -> None:
+    def __init__(
+        self,
+        filename: str = "",
+        name: str | None = None,
+        blender_object_name: str | None = None,
+        *,
+        sensors: bool = True,
+    ) -> None:
         super().__init__("robots", filename, blender_object_name, make_morseable=False)
         self.default_interfaces: list[str] = []
         self.is_external = False
@@ -44,6 +56,12 @@ class Robot(Component):
         self.scene_node.properties["Robot_Tag"] = True
         if name is not None:
             self.name = name
+        self.sensors: dict[str, AbstractComponent] = {}
+        declared = self._library().sensors if filename and sensors and blender_object_name is None else ()
+        if declared:
+            from morse.builder.components.file_sensors import add_sensors
+
+            self.sensors = add_sensors(self, declared)
 
     def add_default_interface(self, stream: str) -> None:
         """Connect all components of the robot to a middleware; existing streams are not changed.

@@ -1,0 +1,71 @@
+"""The sensors and cameras of an MJCF model."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.assets.mjcf.joints import pose
+from morse.mathutils import Matrix
+from morse.mathutils.rotations import nine
+from morse.scene.declared_sensor import DeclaredSensor
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from morse.assets.mjcf.model import ModelData
+
+#: what `ArmaturePose` and the motors measure
+_OF_JOINTS = ("joint", "actuator", "tendon", "ball")
+_PRODUCTS = {
+    "camera": "VideoCamera",
+    "rangefinder": "Infrared",
+    "accelerometer": "IMU",
+    "gyro": "IMU",
+    "magnetometer": "Magnetometer",
+    "framepos": "Pose",
+    "framequat": "Pose",
+}
+#: cameras look along -Z with +Y up, range finders along +Z; sensors of MORSE look along +X with +Z up
+_FROM_CAMERA = Matrix(((0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0))).to_4x4()
+_FROM_FINDER = Matrix(((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))).to_4x4()
+
+
+def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[DeclaredSensor], list[str]]:
+    """Return the sensors of a model, and warnings about those that are left out.
+
+    An accelerometer and a gyroscope at the same place are one IMU.
+
+    Args:
+        links: names of the nodes by body.
+    """
+    found: dict[tuple[object, ...], DeclaredSensor] = {}
+    unknown: list[str] = []
+    for sensor in model.sensors:
+        product = _PRODUCTS.get(sensor.kind)
+        if sensor.kind.startswith(_OF_JOINTS):
+            continue
+        if product is None or sensor.body not in links:
+            unknown.append(f"'{sensor.name:.60}' ({sensor.kind})")
+            continue
+        place = pose(sensor.position, sensor.quaternion)
+        properties: tuple[tuple[str, float | int], ...] = ()
+        if sensor.kind == "camera":
+            place = place @ _FROM_CAMERA
+            # images are square
+            properties = (("cam_fov", min(max(sensor.values[0], 1.0), 179.0)),)
+        elif sensor.kind == "rangefinder":
+            place = place @ _FROM_FINDER
+            if math.isfinite(sensor.values[0]) and sensor.values[0] > 0.0:
+                properties = (("range", min(max(sensor.values[0], 1e-3), 1e6)),)
+        x, y, z = place.translation
+        made = DeclaredSensor(
+            sensor.name, product, links[sensor.body], (x, y, z), nine(list(place.to_3x3())), properties
+        )
+        own = () if product in ("IMU", "Pose", "Magnetometer") else (sensor.name,)
+        found.setdefault((product, sensor.body, sensor.position, sensor.quaternion, *own), made)
+    warnings = []
+    if unknown:
+        more = f" and {len(unknown) - 10} more" if len(unknown) > 10 else ""
+        warnings.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}{more}")
+    return list(found.values()), warnings

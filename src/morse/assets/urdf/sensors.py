@@ -1,0 +1,182 @@
+"""The sensors of a URDF file: its elements ``sensor``, and those for Gazebo.
+
+See http://wiki.ros.org/urdf/XML/sensor and http://sdformat.org/spec?elem=sensor.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from morse.mathutils import Euler, Matrix
+from morse.mathutils.rotations import nine
+from morse.scene.declared_sensor import DeclaredSensor
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterator
+    from xml.etree import ElementTree
+
+_PRODUCTS = {
+    "camera": "VideoCamera",
+    "wideanglecamera": "VideoCamera",
+    "depth": "DepthVideoCamera",
+    "depth_camera": "DepthVideoCamera",
+    "rgbd": "DepthVideoCamera",
+    "rgbd_camera": "DepthVideoCamera",
+    "ray": "Hokuyo",
+    "gpu_ray": "Hokuyo",
+    "lidar": "Hokuyo",
+    "gpu_lidar": "Hokuyo",
+    "sonar": "UltrasonicRangeFinder",
+    "imu": "IMU",
+    "gps": "GPS",
+    "navsat": "GPS",
+    "magnetometer": "Magnetometer",
+}
+_MOST_PIXELS, _MOST_RAYS = 4096, 100_000
+_FARTHEST = 1e6
+
+
+def sensors_of(robot: ElementTree.Element, links: Container[str]) -> tuple[list[DeclaredSensor], list[str]]:
+    """Return the sensors of a robot, and warnings about those that are left out."""
+    found: list[DeclaredSensor] = []
+    unknown: list[str] = []
+    wrong: list[str] = []
+    for element, link in _elements(robot):
+        name = element.get("name") or f"sensor{len(found)}"
+        kind = _kind(element)
+        if kind not in _PRODUCTS or link not in links:
+            what = kind or "no type" if kind not in _PRODUCTS else f"on the link '{link:.60}', which there is not"
+            unknown.append(f"'{name:.60}' ({what:.80})")
+            continue
+        try:
+            found.append(_sensor(element, name, kind, link))
+        except ValueError as error:
+            wrong.append(f"the sensor '{name:.60}' is left out: {error}")
+    if unknown:
+        wrong.append(f"sensors that MORSE does not have are left out: {', '.join(unknown[:10])}")
+    return found, wrong
+
+
+def _elements(robot: ElementTree.Element) -> Iterator[tuple[ElementTree.Element, str]]:
+    """The elements of sensors, and the links that carry them."""
+    for element in robot.findall("sensor"):
+        parent = element.find("parent")
+        yield element, "" if parent is None else parent.get("link", "")
+    for gazebo in robot.findall("gazebo"):
+        for element in gazebo.findall("sensor"):
+            yield element, gazebo.get("reference", "")
+
+
+def _kind(element: ElementTree.Element) -> str:
+    given = element.get("type")
+    if given is None:
+        given = next((child.tag for child in element if child.tag in ("camera", "ray")), "")
+    return given.lower()
+
+
+def _sensor(element: ElementTree.Element, name: str, kind: str, link: str) -> DeclaredSensor:
+    product = _PRODUCTS[kind]
+    pose = _pose(element)
+    properties: dict[str, float | int] = {}
+    if "Camera" in product:
+        properties = _camera(element)
+    elif product == "Hokuyo":
+        properties, middle = _scan(element)
+        pose = pose @ Matrix.Rotation(middle, 4, "Z")
+    elif product == "UltrasonicRangeFinder":
+        properties = {"range": _positive(element, (".//max",), 4.0)}
+    rate = _number(element, ("update_rate",), None)
+    if rate is None and (text := element.get("update_rate")) is not None:
+        rate = _finite(text, "update_rate")
+    x, y, z = pose.translation
+    return DeclaredSensor(
+        name, product, link, (x, y, z), nine(list(pose.to_3x3())), tuple(properties.items()),
+        rate if rate is not None and 0.0 < rate <= 10_000.0 else None,
+    )  # fmt: skip
+
+
+def _camera(element: ElementTree.Element) -> dict[str, float | int]:
+    found: dict[str, float | int] = {}
+    for name, paths in (("cam_width", (".//image/width",)), ("cam_height", (".//image/height",))):
+        size = _number(element, paths, None)
+        image = element.find(".//image")
+        if size is None and image is not None and (text := image.get(name.removeprefix("cam_"))) is not None:
+            size = _finite(text, name)
+        if size is not None:
+            found[name] = int(min(max(size, 1.0), _MOST_PIXELS))
+    image = element.find(".//image")
+    angle = _number(element, (".//horizontal_fov",), None)
+    if angle is None and image is not None and (text := image.get("hfov")) is not None:
+        angle = _finite(text, "hfov")
+    if angle is not None:
+        found["cam_fov"] = min(max(math.degrees(angle), 1.0), 179.0)
+    near, far = _number(element, (".//clip/near",), None), _number(element, (".//clip/far",), None)
+    if near is not None and far is not None and 0.0 < near < far:
+        found |= {"cam_near": near, "cam_far": min(far, _FARTHEST)}
+    return found
+
+
+def _scan(element: ElementTree.Element) -> tuple[dict[str, float | int], float]:
+    """Return the properties of a laser scanner, and the direction of the middle of its fan, rad."""
+    found: dict[str, float | int] = {"laser_range": _positive(element, (".//range/max",), 30.0)}
+    low, high = (
+        _number(element, (".//horizontal/min_angle",), None),
+        _number(element, (".//horizontal/max_angle",), None),
+    )
+    scan = element.find(".//horizontal")
+    if scan is not None and scan.get("min_angle") is not None:
+        low, high = _finite(scan.get("min_angle", ""), "min_angle"), _finite(scan.get("max_angle", "0"), "max_angle")
+    if low is None or high is None or not low < high:
+        return found, 0.0
+    window = min(math.degrees(high - low), 360.0)
+    given = _number(element, (".//horizontal/samples",), None)
+    if given is None and scan is not None and scan.get("samples") is not None:
+        given = _finite(scan.get("samples", ""), "samples")
+    samples = min(max(given or 181.0, 2.0), _MOST_RAYS)
+    found |= {"scan_window": window, "resolution": max(window / (samples - 1.0), 1e-3)}
+    rows = _number(element, (".//vertical/samples",), None)
+    if rows is not None and 2.0 <= rows <= 256.0:
+        bottom, top = (_number(element, (f".//vertical/{name}_angle",), 0.0) or 0.0 for name in ("min", "max"))
+        if top > bottom:
+            found |= {"layers": int(rows), "layer_separation": math.degrees(top - bottom) / (int(rows) - 1)}
+            found["layer_offset"] = 0.0
+    return found, (low + high) / 2.0
+
+
+def _pose(element: ElementTree.Element) -> Matrix:
+    origin, pose = element.find("origin"), element.findtext("pose")
+    words = (pose or "").split()
+    if origin is not None:
+        words = f"{origin.get('xyz', '0 0 0')} {origin.get('rpy', '0 0 0')}".split()
+    if not words:
+        return Matrix.Identity(4)
+    if len(words) != 6:
+        raise ValueError(f"its pose has {len(words)} numbers, expected 6")
+    x, y, z, roll, pitch, yaw = (_finite(word, "pose") for word in words)
+    found: Matrix = Euler((roll, pitch, yaw)).to_matrix().to_4x4()
+    found.translation = (x, y, z)
+    return found
+
+
+def _number(element: ElementTree.Element, paths: tuple[str, ...], default: float | None) -> float | None:
+    for path in paths:
+        text = element.findtext(path)
+        if text is not None:
+            return _finite(text, path.rpartition("/")[2])
+    return default
+
+
+def _positive(element: ElementTree.Element, paths: tuple[str, ...], default: float) -> float:
+    found = _number(element, paths, default) or default
+    return min(max(found, 1e-3), _FARTHEST)
+
+
+def _finite(text: str, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= _FARTHEST:
+        raise ValueError(f"its {name} is {text.strip()[:40]!r}, expected a number")
+    return value

@@ -1,0 +1,125 @@
+"""Sensors that URDF files declare become components."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+import morse
+from morse.assets.urdf import read_urdf
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+ROBOT = """<robot name="scout">
+  <link name="base"><inertial><mass value="9"/></inertial>
+    <collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision></link>
+  <link name="mast"/>
+  <joint name="up" type="fixed"><parent link="base"/><child link="mast"/><origin xyz="0 0 0.5" rpy="0 0
+  {turn}"/></joint>
+  <gazebo reference="mast">
+    <sensor name="front cam" type="camera"><update_rate>15</update_rate><pose>0.1 0 0 0 0 0</pose>
+      <camera><horizontal_fov>1.0</horizontal_fov><image><width>64</width><height>48</height></image>
+      <clip><near>0.05</near><far>50</far></clip></camera></sensor>
+    <sensor name="scan" type="gpu_ray"><ray><scan><horizontal><samples>91</samples><min_angle>-0.785398</min_angle>
+      <max_angle>0.785398</max_angle></horizontal></scan><range><min>0.1</min><max>8</max></range></ray></sensor>
+    <sensor name="imu" type="imu"/>
+    <sensor name="nose" type="chemical"/>
+  </gazebo>
+  <gazebo><plugin name="p"/></gazebo>
+  <sensor name="old" update_rate="5"><parent link="base"/><origin xyz="0 0 0.1"/>
+    <camera><image width="32" height="32" hfov="1.57" near="0.1" far="9"/></camera></sensor>
+  {more}
+</robot>"""
+SCENE = """
+from morse.builder import *
+robot = Robot({file!r})
+robot.translate(z=0.1)
+assert sorted(robot.sensors) == ['front_cam', 'imu', 'old', 'scan']
+camera = robot.sensors['front_cam'].scene_node.world_matrix()
+# the mast is turned to the left; a camera looks along its Z axis, and its Y axis points down
+assert [round(camera[i][2], 6) for i in range(3)] == [0.0, 1.0, 0.0]
+assert [round(camera[i][1], 6) for i in range(3)] == [0.0, 0.0, -1.0]
+env = Environment('empty')
+"""
+
+
+def write(tmp_path: Path, more: str = "", turn: float = 0.0) -> Path:
+    file = tmp_path / "scout.urdf"
+    file.write_text(ROBOT.format(more=more, turn=turn))
+    return file
+
+
+def test_what_the_file_says_of_sensors(tmp_path: Path) -> None:
+    library = read_urdf(write(tmp_path))
+    found = {one.name: one for one in library.sensors}
+    camera = found["front cam"]
+    assert (camera.product, camera.link, camera.position, camera.frequency) == (
+        "VideoCamera",
+        "mast",
+        (0.1, 0.0, 0.0),
+        15.0,
+    )
+    assert dict(camera.properties) == pytest.approx(
+        {"cam_width": 64, "cam_height": 48, "cam_fov": math.degrees(1.0), "cam_near": 0.05, "cam_far": 50.0}
+    )
+    scan = dict(found["scan"].properties)
+    assert scan == pytest.approx({"laser_range": 8.0, "scan_window": 90.0, "resolution": 1.0}, rel=1e-5)
+    assert found["old"].frequency == 5.0
+    (warning,) = [text for text in library.warnings if "sensors" in text]
+    assert "'nose' (chemical)" in warning
+
+
+def test_they_are_components_of_the_robot(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE.format(file=str(write(tmp_path, turn=math.pi / 2))))
+    with morse.load(script) as sim:
+        sim.step(30)
+        assert {"front_cam", "imu", "old", "scan"} <= set(dir(sim.robot))
+        # a fan of 90 degrees with a ray per degree
+        assert len(sim.robot.scan.get()["range_list"]) == 91
+
+
+def test_they_can_be_left_out(tmp_path: Path) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(
+        f"from morse.builder import *\nrobot = Robot({str(write(tmp_path))!r}, sensors=False)\n"
+        "assert not robot.sensors\nenv = Environment('empty')\n"
+    )
+    with morse.load(script) as sim:
+        sim.step()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('<gazebo reference="base"><sensor name="s" type="camera"><pose>1 2</pose></sensor></gazebo>', "expected 6"),
+        (
+            '<gazebo reference="base"><sensor name="s" type="camera"><update_rate>x</update_rate></sensor></gazebo>',
+            "'x'",
+        ),
+        ('<gazebo reference="gone"><sensor name="s" type="camera"/></gazebo>', "'gone', which there is not"),
+        ('<gazebo reference="base"><sensor name="s"/></gazebo>', "'s' (no type)"),
+        (
+            '<gazebo reference="base"><sensor name="s" type="camera"><camera><image><width>nan</width></image></camera>'
+            "</sensor></gazebo>",
+            "'nan'",
+        ),
+    ],
+)
+def test_sensors_that_make_no_sense_are_left_out_with_a_warning(tmp_path: Path, text: str, words: str) -> None:
+    library = read_urdf(write(tmp_path, more=text))
+    assert words in " ".join(library.warnings)
+    assert "s" not in {one.name for one in library.sensors}
+
+
+def test_absurd_sizes_are_limited(tmp_path: Path) -> None:
+    text = (
+        '<gazebo reference="base"><sensor name="s"
+        type="camera"><camera><image><width>999999</width><height>-1</height>'
+        "</image></camera></sensor></gazebo>"
+    )
+    (one,) = [one for one in read_urdf(write(tmp_path, more=text)).sensors if one.name == "s"]
+    assert dict(one.properties) == {"cam_width": 4096, "cam_height": 1}
