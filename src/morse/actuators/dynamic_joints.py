@@ -161,8 +161,7 @@ class DynamicJoints(JointServices):
         for name in values:
             if name in self._controls:
                 raise MorseRPCInvokationError(
-                    f"{self.name()}: the motor of '{name}' is told a {self._controls[name]}, not a position: send "
-                    f"it as "
-                    f"the field '{name}' of a message, or set the property Control to 'position' in the scene script"
+                    f"{self.name()}: the motor of '{name}' is controlled by {self._controls[name]}, not by position: "
+                    f"send the field '{name}' of a message, or set the property Control to 'position' in the script"
                 )
         return super()._checked(values, kind)

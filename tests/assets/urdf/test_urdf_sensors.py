@@ -116,10 +116,7 @@ def test_sensors_that_make_no_sense_are_left_out_with_a_warning(tmp_path: Path, 
 
 
 def test_absurd_sizes_are_limited(tmp_path: Path) -> None:
-    text = (
-        '<gazebo reference="base"><sensor name="s"
-        type="camera"><camera><image><width>999999</width><height>-1</height>'
-        "</image></camera></sensor></gazebo>"
-    )
+    image = "<camera><image><width>999999</width><height>-1</height></image></camera>"
+    text = f'<gazebo reference="base"><sensor name="s" type="camera">{image}</sensor></gazebo>'
     (one,) = [one for one in read_urdf(write(tmp_path, more=text)).sensors if one.name == "s"]
     assert dict(one.properties) == {"cam_width": 4096, "cam_height": 1}

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from morse.builder import workspace
+from morse.builder.blender.objects import SceneObject
 from morse.builder.creator import ActuatorCreator
 from morse.builder.errors import checks
 from morse.core.exceptions import MorseBuilderError, MorseBuilderNoComponentError
@@ -56,6 +57,15 @@ class Armature(ActuatorCreator):
         # its fields depend on its bones
         self._exportable = True
         self.ik_targets: dict[str, Node] = {}
+
+    def _existing(self, name: str | None) -> SceneObject:
+        """Return the armature of that name in the scene; of several from the same file, the first that is not used."""
+        space = workspace.current()
+        used = {part.scene_node for part in space.components if isinstance(part, Armature) and part.is_complete}
+        for node in space.nodes():
+            if node.bones and name in (node.name, node.source_name) and node not in used:
+                return SceneObject(node)
+        return super()._existing(name)
 
     def _only_armature(self, model: str) -> str:
         self._category = "actuators"
