@@ -1,4 +1,4 @@
-"""Forward kinematics: where the bones of an armature are."""
+"""Forward kinematics: the poses of the bones of an armature."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ class Chain:
     revolute ones, m for prismatic ones. Poses are in the frame of the armature.
 
     Args:
-        bones: each after the one that it hangs on.
-        scale: of the armature; lengths are multiplied by it.
+        bones: the bones, parents first.
+        scale: scale of the armature; lengths are multiplied by it.
 
     Attributes:
         bones: scaled.
-        joints: the indices of the bones that move, those nearer to the root first.
-        names: of the joints.
+        joints: the indices of the movable bones, those nearer to the root first.
+        names: names of the joints.
         limits: name, lowest and highest value of each joint.
-        start: the values of the joints that the model file holds.
+        start: the joint values of the model file.
     """
 
     is_apparatus = True
@@ -49,9 +49,9 @@ class Chain:
         self.limits = [(self.bones[i].name, self.bones[i].low, self.bones[i].high) for i in self.joints]
         self.start = [self.bones[i].value for i in self.joints]
         self._number = {bone: number for number, bone in enumerate(self.joints)}
-        #: of the joints that follow others: the number of the leader
+        #: for joints that follow others: the index of the leader
         self._led = {i: self._number[bone.leader] for i, bone in moving if bone.leader in self._number}
-        #: the bones for a linkage, with the bones that follow nothing as fixed ones
+        #: the bones for a linkage; bones without a leader are fixed
         self.linked = tuple(
             bone
             if bone.kind is JointKind.FIXED or i in self._number or i in self._led
@@ -72,12 +72,12 @@ class Chain:
         return self.bones[self.joints[number]]
 
     def clamped(self, number: int, value: float) -> float:
-        """A value of a joint, within its limits."""
+        """Clip a value of a joint to its limits."""
         bone = self.bones[self.joints[number]]
         return min(max(value, bone.low), bone.high)
 
     def bone_values(self, values: Sequence[float]) -> Sequence[float]:
-        """The values of all bones that move, given those of the joints."""
+        """The values of all movable bones, given those of the joints."""
         if not self._led:
             return values
         return [
@@ -108,13 +108,13 @@ class Chain:
         return found
 
     def tip(self, frame: Pose, index: int) -> Pose:
-        """The pose of the far end of a bone whose frame is given."""
+        """The pose of the tip of a bone with a given frame."""
         (x, y, z), r = frame
         length = self.bones[index].length
         return (x + length * r[1], y + length * r[4], z + length * r[7]), r
 
     def path(self, index: int) -> list[int]:
-        """The numbers of the joints that move a bone, those nearer to the root first."""
+        """The indices of the joints that move a bone, those nearer to the root first."""
         found = []
         while index >= 0:
             if index in self._number:
@@ -134,7 +134,7 @@ def _scaled(bone: Bone, scale: float) -> Bone:
 
 
 def _turned(r: Sequence[float], axis: int, angle: float) -> Rotation9:
-    """A rotation after a turn about one of its own axes: a combination of its other two columns."""
+    """A rotation after a rotation about one of its own axes: a combination of its other two columns."""
     c, s = math.cos(angle), math.sin(angle)
     one, other = (axis + 1) % 3, (axis + 2) % 3
     turned = list(r)

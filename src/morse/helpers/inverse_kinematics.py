@@ -1,8 +1,8 @@
-"""Inverse kinematics: the values of joints that bring the tips of bones to given poses.
+"""Inverse kinematics: joint values that move the tips of bones to given poses.
 
 Damped least squares (Levenberg-Marquardt) on the geometric Jacobian; see Buss, "Introduction to Inverse Kinematics
-with Jacobian Transpose, Pseudoinverse and Damped Least Squares methods" (2009). Joints that reach a limit drop out of a
-step, so that the others take over. The result depends on nothing but the arguments.
+with Jacobian Transpose, Pseudoinverse and Damped Least Squares methods" (2009). Joints at a limit are excluded from a
+step, so that the others compensate. The result only depends on the arguments.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
 
     from morse.helpers.chain import Chain, Pose
 
-#: m that an error of one radian counts as
+#: weight of an error of one radian, m
 _LEVER = 0.3
-#: rad or m: the largest step of a joint in one iteration
+#: maximum step of a joint in one iteration, rad or m
 _STRIDE = 0.4
-#: of the square of the error: far away steps are short and safe, near the target they are those of Newton
+#: damping, as a factor of the squared error: far away steps are short and safe, near the target they are Newton steps
 #: (Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", 2011)
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 0.2, 1e-3, 1e4
 _FLOOR = 1e-9
 #: multiples of their square roots fill the unit cube evenly
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
-#: square of the error, m^2, below which a target counts as reached
+#: squared error, m^2, below which a target counts as reached
 REACHED = 1e-14
 _STALLED = 1e-9
 
 
 class Target(NamedTuple):
-    """Where the tip of a bone shall be.
+    """The target of the tip of a bone.
 
     Attributes:
         bone: its index.
@@ -53,9 +53,9 @@ class Solution(NamedTuple):
     """Values of the joints.
 
     Attributes:
-        values: of all joints of the chain.
-        error: square of the error, m^2; a radian counts as 0.3 m.
-        is_final: further iterations would improve nothing.
+        values: values of all joints of the chain.
+        error: squared error, m^2; a radian counts as 0.3 m.
+        is_final: whether further iterations would improve nothing.
     """
 
     values: list[float]
@@ -64,15 +64,15 @@ class Solution(NamedTuple):
 
 
 def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], iterations: int) -> Solution:
-    """Come nearer to the targets.
+    """Iterate towards the targets.
 
     Args:
-        targets: poses in the frame of the armature; those of several bones are weighed alike.
-        values: to begin with, within the limits.
-        iterations: as many at most.
+        targets: poses in the frame of the armature; several bones have equal weights.
+        values: initial values, within the limits.
+        iterations: maximum number of iterations.
 
     Returns:
-        Values that are never farther from the targets than those at the beginning.
+        Values that are never farther from the targets than the initial ones.
     """
     values = list(values)
     paths = [chain.path(target.bone) for target in targets]
@@ -108,7 +108,7 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
 
 
 def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> NDArray[np.float64]:
-    """(6 T,) what is missing: metres, and radians times the lever."""
+    """(6 T,) errors: metres, and radians times the lever."""
     found: list[float] = []
     for target in targets:
         (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
@@ -132,7 +132,7 @@ def _jacobian(
     movable: Sequence[int],
     frames: Sequence[Pose],
 ) -> NDArray[np.float64]:
-    """(6 T, N) how the poses of the tips change with the movable joints."""
+    """(6 T, N) the Jacobian of the poses of the tips."""
     columns = {number: column for column, number in enumerate(movable)}
     result = np.zeros((6 * len(targets), len(movable)))
     for k, (target, path) in enumerate(zip(targets, paths, strict=True)):
@@ -159,7 +159,7 @@ def _step(
     errors: NDArray[np.float64],
     damping: float,
 ) -> NDArray[Any]:
-    """(N,) a change of the joints; those that would leave their limits stay."""
+    """(N,) a step of the joints; joints that would leave their limits stay."""
     free = np.ones(len(movable), dtype=bool)
     step: NDArray[Any] = np.zeros(len(movable))
     for _ in range(3):
@@ -185,9 +185,9 @@ def _step(
 
 
 def kicked(chain: Chain, values: Sequence[float], attempt: int) -> list[float]:
-    """Values to begin anew with, where the search is stuck: a stretched arm, for instance, knows no way inward.
+    """Initial values for another attempt if the search is stuck, for instance at a stretched arm.
 
-    The first attempt begins nearby, the others at points that fill the ranges of the revolute joints evenly.
+    The first attempt begins near the present values, the others at points that fill the ranges of the revolute joints.
 
     Args:
         attempt: 0, 1, ...; each gives other values.

@@ -16,12 +16,12 @@ _QUANTITIES = ("velocities", "accelerations")
 
 
 class Point(NamedTuple):
-    """Where the joints are at one time.
+    """The joints at one time.
 
     Attributes:
         time: seconds after the start.
         positions: rad or m, one for each joint.
-        velocities: rad/s or m/s; None where the sender says nothing of them.
+        velocities: rad/s or m/s; None if not given.
         accelerations: rad/s^2 or m/s^2, likewise.
     """
 
@@ -32,15 +32,15 @@ class Point(NamedTuple):
 
 
 def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float | None, list[Point]]:
-    """The start time (simulated seconds, None for now) and the points of a trajectory as clients send it.
+    """Parse the start time (simulated seconds, None for now) and the points of a trajectory of a client.
 
     Args:
         trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...], "accelerations": [...],
-            "time_from_start": s}, ...]}``; start time, velocities and accelerations may be left out.
-        names: of the joints, in the order of the numbers.
+            "time_from_start": s}, ...]}``; start time, velocities and accelerations are optional.
+            names: names of the joints, in the order of the numbers.
 
     Raises:
-        ValueError: saying what is expected.
+        ValueError: the trajectory is invalid; the message contains the expected format.
     """
     unknown = set(trajectory) - {"starttime", "points"}
     if unknown:
@@ -89,15 +89,15 @@ def _numbers(given: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
 
 
 class Trajectory:
-    """The way of the joints through points.
+    """The path of the joints through points.
 
-    Between two points that both say velocities and accelerations it is a polynomial of degree 5, between two that say
+    Between two points with velocities and accelerations it is a polynomial of degree 5, between two points with
     velocities of degree 3, else a straight line. At the beginning the joints are at rest.
 
     Args:
         start: simulated seconds.
-        points: those after the start, in the order of their times; at least one.
-        positions: of the joints at the start.
+        points: points after the start, in the order of their times; at least one.
+        positions: initial positions of the joints.
     """
 
     def __init__(self, start: float, points: Sequence[Point], positions: Sequence[float]) -> None:
@@ -108,15 +108,15 @@ class Trajectory:
 
     @property
     def end(self) -> float:
-        """Simulated seconds at which the last point is reached."""
+        """Simulated time of the last point."""
         return self.start + self.points[-1].time
 
     def positions(self, time: float) -> tuple[float, ...]:
-        """Where the joints shall be at a simulated time."""
+        """The target of the joints at a simulated time."""
         passed = time - self.start
         if passed >= self.points[-1].time:
             return self.points[-1].positions
-        # time does not go back but by a restored state, which has its own place in the list
+        # time only decreases when a state is restored, and a state contains the position in the list
         while self.points[self._reached + 1].time <= passed:
             self._reached += 1
         before, after = self.points[self._reached : self._reached + 2]

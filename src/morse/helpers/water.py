@@ -1,4 +1,4 @@
-"""The box that stands for a vessel in the water."""
+"""The box that approximates a vessel in the water."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Triple = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Hull:
-    """A box that stands for a vessel.
+    """A box that approximates a vessel.
 
     Attributes:
         centre: in the frame of the body, m.
@@ -25,7 +25,7 @@ class Hull:
 
     @cached_property
     def cells(self) -> list[Triple]:
-        """The middles of the eight parts of the box, in the frame of the body, m."""
+        """The centres of the eight parts of the box, in the frame of the body, m."""
         cx, cy, cz = self.centre
         a, b, c = (part / 4.0 for part in self.size)
         return [(cx + i * a, cy + j * b, cz + k * c) for i, j, k in product((-1, 1), repeat=3)]

@@ -46,8 +46,8 @@ def load(
         scene: path of a scene script or of a model of an environment, a function that builds a scene, or a `Scene`.
         seed: seed of all random numbers; None for the seed of the scene.
         sockets: whether to open the middlewares of the scene, and the services on the socket.
-        interfaces: names of middlewares to which everything on all robots is connected, as if the scene said
-            ``env.add_default_interface``; ``sockets`` follows from it. Not for a `Scene`, which says it itself.
+        interfaces: names of middlewares for all components of all robots, as with ``env.add_default_interface``;
+            implies ``sockets``. Not for a `Scene`, which has its own interfaces.
         view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for neither.
         strict: whether an unknown or ill-typed field in a message of a client is an error.
         arguments: ``sys.argv[1:]`` of a scene script.
@@ -64,7 +64,7 @@ def load(
         FileNotFoundError: there is no such file.
         ScriptError: any error in the scene script; the message names the line.
         LoadError: a component cannot be created.
-        ValueError: the physics of the scene cannot be compiled, or an option has another value than is said above.
+        ValueError: the physics of the scene cannot be compiled, or an option has an invalid value.
         TypeError: an option has a value of another type.
     """
     _check(seed, view, arguments, speed, view_port)
@@ -121,12 +121,12 @@ def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> 
 
 
 def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options: RunOptions) -> Scene:
-    """The scene that is meant; a `Scene` is copied, since simulations change theirs.
+    """The scene of an argument; a `Scene` is copied, because simulations modify theirs.
 
     Raises:
         FileNotFoundError: there is no such file.
-        ScriptError: whatever is wrong with the scene script.
-        TypeError: it is none of the things that describe a scene.
+        ScriptError: any error in the scene script.
+        TypeError: the argument does not describe a scene.
     """
     if isinstance(scene, Scene):
         return scene.copy()
@@ -152,7 +152,7 @@ def start(scene: Scene, options: RunOptions) -> Simulation:
     Raises:
         LoadError: a component cannot be created.
         ValueError: the physics of the scene cannot be compiled.
-        OSError: a port cannot be had.
+        OSError: a port is not available.
     """
     from morse.simulation.simulation import Simulation
 

@@ -35,15 +35,15 @@ def playing(
     """The view of a recorded run, for `play`.
 
     Args:
-        recording: of a run.
-        scene: path of the scene script; empty for the one that was recorded.
-        told: takes remarks for people.
+        recording: a recording of a run.
+        scene: path of the scene script; empty for the recorded script.
+        told: called with remarks for the user.
         trust: see `morse.launch.recorded_run.options_of`.
-        port: of the page; 0 for any free one.
+        port: port of the page; 0 for any free port.
         browser: open the page.
 
     Raises:
-        RecordingError: the recording does not say enough.
+        RecordingError: the recording is not sufficient.
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
         OSError: the page cannot be served.
     """
@@ -65,7 +65,7 @@ def playing(
 
 
 def play(view: ReplayView) -> None:
-    """Say where the page is, and play until a page, Ctrl+C or a request to terminate ends it."""
+    """Log the address of the page, and play until a page, Ctrl+C or a request to terminate ends it."""
     before = {number: signal.signal(number, lambda *_: view.end()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         view.announce()
@@ -98,7 +98,7 @@ class _Naming:
 
 
 def _close(scene: Scene) -> None:
-    """Nobody but the page takes part: no stream and no service is opened."""
+    """Only the page takes part: no stream and no service is opened."""
     for declared in scene.components:
         declared.streams.clear()
         declared.managers.clear()

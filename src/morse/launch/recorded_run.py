@@ -1,4 +1,4 @@
-"""What a recording says about the run: its scene, its options and its inputs."""
+"""The data of a recording that determine the run: its scene, its options and its inputs."""
 
 from __future__ import annotations
 
@@ -49,15 +49,15 @@ def options_of(
     """The options of a run of the recorded scene, without servers.
 
     Args:
-        recording: of a run.
-        scene: path of the scene script; empty for the one that was recorded.
-        trust: execute the script in the recording if the one on the disk is another one. It is a program: a recording
-            from elsewhere may do whatever its sender wants.
+        recording: a recording of a run.
+        scene: path of the scene script; empty for the recorded script.
+        trust: execute the script in the recording if that on the disk has changed. It is a program: a recording from
+            an untrusted source may execute any code.
         stack: removes temporary files at its end.
-        told: takes remarks for people.
+        told: called with remarks for the user.
 
     Raises:
-        RecordingError: the recording does not say which scene it is of, or its script is not trusted.
+        RecordingError: the recording does not name its scene, or its script is not trusted.
     """
     options = RunOptions(
         script=scene or recording.facts.get("script", ""),

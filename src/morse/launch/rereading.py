@@ -25,8 +25,8 @@ class Rereading:
     """Compares the files that describe a scene with those on the disk, and loads the scene from the edited ones.
 
     Args:
-        options: of the run that the scene was loaded for.
-        scene: as it was loaded; its project stays in the process until another one takes its place.
+        options: options of the run.
+        scene: the loaded scene; its project stays in the process until another project replaces it.
 
     Attributes:
         successor: the edited scene and the options to run it with; None until there is one.
@@ -42,7 +42,7 @@ class Rereading:
         return list(project.sources().values()) if isinstance(project, ProjectImports) else []
 
     def edited(self, simulation: Simulation) -> list[str]:
-        """The files that were saved since the scene was loaded, but for components that run as they were saved."""
+        """The files that were saved since the scene was loaded, except components that are already reloaded."""
         taken = {path for watch in simulation.observers if isinstance(watch, Watch) for path in watch.exchanged}
         return [path for path, loaded in self._stamps.items() if path not in taken and stamp(path) != loaded]
 
@@ -50,8 +50,8 @@ class Rereading:
         """Load the edited scene and end the simulation, which the scene then replaces.
 
         Returns:
-            False if no file was edited, or if the edited ones describe no scene: the errors are in the log then, and
-            the simulation is to start anew as it was.
+            False if no file was edited, or if the edited files have an error: the error is logged, and the previous
+            scene has to be restarted.
         """
         edited = self.edited(simulation)
         if not edited:

@@ -98,7 +98,7 @@ def _load_scene(options: RunOptions) -> Scene | None:
 
 @contextlib.contextmanager
 def _interruption_held_back() -> Iterator[list[int]]:
-    """Ctrl+C is only noted, in the list: compiled modules that load, and event loops that begin, do not survive it."""
+    """Only records Ctrl+C in the list: loading compiled modules and starting event loops must not be interrupted."""
     pressed: list[int] = []
 
     def note(number: int, _frame: Any) -> None:
@@ -165,7 +165,7 @@ def _listen_for_signals(simulation: Simulation) -> None:
 
 
 def _follow(simulation: Simulation, options: RunOptions) -> Rereading | None:
-    """Let an edited scene script take the place of the simulation, if the run follows the files it came from."""
+    """Let an edited scene script replace the simulation, if the run watches its files."""
     if not options.watch:
         return None
     from morse.launch.rereading import Rereading
@@ -203,7 +203,7 @@ def _loop(simulation: Simulation) -> int:
 
 
 def _keep_last(simulation: Simulation, failure: str) -> None:
-    """Write what led to a failure in the tick that is not complete."""
+    """Write the data that lead to a failure in an incomplete tick."""
     if simulation.flight_recorder is not None:
         simulation.flight_recorder.write(failure, simulation.ticks + 1)
 

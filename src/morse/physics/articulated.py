@@ -41,8 +41,8 @@ class JointSlot:
         qpos: address of its value, rad or m.
         dof: address of its velocity.
         actuator: id of its motor; -1 for a joint that follows another.
-        start: what its motor is told at the start.
-        is_servo: whether its motor is told a position.
+        start: initial command of its motor.
+        is_servo: whether its motor controls a position.
     """
 
     armature: Node
@@ -119,7 +119,7 @@ class Articulated:
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(axes).ravel())
         body.iquat = quaternion
-        # careless files, and rounding: no moment may exceed the sum of the others
+        # invalid files, and rounding: no moment may exceed the sum of the others
         moments = np.maximum(moments, _SMALLEST * min(mass, 1.0))
         moments[:2] += max(0.0, 0.5 * (1.001 * moments[2] - moments[0] - moments[1]))
         body.inertia = moments
@@ -207,13 +207,13 @@ class Articulated:
             name2=leader.joint.name,
         )
         data = np.zeros(equality.data.shape)
-        # both are where they start when the constraint is fulfilled
+        # both are at their initial values when the constraint is fulfilled
         data[1] = made.bone.factor
         equality.data = data
         equality.solref = [2.0 * float(self._spec.option.timestep), 1.0]
 
     def _loads(self) -> dict[JointSlot, Load]:
-        """Return what each motor has to move at most, whatever the other joints do."""
+        """Return the largest load of each motor, whatever the other joints do."""
         below: dict[Frame, list[Frame]] = {}
         for frame in self._groups:
             if frame.motion is Motion.JOINT and frame.parent is not None:
@@ -243,9 +243,9 @@ class Articulated:
     def _reached(
         self, frame: Frame, anchor: NDArray[np.float64], below: dict[Frame, list[Frame]]
     ) -> tuple[float, float, float]:
-        """Return mass, largest moment of inertia and largest moment of weight of what a joint carries.
+        """Return mass, largest moment of inertia and largest moment of weight of the load of a joint.
 
-        They are the largest if all joints that it carries are stretched.
+        They are the largest if all joints of the load are stretched.
         """
         mass = inertia = moment = 0.0
         waiting = [(frame, anchor, 0.0)]
@@ -269,7 +269,7 @@ class Articulated:
             waiting += below.get(one, ())
 
     def _keep_apart(self, root: Frame) -> None:
-        """Let links of one robot not collide with each other, unless the file wants it."""
+        """Disable collisions between links of one robot, unless the file enables them."""
         frames = [frame for frame in self._groups if _root(frame) is root]
         names = {frame: {node.source_name or node.name for node in frame.members} for frame in frames}
         for number, one in enumerate(frames):

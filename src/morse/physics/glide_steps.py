@@ -3,7 +3,7 @@
 If no other body is awake, there are no contacts to solve. One step as long as the tick then gives the same result as
 several short steps, provided that no other body is within reach of a robot during the tick. If also no other body was
 changed by an explicit call, the robots *drift*: the step consists of a check for contacts and the integration of
-positions. Where there is room around all of them, one look for contacts serves for several ticks.
+positions. If there is enough free space around all of them, one contact check serves for several ticks.
 If everything sleeps, no step is needed either.
 
 If a robot is touched, lifted, tilted or pushed down within a tick, the tick is undone and repeated with its feet on the
@@ -46,7 +46,7 @@ class GlideSteps:
         self.reset()
 
     def reset(self) -> None:
-        """No long step, and no look far ahead, has failed yet."""
+        """Reset: no long step, and no check far ahead, has failed yet."""
         self._stride_at, self._stride_wait = 0, FIRST_WAIT
         self._far_at, self._far_wait = 0, FIRST_WAIT
         self._slept = False
@@ -66,19 +66,19 @@ class GlideSteps:
         self._far_at, self._far_wait = state.far_at, state.far_wait
         self._slept = False
         if state.tick < state.clear_until:
-            # what the engine has found just now is far away
+            # contacts that the engine has just found are far away
             self._state.data.ncon = 0
 
     def step(self) -> None:
         """Run the steps of a tick. Bodies that diverge are reset, and the tick is repeated.
 
         Raises:
-            UnstableError: the simulation diverges even after every body has been put back.
+            UnstableError: the simulation diverges even after every body has been reset.
         """
         if self._gliding.glides and self._can_stride():
             if self._drift():
                 return
-            # what the other steps are to notice is what is near within this tick
+            # the other steps need the contacts within this tick
             self._gliding.look_ahead(1)
         if self._all_sleep():
             return
@@ -89,9 +89,9 @@ class GlideSteps:
             self._rescue.repeat(self._saved, self._asleep, self._run)
 
     def _all_sleep(self) -> bool:
-        """Let time pass without a step, if everything sleeps and nothing was done to it.
+        """Advance time without a step, if everything sleeps and nothing was changed.
 
-        The first tick of that kind is left to the engine, which forgets the contacts of what sleeps.
+        The engine runs the first tick of that kind, and removes the contacts of sleeping bodies.
         """
         state = self._state
         data = state.data
@@ -99,7 +99,7 @@ class GlideSteps:
         slept, self._slept = self._slept, sleep
         if not (slept and sleep):
             return False
-        for _ in range(state.steps):  # the sum has the bits of the sum that the engine makes
+        for _ in range(state.steps):  # the sum is bit-identical to that of the engine
             data.time += self._step
         return True
 
@@ -147,7 +147,7 @@ class GlideSteps:
         return True
 
     def _is_clear(self) -> bool:
-        """Look for what the robots could meet, far ahead if there is room, else within this tick."""
+        """Check for bodies near the robots, far ahead if there is free space, else within this tick."""
         gliding, data = self._gliding, self._state.data
         tick, far = gliding.tick, gliding.tick >= self._far_at
         if gliding.is_rearranged:
@@ -192,7 +192,7 @@ class GlideSteps:
     # -- disturbances within a tick ----------------------------------------------------------
 
     def _take_back(self) -> bool:
-        """If a gliding robot was disturbed, restore the state before the tick, and put the robot on its feet."""
+        """If a gliding robot was disturbed, restore the state before the tick, and let the robot stand on its feet."""
         data, gliding = self._state.data, self._gliding
         if not gliding.glides or data.maxuse_con == 0:
             return False

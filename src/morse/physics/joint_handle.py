@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class JointHandle:
-    """Tells the motors of an armature what to do, and measures its joints.
+    """Commands the motors of an armature, and measures its joints.
 
     All values are in rad, rad/s and N m for revolute joints, in m, m/s and N for prismatic joints.
     """
@@ -52,7 +52,7 @@ class JointHandle:
         self._motors = np.array([slot.actuator for slot in found], dtype=np.intp)
 
     def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
-        """Set what motors are told: positions, velocities or efforts, see `morse.scene.Control`."""
+        """Set the control mode of motors: positions, velocities or efforts, see `morse.scene.Control`."""
         self._take(names)
         if not self._all:
             values = [value for value, there in zip(values, self._present, strict=True) if there]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class LedObject(GameObject):
-    """An object that a linkage moves: its poses are worked out when somebody reads them.
+    """An object that a linkage moves: its poses are computed when they are read.
 
     It is a separate class, so that the poses of all other objects are read without a check.
     """
@@ -59,7 +59,7 @@ class LedObject(GameObject):
         self._change("mounting", mounting)
 
     def _change(self, name: str, value: Any) -> None:
-        """Something else moves the object: the linkage has to take its pose into account."""
+        """The object was moved in another way: the linkage has to read its pose."""
         self._linkage.settle()
         self._linkage.is_outdated = True
         vars(self)[name] = value

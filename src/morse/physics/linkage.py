@@ -31,16 +31,16 @@ Hanging = tuple["GameObject", int, "Sequence[float]", "Sequence[float]"]
 
 
 class Linkage:
-    """The bones of an armature and the objects that hang on them.
+    """The bones of an armature and the objects attached to them.
 
-    Moving each object for itself takes ten times as long. The poses of the objects are only made into objects of Python
-    when somebody reads them, see `LedObject`.
+    Moving each object separately takes ten times as long. The poses of the objects are converted to Python objects only
+    when they are read, see `LedObject`.
 
     Args:
         world: the world.
         armature: the object above them.
-        bones: parents first, m; those without a parent are in the frame of the outer object of what hangs on them.
-        hanging: objects on bones, outer objects first.
+        bones: parents first, m; those without a parent are in the frame of the outer object of the attached objects.
+        hanging: objects attached to bones, outer objects first.
     """
 
     is_apparatus = True
@@ -84,22 +84,22 @@ class Linkage:
         world.stamp += 1
 
     def _leads(self) -> bool:
-        """Whether no other linkage has taken over the same objects."""
+        """Whether the objects do not belong to another linkage in the meantime."""
         return not self._entries or vars(self._entries[0]).get("_linkage") is self
 
     def _turn(self, values: Sequence[float]) -> None:
-        """Hand over the values of the joints."""
+        """Copy the values of the joints."""
         numbers, cos, sin = self._numbers, math.cos, math.sin
         for (first, slides), value in zip(self._joints, values, strict=True):
             if slides:
                 numbers[first] = value
             else:
                 numbers[first], numbers[first + 1] = cos(value), sin(value)
-        # one list is copied faster than the numbers one by one
+        # copying one list is faster than copying single numbers
         self._moves[:] = numbers
 
     def settle(self) -> None:
-        """Give the objects their present poses."""
+        """Set the present poses of the objects."""
         if not self._is_stale:
             return
         self._is_stale = False
@@ -123,7 +123,7 @@ class Linkage:
     # -- building --------------------------------------------------------------------------
 
     def _build(self) -> None:
-        """Find the objects and shapes that move along, in a newly compiled world."""
+        """Find the moving objects and shapes in a newly compiled world."""
         world, slot = self._world, self._armature.slot
         self._model = world.model
         bones = self._bones
@@ -177,7 +177,7 @@ class Linkage:
                 world.note_displaced(obj)
 
     def _walk(self) -> Iterator[tuple[GameObject, int, Hanging | None]]:
-        """All objects that move along, outer ones first: object, index of the outer object, how it hangs on a bone."""
+        """All moving objects, outer ones first: object, index of the outer object, its attachment to a bone."""
         hangs = {id(hung[0]): hung for hung in self._hanging}
         index: dict[int, int] = {}
         for obj, *_ in self._hanging:
@@ -192,7 +192,7 @@ class Linkage:
                 waiting += inner.children
 
     def _refresh(self) -> None:
-        """Take over the poses of objects that something else has moved."""
+        """Read the poses of objects that were moved in another way."""
         arrays = self._arrays
         self.settle()
         for row, (obj, hook) in enumerate(zip(self._entries, arrays.hooks.tolist(), strict=True)):

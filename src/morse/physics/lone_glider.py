@@ -1,8 +1,8 @@
-"""The tick of a world in which one robot glides with room around it, and nothing else moves.
+"""The tick of a world in which one robot glides far from obstacles, and nothing else moves.
 
-`World.step` asks every part of the physics what there is to do. For a lone glider the answers are known, and the calls
-that ask take longer than the work. `LoneGlider.step` does what the parts would do, in the same order and to the same
-bits: `Drives.apply` writes the velocity, `GlideSteps` integrates it, and `Drives.release` turns it to the new heading.
+`World.step` calls every part of the physics. For a lone gliding robot most calls do nothing, but take longer than the
+work. `LoneGlider.step` does the work of the parts in the same order, with bit-identical results: `Drives.apply` writes
+the velocity, `GlideSteps` integrates it, and `Drives.release` rotates it to the new heading.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class LoneGlider:
         """Whether `Gliding.may_go_on` would change nothing."""
         linear, angular, known = self._known
         if glide is not known or command.linear != linear or command.angular != angular:
-            # a command stays the same for many ticks
+            # a command is often equal for many ticks
             (x, y, z), (roll, pitch, rate) = command.linear, command.angular
             if z or roll or pitch or not (x or y or rate):
                 return False
@@ -96,7 +96,7 @@ class LoneGlider:
         return self._speed <= glide.speed and self._nearer <= glide.margin
 
     def _drift(self, index: int, dof: int, command: Command) -> None:
-        """Write the velocity, integrate it, and turn it to the new heading."""
+        """Write the velocity, integrate it, and rotate it to the new heading."""
         qvel = self._qvel
         a, b, _, d, e, _, g, h, i = self._state.rotations[index]
         x, y, c, s = self._chord

@@ -1,29 +1,25 @@
 """The motors of joints.
 
-A motor that is told a position is a spring and a damper between the joint and its setpoint,
+A motor for positions is a spring and a damper between the joint and its setpoint,
 
     effort = k (setpoint - q) - d q'
 
-and a motor that is told a velocity is a damper: effort = d (setpoint - q'). If the file does not say k and d, they
-follow
-from the largest load that the motor can meet:
+and a motor for velocities is a damper: effort = d (setpoint - q'). If the file does not contain k and d, they are
+computed from the largest load of the motor:
 
-* from the moment of inertia I of what it carries, all other joints stretched: k = I w^2 with w = 50 rad/s;
-* from the moment m g l of the weight of what it carries: k = m g l / 2 mrad, so that joints do not sag;
+* from the moment of inertia I of the load, with all other joints stretched: k = I w^2 with w = 50 rad/s;
+* from the moment m g l of the weight of the load: k = m g l / 2 mrad, so that joints do not sag;
 * in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
   topple over its ankle (an inverted pendulum needs m g l);
 * d = 2 sqrt(k I), critically damped.
 
-Such a motor also gets a rotor with the inertia d h / 2, where h is the time step, as the motors and gears of real
-robots have
-one. Without it, a motor at its largest effort could reverse a light link within a step, and would do so for ever. The
-rotor
-does not change static efforts; a motor that is told an effort, or whose gains are in the file, has none but that of
-the file.
+Such a motor also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of real
+robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
+oscillate. The rotor does not change static efforts. A motor for efforts, or with gains in the file, has only the rotor
+of the file.
 
 The engine treats velocities implicitly, but not positions. A spring that is too stiff for the time step gets the
-damping
-k h / 2 in addition, with which its motion is stable for any k: the step is then that of the trapezoidal rule.
+additional damping k h / 2, with which its motion is stable for any k: the step is then that of the trapezoidal rule.
 """
 
 from __future__ import annotations
@@ -38,23 +34,23 @@ from morse.scene import Control
 if TYPE_CHECKING:
     from morse.scene import JointDynamics
 
-#: natural frequency of a motor that is told a position, rad/s
+#: natural frequency of a motor for positions, rad/s
 _FREQUENCY = 50.0
 #: largest sag, rad or m
 _SAG = {False: 2e-3, True: 2e-4}
-#: stiffness of a leg as a multiple of the least with which a robot stands
+#: stiffness of a leg as a multiple of the minimum with which a robot stands
 _UPRIGHT = 10.0
-#: k h^2 / I, from which on a spring is too stiff for the time step
+#: k h^2 / I, above which a spring is too stiff for the time step
 _STIFF = 0.25
 _GRAVITY = 9.81
 
 
 class Load(NamedTuple):
-    """What a motor moves; values in brackets are those of prismatic joints.
+    """The load of a motor; values in brackets are those of prismatic joints.
 
     Attributes:
-        inertia: largest moment of inertia of what it carries, kg m^2 (mass, kg).
-        moment: largest moment of the weight of what it carries, N m (weight, N).
+        inertia: largest moment of inertia of the load, kg m^2 (mass, kg).
+        moment: largest moment of the weight of the load, N m (weight, N).
         body: moment of inertia of the rest of a robot that may stand on it, kg m^2 (mass, kg); 0 for a robot that is
             fixed.
         tilt: moment of the weight of that rest, N m (weight, N).

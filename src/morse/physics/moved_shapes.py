@@ -1,4 +1,4 @@
-"""What the engine worked out of the shapes of a body when it compiled them, kept true while they move within it."""
+"""Updates data that the engine computes from the shapes of a body only at compile time."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 
     from morse.physics.engine_state import EngineState
 
-#: m; no shape gets that far from its body
+#: m; larger than the distance of any shape from its body
 _FAR = 1e6
 
 
 class MovedShapes:
     """Bodies whose shapes have moved within them.
 
-    The engine finds out which shapes of two bodies may touch by a tree of bounding boxes, which it never works out
-    anew. For a body whose shapes have moved, the boxes are made so large that every pair of shapes is looked at.
+    The engine finds pairs of shapes that may touch with a tree of bounding boxes, which it never updates. For a body
+    whose shapes have moved, the boxes are made so large that every pair of shapes is tested.
     """
 
     def __init__(self, state: EngineState) -> None:
@@ -37,7 +37,7 @@ class MovedShapes:
             model.bvh_aabb[rows] = (0.0, 0.0, 0.0, _FAR, _FAR, _FAR)
 
     def reset(self) -> None:
-        """All shapes are where they were compiled."""
+        """All shapes are at their compiled poses."""
         model = self._state.model
         for body, boxes in self._boxes.items():
             start = int(model.body_bvhadr[body])

@@ -1,4 +1,4 @@
-"""Keeps what is needed to run the last seconds before a failure again."""
+"""Keeps the data for simulating the last seconds before a failure again."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: inputs that are kept; with more of them, the time before the failure is shorter
+#: maximum number of inputs; with more inputs, the time before the failure is shorter
 _MOST_INPUTS = 100_000
-#: ticks of a simulation whose state cannot be saved
+#: interval of retries for a simulation whose state cannot be saved, ticks
 _NEVER = 2**62
-#: files that one run leaves
+#: maximum number of files of one run
 _MOST_FILES = 3
 
 
 class _Segment(NamedTuple):
-    """From one state to the next.
+    """The time from one state to the next.
 
     Attributes:
         start: the state at its beginning; None for that after the launch, or after a reset.
         seed: of the random numbers.
-        entries: what came in since then.
+        entries: the inputs since then.
     """
 
     start: State | None
@@ -40,19 +40,19 @@ class _Segment(NamedTuple):
 
 
 class FlightRecorder(Observer):
-    """Keeps states and inputs; when something fails, a file gets them, and the log names it.
+    """Keeps states and inputs; after a failure they are written to a file, and the log names it.
 
-    With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` runs the
-    seconds before the failure again, as often as somebody wants to look.
+    With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` simulates the
+    seconds before the failure again, any number of times.
 
     Args:
-        simulation: that is watched.
-        span: simulated seconds before a failure that are kept at least, if there are so many.
+        simulation: the simulation.
+        span: minimum number of simulated seconds before a failure, if the run was long enough.
     """
 
     def __init__(self, simulation: Running, span: float) -> None:
         self._simulation = simulation
-        # from the first of three states on, at least two whole segments have passed
+        # with three states or more, at least two whole segments have passed
         self._every = max(1, round(span / 2 * simulation.clock.frequency))
         self._segments: list[_Segment] = []
         self._known: set[str] = set()
@@ -62,7 +62,7 @@ class FlightRecorder(Observer):
 
     def _take(self, entry: Entry) -> None:
         if entry.kind in (RESET, RESTORE):
-            self._anew = True  # what follows begins there
+            self._anew = True  # the next segment begins there
             return
         segment = self._segments[-1]
         segment.entries.append(entry)
@@ -88,7 +88,7 @@ class FlightRecorder(Observer):
         self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), [])]
 
     def after_tick(self) -> None:
-        """Keep a state if it is time for it; look whether a component has failed."""
+        """Save a state if it is time; check whether a component has failed."""
         failed = self._simulation.context.failed
         if len(failed) > len(self._known):
             names = ", ".join(sorted(failed - self._known))
@@ -98,12 +98,12 @@ class FlightRecorder(Observer):
             self._add()
 
     def restarted(self) -> None:
-        """Time begins anew."""
+        """The simulation was restarted: time begins at 0."""
         self._known.clear()
         self._begin_anew()
 
     def edited(self) -> None:
-        """A class was exchanged: what was before cannot be run again."""
+        """A class was replaced: earlier ticks cannot be simulated again."""
         self._begin_anew()
 
     def rearranged(self) -> None:
@@ -112,10 +112,10 @@ class FlightRecorder(Observer):
             self._begin_anew()
 
     def write(self, failure: str, last: int) -> str | None:
-        """Write a file, and say so in the log.
+        """Write a file, and log it.
 
         Args:
-            failure: what has failed.
+            failure: description of the failure.
             last: the tick in which it failed.
 
         Returns:
@@ -123,7 +123,9 @@ class FlightRecorder(Observer):
         """
         if self._files >= _MOST_FILES or not self._segments:
             return None
-        from morse.simulation.recorders import write_inputs  # not before it is needed: it brings the messages of ROS
+        from morse.simulation.recorders import (
+            write_inputs,
+        )  # on demand: it imports the messages of ROS
 
         self._files += 1
         first = self._segments[0]
@@ -145,6 +147,6 @@ class FlightRecorder(Observer):
         return path
 
     def close(self) -> None:
-        """The simulation ends."""
+        """The end of the simulation."""
         if self._take in self._simulation.journal.sinks:
             self._simulation.journal.sinks.remove(self._take)

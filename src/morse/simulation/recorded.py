@@ -24,7 +24,7 @@ class Recorded:
     """The part of `morse.simulation.simulation.Simulation` that records and replays.
 
     Attributes:
-        recorders: the recordings in files that are under way.
+        recorders: the active recordings in files.
         flight_recorder: keeps the last seconds before a failure, or None.
     """
 
@@ -37,11 +37,11 @@ class Recorded:
     def record(self: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
         """Record the run in an MCAP file: sensors, frames, log, and all inputs.
 
-        The recording goes on until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
+        The recording continues until `Recorder.stop`, the end of a ``with`` block, or the end of the simulation.
 
         Args:
-            path: of the file, which must not exist.
-            sensors: full names of those that are recorded; None for all, empty for inputs and the log alone.
+            path: path of the file, which must not exist.
+            sensors: full names of the recorded sensors; None for all, empty for only inputs and the log.
 
         Raises:
             RecordingError: the file exists or cannot be written, or there is no such sensor.
@@ -53,20 +53,20 @@ class Recorded:
             return start_recording(self, path, sensors)
 
     def silent_state(self) -> State:
-        """All that determines the future, as `save` gives it, without a word of what cannot be saved."""
+        """The complete state, as from `save`, without warnings about values that cannot be saved."""
         return self._saving.save(tell=False)
 
     def end_recordings(self) -> None:
-        """Complete the files of all recordings; what cannot be written is logged."""
+        """Complete the files of all recordings; errors are logged."""
         for recorder in list(self.recorders):
             recorder.close()
 
     def record_inputs(self: Running) -> InputRecorder:
-        """Record everything that comes in from now on; see `replay`."""
+        """Record all inputs from now on; see `replay`."""
         return InputRecorder(self)
 
     def replay(self: Running, recording: InputRecording, each_tick: Callable[[], object] | None = None) -> None:
-        """Run again what was recorded, from the beginning of the recording to its end: the same to the bit.
+        """Replay a recording from its beginning to its end, bit for bit.
 
         Args:
             recording: of a simulation of the same scene.

@@ -1,4 +1,4 @@
-"""Starts recordings of a simulation, and says what determines the run."""
+"""Starts recordings of a simulation, and collects the data that determine the run."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ if TYPE_CHECKING:
     from morse.simulation.running import Running
     from morse.simulation.state import State
 
-#: names of files in a recording; modules of the project have this before their path
+#: names of files in a recording; a prefix of the paths of project modules
 SCRIPT, STATE, MODULES = "scene.py", "start.morse-state", "modules/"
-#: bytes of a script or a module; larger ones are no source code
+#: maximum size of a script or a module, bytes
 _LARGEST = 4 << 20
 
 
 def start_recording(
     simulation: Running, path: str | os.PathLike[str], sensors: Sequence[str] | None = None
 ) -> Recorder:
-    """Record from now on.
+    """Start a recording.
 
     Raises:
         RecordingError: the file exists or cannot be written, or there is no such sensor.
@@ -73,15 +73,15 @@ def write_inputs(
     last: int,
     failure: str,
 ) -> None:
-    """Write a recording that holds what determines a run that has failed, and no messages of sensors.
+    """Write a recording with the data that determine a failed run, without messages of sensors.
 
     Args:
         file: opened for writing without a buffer.
         start: the state at the beginning; None for that after the launch.
         seed: of the random numbers at the beginning.
-        entries: what came in.
+        entries: the inputs.
         last: the tick of the failure.
-        failure: what has failed.
+        failure: description of the failure.
 
     Raises:
         OSError: the file cannot be written.
@@ -137,13 +137,13 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
 def _ending(simulation: Running) -> dict[str, str]:
     waiting = waiting_to_bytes(InputsState(simulation).get_state())
     facts = {"tick": str(simulation.ticks), "waiting": base64.b64encode(waiting).decode()}
-    with suppress(StateError):  # a component of the user's cannot say its state
+    with suppress(StateError):  # the state of a user's component is not available
         facts["state"] = simulation.silent_state().hash()
     return facts
 
 
 def _source(name: str, path: str) -> dict[str, bytes]:
-    """A file by its name in the recording; nothing if it cannot be read any more."""
+    """A file by its name in the recording; nothing if it can no longer be read."""
     file = Path(path)
     try:
         return {name: file.read_bytes()} if file.stat().st_size <= _LARGEST else {}

@@ -66,11 +66,11 @@ class Replay:
         return self._next >= len(self._recording.entries) and self._simulation.ticks >= self._recording.last
 
     def place(self) -> tuple[int, dict[str, dict[str, Any]]]:
-        """Where in the recording it is, for `go_to`."""
+        """The position in the recording, for `go_to`."""
         return self._next, dict(self._commands)
 
     def go_to(self, place: tuple[int, dict[str, dict[str, Any]]]) -> None:
-        """Go on from another place; the simulation is in the state that it had there."""
+        """Continue at another position; the simulation must be in its state at that position."""
         self._next, commands = place
         self._commands = dict(commands)
         for name in self._commands:

@@ -133,7 +133,7 @@ class Running(Protocol):
         """Return the state."""
 
     def silent_state(self) -> State:
-        """All that determines the future, without a word of what cannot be saved."""
+        """The complete state, without warnings about values that cannot be saved."""
 
     def record(self, path: str | os.PathLike[str], sensors: Sequence[str] | None = None) -> Recorder:
         """Record the run in a file."""

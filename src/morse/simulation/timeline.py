@@ -1,4 +1,4 @@
-"""A recorded run that goes forward and backward: its inputs are replayed, and states are kept to go back to."""
+"""A recorded run that can be played forward and backward: its inputs are replayed, and states are saved."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from morse.simulation.running import Running
     from morse.simulation.state import State
 
-#: ticks between two states at first
+#: initial number of ticks between two states
 _EVERY = 30
-#: states; with more of them, every second one is dropped
+#: maximum number of states; beyond it, every second state is dropped
 _MOST = 600
 
 
@@ -30,9 +30,9 @@ class Timeline:
     Positions count ticks since the beginning of the recording; resets and restored states do not set them back.
 
     Args:
-        simulation: of the scene; it is taken to where the recording began.
+        simulation: a simulation of the scene; it is set to the beginning of the recording.
         recording: the inputs.
-        length: ticks of the whole recording.
+        length: number of ticks of the whole recording.
 
     Attributes:
         position: ticks since the beginning.
@@ -53,7 +53,7 @@ class Timeline:
 
     @property
     def at_end(self) -> bool:
-        """Whether the recording goes no further."""
+        """Whether the end of the recording is reached."""
         return self.position >= self.length or self._replay.done
 
     def forward(self) -> None:
@@ -70,7 +70,7 @@ class Timeline:
             self._every *= 2
 
     def approach(self, target: int) -> bool:
-        """Come nearer to a position by one tick, or by a leap to a state that is kept.
+        """Move towards a position by one tick, or by restoring a saved state.
 
         Returns:
             Whether the position is reached, or the recording ends before it.

@@ -1,4 +1,4 @@
-"""Compares what a simulation publishes with a recording, message by message."""
+"""Compares the published messages of a simulation with a recording, message by message."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Departure(NamedTuple):
     Attributes:
         tick: counted since the last reset.
         what: the topic or the state.
-        how: what it was, and what it is.
+        how: the recorded and the present value.
     """
 
     tick: int
@@ -52,7 +52,7 @@ class _Topic(Publisher):
 
 
 class Comparison(Backend):
-    """Compares what is published with what is in the file, topic by topic; within a tick topics have no order."""
+    """Compares published messages with those of the file, topic by topic; within a tick, topics have no order."""
 
     name, opens = "comparison", "nothing"
 
@@ -71,7 +71,7 @@ class Comparison(Backend):
         self._over = False
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher | None:
-        """See `Backend.publisher`; what the recording leaves out is left out again."""
+        """See `Backend.publisher`; topics that are not in the recording are ignored again."""
         if topic in _FREE:
             return _Topic(lambda data: None)
         if topic not in self._topics and type_name in LEFT_OUT:
@@ -114,7 +114,7 @@ class Comparison(Backend):
                 return
 
     def finish(self) -> None:
-        """The run is over: nothing may be left in the file."""
+        """The end of the run: the file must not contain further messages."""
         if self.departure is not None or self._over:
             return
         if not self._awaited:
@@ -128,7 +128,7 @@ class Comparison(Backend):
         self.departure = Departure(self._ticks(), what, how)
 
     def subscription(self, topic: str, type_name: str, qos: Qos) -> Subscription | None:
-        """Nothing comes in."""
+        """Return None: a recording has no commands."""
         return None
 
     def close(self) -> None:

@@ -25,21 +25,21 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
 
 _POLL = 0.1
-#: wall-clock seconds within which a page is there
+#: timeout for the connection of a page, wall-clock seconds
 _ARRIVAL = 30.0
-#: components that one page may show
+#: maximum number of components that a page shows
 _SHOWN = 1000
 
 
 class Onlookers:
-    """Read everything that a simulation sends, from threads of their own.
+    """Read all data of a simulation, in separate threads.
 
     Args:
         clients: connections to every stream of the socket.
-        pages: of the live view, if there is one.
+        pages: number of pages of the live view, if there is one.
 
     Raises:
-        RuntimeError: a page is not let in.
+        RuntimeError: a page cannot connect.
     """
 
     def __init__(self, simulation: Simulation, clients: int, pages: int = 1) -> None:
@@ -61,7 +61,7 @@ class Onlookers:
             thread.start()
         if not all(self._arrivals.acquire(timeout=_ARRIVAL) for _ in range(expected)):
             self.close()
-            raise RuntimeError("a page of the live view was not let in")
+            raise RuntimeError("a page of the live view could not connect")
 
     def _read(self) -> None:
         while not self._ended.is_set():
@@ -77,7 +77,7 @@ class Onlookers:
         place = urlsplit(address)
         with (
             contextlib.suppress(WebSocketException, OSError),
-            # a socket of our own: no proxy is asked for what is on this machine
+            # an explicit socket, so that no proxy is used for this machine
             socket.create_connection((place.hostname, place.port)) as connection,
             connect(address, sock=connection, max_size=None) as page,
         ):

@@ -1,8 +1,8 @@
 """Runs a scene for some ticks and writes the fingerprint of every part after each of them.
 
-``python -m morse.verification.replay OPTIONS`` is what `morse.verification.verify` starts; OPTIONS is
-JSON: the fields of a `Replay`. One JSON object a tick goes to the standard output; what the scene prints goes to the
-standard error. The process ends with the one that started it, however that ended: its standard input ends then.
+`morse.verification.verify` starts ``python -m morse.verification.replay OPTIONS``; OPTIONS is JSON: the fields of a
+`Replay`. One JSON object per tick is written to the standard output; output of the scene is redirected to the standard
+error. The process ends with its parent process, because its standard input is closed then.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 
     from morse.simulation.simulation import Simulation
 
-#: a run that is paced by the wall clock takes no longer than that, s
+#: timeout of a run in step with the wall clock, s
 _PACED = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """What to run.
+    """The options of a replay.
 
     Attributes:
         options: fields of `RunOptions`.
         ticks: length of each run.
-        restarts: how often to start anew afterwards.
+        restarts: number of restarts afterwards.
         clients: readers of every stream.
-        pages: of the live view, if the options ask for one.
+        pages: number of pages of the live view, if the options open one.
         paced: wait for the wall clock between ticks.
     """
 
@@ -77,9 +77,9 @@ def _run(simulation: Simulation, wanted: Replay, file: TextIO) -> None:
 
 
 def main(argument: str) -> None:
-    """Run what the JSON text says."""
+    """Run the replay of a JSON text."""
     _end_with_the_parent()
-    # scenes may print: their words are not to stand among the fingerprints
+    # scenes may print: their output must not be mixed with the fingerprints
     own = os.dup(1)
     os.dup2(2, 1)
     log.setup(level="ERROR")
@@ -89,7 +89,7 @@ def main(argument: str) -> None:
 
 def _end_with_the_parent() -> None:
     alive = os.dup(0)
-    # scenes may read: they find the end of the file
+    # scenes may read: they get the end of the file
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.close(nothing)

@@ -1,4 +1,4 @@
-"""Runs a recorded simulation again, and compares it with the recording message by message, to the bit."""
+"""Simulates a recorded run again, and compares it with the recording message by message, bit for bit."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Outcome(NamedTuple):
     """The result of the comparison.
 
     Attributes:
-        departure: the first one; None if all is the same.
-        ticks: that were compared.
-        messages: that were compared.
-        complete: whether the recording has its end, with the hash of the state there.
-        failure: why the physics broke off; empty if it did not.
+        departure: the first difference; None if all messages are equal.
+        ticks: number of compared ticks.
+        messages: number of compared messages.
+        complete: whether the recording contains its end, with the hash of the final state.
+        failure: the reason why the physics diverged; empty if it did not.
     """
 
     departure: Departure | None
@@ -39,7 +39,7 @@ class Outcome(NamedTuple):
 
 
 class _EachTick(Observer):
-    """Lets the streams say what belongs to a tick as a whole, as a recorder does."""
+    """Publishes the messages of each tick as a whole, like a recorder."""
 
     def __init__(self, streams: RecordedStreams, simulation: Simulation) -> None:
         self._streams, self._clock = streams, simulation.clock
@@ -66,17 +66,17 @@ def resimulate(
     *,
     trust: bool = False,
 ) -> Outcome:
-    """Run the scene of a recording again with its seed and its inputs.
+    """Simulate the scene of a recording again with its seed and its inputs.
 
     Args:
-        recording: of a run.
-        scene: path of the scene script; empty for the one that was recorded.
-        told: takes remarks for people.
+        recording: a recording of a run.
+        scene: path of the scene script; empty for the recorded script.
+        told: called with remarks for the user.
         record: path of a file in which the run is recorded, with all sensors.
         trust: see `morse.launch.recorded_run.options_of`.
 
     Raises:
-        RecordingError: the recording does not say enough, or the new one cannot be written.
+        RecordingError: the recording is not sufficient, or the new one cannot be written.
         MorseError: the scene cannot be loaded, or the inputs do not fit it.
     """
     inputs = inputs_of(recording)

@@ -22,7 +22,7 @@ _Record = dict[str, str]
 
 
 class ReplayError(Exception):
-    """A run did not come to its end; the text is what it printed."""
+    """A run did not end regularly; the text is its output."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -50,17 +50,17 @@ def verify(
 ) -> list[Difference]:
     """Run a scene several times and compare every tick, to the bit.
 
-    A first process runs it as fast as possible, then starts it anew. A second one runs it with the
-    live view and pages of it, with clients that read every stream, paced by the wall clock, and
-    with other hashes of strings.
+    A first process runs it as fast as possible, then restarts it. A second process runs it with the
+    live view and pages, with clients that read every stream, in step with the wall clock, and
+    with another seed of string hashes.
 
     Args:
-        progress: told what is being run.
+        progress: called with descriptions of the runs.
         clients: on every stream.
         pages: of the live view.
 
     Returns:
-        The differences, one at most for each comparison; none if all runs are equal.
+        The differences, at most one for each comparison; none if all runs are equal.
 
     Raises:
         ReplayError: a run failed.
@@ -80,11 +80,11 @@ def verify(
 def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
     plain = dataclasses.replace(options, view_port=0, open_browser=False, profile=False)
     replay = Replay(options=dataclasses.asdict(plain), **wanted)
-    # programs that rely on the order of sets show it if strings have other hashes
+    # another hash seed reveals programs that depend on the order of sets
     environment = {**os.environ, "PYTHONHASHSEED": hashes, "MORSE_SOCKET_PORT": "0"}
     command = [sys.executable, "-m", "morse.verification.replay", json.dumps(dataclasses.asdict(replay))]
     pipe = subprocess.PIPE
-    # its standard input stays open as long as this process lives, even if that is killed
+    # its standard input stays open until this process ends, even if it is killed
     with subprocess.Popen(
         command, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8", errors="replace", env=environment
     ) as process:
@@ -99,7 +99,7 @@ def _replay(options: RunOptions, hashes: str, **wanted: Any) -> list[_Record]:
 
 
 def _read(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """All that a process writes, without closing its standard input, as `Popen.communicate` would."""
+    """All output of a process, without closing its standard input, unlike `Popen.communicate`."""
     assert process.stdin is not None
     assert process.stdout is not None
     assert process.stderr is not None

@@ -1,28 +1,28 @@
 // The samples of a tile in which a triangle is the nearest surface.
 //
-// Both functions that do it compute the same numbers in the same order: the result does not depend on the choice.
+// Both functions compute the same numbers in the same order: the result does not depend on the choice between them.
 #pragma once
 #include "draw_holes.h"
 #include "drawing.h"
 #include "simd.h"
 
-// Small triangles are those whose boxes need no more groups of lanes.
+// Maximum number of groups of lanes for the bounding box of a small triangle.
 #define FEW_GROUPS 6
 // Bound of the rounding error of a plane, relative to the sum of its terms.
 #define ROUNDING (1.0f / (1 << 20))
 
 typedef struct {
     float inverse[MOST_SAMPLES][TILE * TILE];  // 1 / depth
-    int32_t shown[MOST_SAMPLES][TILE * TILE];  // number of the triangle, -1 for none
-    F8 dx, dy;                                 // the places of the lanes of a group: the samples of a pixel, or 4 x 2
-    I8 lane_x, lane_y;                         // pixels; which pixels they are
-    I8 used;                                   // which lanes there are
-    int32_t group_x, group_y;                  // logarithms of the pixels of a group
+    int32_t shown[MOST_SAMPLES][TILE * TILE];  // index of the triangle, -1 for none
+    F8 dx, dy;                 // the positions of the lanes of a group: the samples of a pixel, or 4 x 2
+    I8 lane_x, lane_y;         // pixels of the lanes
+    I8 used;                   // the lanes in use
+    int32_t group_x, group_y;  // logarithms of the pixels of a group
     int32_t left, top, samples;
     float nearest;  // 1 / depth of the near plane
 } __attribute__((aligned(32))) Tile;
 
-// Pixels of a triangle in a tile, included.
+// Pixels of a triangle in a tile, inclusive.
 typedef struct {
     int x0, y0, x1, y1;
 } Box;
@@ -74,7 +74,7 @@ static inline void reach(const float e[3][3], const float *least, Box b, int lef
     *first = to_int(lesser(low, splat(TILE))), *last = to_int(greater(high, splat(-1)));
 }
 
-// The smallest values of the edges at the centre of a pixel of which the triangle covers a sample.
+// The minimum edge values at the centre of a pixel for which the triangle covers a sample.
 static inline void least_of(const Frame *f, const Tile *t, const float e[3][3], int samples, float *least) {
     EACH(i, 3) {
         float most = 0;

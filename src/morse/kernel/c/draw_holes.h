@@ -13,7 +13,7 @@ static inline int texel_of(float coordinate, int32_t size) {
     return at > -FARTHEST_TEXEL && at < FARTHEST_TEXEL ? (int)at & (size - 1) : 0;
 }
 
-// Whether a sample shows such a surface, or what is behind it.
+// Whether a sample shows such a surface, or the surface behind it.
 static __attribute__((noinline)) int opaque(const Frame *f, const Seen *s, float x, float y, int px, int py) {
     const Surface *m = f->materials + s->material;
     if (m->texture >= 0) {

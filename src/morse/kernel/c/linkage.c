@@ -1,5 +1,4 @@
-// Bones, the objects that hang on them, and the collision shapes of these; `linkage/reference.py` says the same in
-// Python.
+// Bones, the objects attached to them, and the collision shapes of these objects; the twin of `linkage/reference.py`.
 #include <math.h>
 #include <stdint.h>
 
@@ -99,7 +98,7 @@ static void place_object(const Linkage *all, int64_t i) {
     else
         compose(all->frames + 12 * all->hooks[i], held, local);
     compose(all->outers[i] < 0 ? all->base : all->poses + 12 * all->outers[i], local, pose);
-    // as `Mounting.of`: what is as good as the pose of the body is that pose
+    // as in `Mounting.of`: a pose equal to that of the body within rounding errors is replaced by it
     if (!differ(pose + 3, NOWHERE + 3, 9) && !differ(pose, NOWHERE, 3))
         for (int k = 0; k < 12; k++) pose[k] = NOWHERE[k];
 }

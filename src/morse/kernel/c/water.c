@@ -1,4 +1,4 @@
-// The forces of water on the box of a vessel; `water/reference.py` says the same in Python.
+// The forces of water on the box of a vessel; the twin of `water/reference.py`.
 #include <math.h>
 #include <stdint.h>
 
@@ -8,7 +8,7 @@ typedef struct {
     double cells[8][3];                   // middles of the parts of the box, in the frame of the body
     double centre[3], drag[3];            // of the box; force over the square of the speed along each axis
     double depth, half;                   // of the surface above the origin; half the height of the box
-    double lift, most;                    // N a cell; kg/s
+    double lift, most;                    // N per cell; kg/s
     double up[3], linear[3], angular[3];  // in the frame of the body
     double force[3], torque[3];           // results
 } Water;
@@ -32,7 +32,7 @@ void morse_water(Water *all) {
         const double b = resisted(part, v[1] + w[2] * x - w[0] * z, all->drag[1], all->most) + pushed * up[1];
         const double c = resisted(part, v[2] + w[0] * y - w[1] * x, all->drag[2], all->most) + pushed * up[2];
         fx += a, fy += b, fz += c;
-        // the force acts at the centre of mass, which the middle of the box stands for
+        // the force acts at the centre of mass, approximated by the centre of the box
         x -= m[0], y -= m[1], z -= m[2];
         tx = tx + y * c - z * b, ty = ty + z * a - x * c, tz = tz + x * b - y * a;
     }

@@ -1,4 +1,4 @@
-"""Linkages: bones that joints move, and the objects and collision shapes that hang on them."""
+"""Linkages: bones that joints move, and the objects and collision shapes attached to them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ __all__ = ["linkage"]
 
 
 def linkage(arrays: LinkageArrays) -> LinkageWork:
-    """What moves a linkage: C, or Python without a kernel."""
+    """The function that moves a linkage: C, or Python without the kernel."""
     loaded = library()
     return reference.Linkage(arrays) if loaded is None else NativeLinkage(loaded, arrays)

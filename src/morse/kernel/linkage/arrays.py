@@ -1,4 +1,4 @@
-"""The arrays of a linkage, as C and Python see them."""
+"""The arrays of a linkage, shared by C and Python."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FIXED, REVOLUTE, PRISMATIC = range(3)
 
 @dataclass(eq=False)
 class LinkageArrays:
-    """B bones, N objects that hang on them, S collision shapes; all arrays are in one piece, and stay where they are.
+    """B bones, N attached objects, S collision shapes; all arrays are contiguous, and their addresses do not change.
 
     Poses are 12 numbers: position and rotation, row by row.
 
@@ -29,7 +29,7 @@ class LinkageArrays:
         places, turns: (B, 3) and (B, 9) pose in the frame of the parent at joint value 0.
         moves: (B, 2) cosine and sine of the value of a revolute joint; value of a prismatic joint, and 0.
         outers: (N,) index of the outer object, or -1 for the armature itself; outer objects come first.
-        hooks: (N,) the bone on which an object hangs; -1 for an object that is fixed to its outer object.
+        hooks: (N,) the bone to which an object is attached; -1 for an object that is fixed to its outer object.
         held: (N, 12) pose in the frame of the bone, or of the outer object.
         geoms: (S,) indices of the shapes in the arrays of the engine.
         owners: (S,) the object of each shape.

@@ -1,4 +1,4 @@
-"""A linkage in Python: what the C function must equal, to the bit."""
+"""A linkage in Python: the reference for the C function, which gives bit-identical results."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Linkage:
             hook, held = int(all_.hooks[i]), all_.held[i].tolist()
             local = held if hook < 0 else composed(all_.frames[hook].tolist(), held)
             pose = composed((all_.base if outer < 0 else all_.poses[outer]).tolist(), local)
-            # what is as good as the pose of the body is that pose
+            # a pose equal to that of the body within rounding errors is replaced by it
             is_apart = any(not -_ALIKE <= a - b <= _ALIKE for a, b in zip(pose, _NOWHERE, strict=True))
             all_.locals[i], all_.poses[i] = local, pose if is_apart else _NOWHERE
         return self._place_shapes()

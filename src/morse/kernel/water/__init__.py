@@ -16,7 +16,7 @@ __all__ = ["WaterValues", "pusher"]
 
 
 def pusher(values: WaterValues) -> Callable[[], object]:
-    """What computes the force and the torque in values: C, or Python without a kernel."""
+    """The function that computes force and torque in values: C, or Python without the kernel."""
     loaded = library()
     if loaded is None:
         return lambda: reference.push(values)

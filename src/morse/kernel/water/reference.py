@@ -1,4 +1,4 @@
-"""The forces of water in Python: what the C function must equal, to the bit."""
+"""The forces of water in Python: the reference for the C function, which gives bit-identical results."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def push(values: WaterValues) -> None:
         b = part * v * min(abs(v) * dy, most) + pushed * up[1]
         c = part * w * min(abs(w) * dz, most) + pushed * up[2]
         fx, fy, fz = fx + a, fy + b, fz + c
-        # the force acts at the centre of mass, which the middle of the box stands for
+        # the force acts at the centre of mass, approximated by the centre of the box
         x, y, z = x - mx, y - my, z - mz
         tx, ty, tz = tx + y * c - z * b, ty + z * a - x * c, tz + x * b - y * a
     values.force[:] = fx, fy, fz

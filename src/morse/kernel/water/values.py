@@ -1,4 +1,4 @@
-"""The numbers that C and Python exchange about a vessel in the water."""
+"""The values of a vessel in the water, shared by C and Python."""
 
 from __future__ import annotations
 

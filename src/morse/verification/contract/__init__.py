@@ -1,6 +1,6 @@
-"""The contract that every component keeps, and its check.
+"""The contract that every component follows, and its check.
 
-The command ``morse check component`` prints what the check finds. Tests call it, of MORSE and of users::
+The command ``morse check component`` prints the results. Tests of MORSE and of users call it::
 
     from morse.verification.contract import check_component
 

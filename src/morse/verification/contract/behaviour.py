@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FITS, JSON, DETERMINISTIC = "data fit their declarations", "data are JSON", "deterministic under a seed"
 SAVED, RESET = "saved and restored", "a reset makes it new"
 
-#: ticks of a run: long enough for components that act once a second
+#: ticks of a run: long enough for components that act once per second
 TICKS = 70
 _BEFORE_SAVING = 25
 
@@ -30,8 +30,8 @@ def well_behaved(stand: Stand, other: Callable[[], Stand], said: Said) -> Iterat
     """All rules of this file.
 
     Args:
-        stand: at the launch.
-        other: makes another one.
+        stand: a simulation after the launch.
+        other: creates another one.
     """
     cls = type(stand.component)
     place = stand.places.of_class(cls)
@@ -62,13 +62,13 @@ def _fits(stand: Stand) -> Iterator[Fault]:
     fields = fields_of_component(stand.component)
     for name, value in component.local_data.items():
         if name not in fields:
-            # what a compound sensor says is what its members say
+            # the data of a compound sensor are those of its members
             if name not in component.context.components:
                 text = f"it publishes '{name}' without declaring it: add_data('{name}', ...)"
                 yield Fault(FITS, text, places.of_class(cls))
             continue
         field = fields[name]
-        is_finite = all(map(math.isfinite, numbers_in(value)))  # else it is no JSON, which is said elsewhere
+        is_finite = all(map(math.isfinite, numbers_in(value)))  # else it is not JSON, which is reported elsewhere
         if isinstance(component, Sensor) and is_finite:
             try:
                 spec_of_field(field, field.default).check()(value)

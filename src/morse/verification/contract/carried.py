@@ -1,4 +1,4 @@
-"""Rule on middlewares: each of them carries the component, by a message kind or in the general form."""
+"""Rule on middlewares: each of them supports the component, by a message kind or in the general format."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TICKS = 70
 
 
 class Listener(DatastreamManager):
-    """A middleware that writes every message as JSON, whatever its kind, and keeps none.
+    """A middleware that writes every message as JSON, whatever its kind, and discards the result.
 
     Attributes:
         heard: number of messages.
@@ -47,12 +47,12 @@ class Listener(DatastreamManager):
 
     @maps("general", direction="IN")
     def command(self, _stream: Any, _bound: Any, arrived: Any) -> Any:
-        """What has arrived, as it is."""
+        """Write the message unchanged."""
         return arrived
 
 
 def carried(stand: Stand) -> Iterator[Fault]:
-    """Every installed middleware has a stream for it, and what it says fits its message kinds."""
+    """Every installed middleware has a stream for it, and its data fit its message kinds."""
     component = stand.component
     cls = type(component)
     if not isinstance(component, (Sensor, Actuator)) or not fields_of_component(component) or says_nothing(cls):
@@ -60,7 +60,7 @@ def carried(stand: Stand) -> Iterator[Fault]:
     direction = "IN" if isinstance(component, Actuator) else "OUT"
     place = stand.places.of_class(cls)
     for name, middleware in registry.installed().items():
-        # text files take no commands, and leave out pictures
+        # text files have no commands, and omit images
         usual = middleware.default_reader if direction == "IN" else middleware.default_publisher
         is_left_out = any(base.__name__ in middleware.not_carried for base in cls.__mro__)
         if middleware.stream_manager is None or usual is None or is_left_out:
@@ -74,5 +74,5 @@ def carried(stand: Stand) -> Iterator[Fault]:
     except Exception as error:
         yield Fault(CARRIED, f"its message cannot be made: {type(error).__name__}: {error}", place)
     if stand.failed:
-        yield Fault(CARRIED, "its message cannot be made: it is switched off when somebody listens", place)
+        yield Fault(CARRIED, "its message cannot be made: it is deactivated when a client connects", place)
     listener.finalize()

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 def check_component(what: str | os.PathLike[str], robot: str | None = None) -> list[Report]:
-    """Check the contract that every component keeps.
+    """Check the contract that every component follows.
 
     Each component runs in several simulations of some seconds, without sockets, in this process.
 
     Args:
         what: the name of a class of `morse.builder`, or the path of a file with classes of components: each is checked.
-        robot: the class of the robot that carries it: one of `morse.builder`, or ``package.module.Class`` in the
+        robot: the class of its robot: one of `morse.builder`, or ``package.module.Class`` in the
             project of the file. None to try those of MORSE.
 
     Returns:
@@ -65,7 +65,7 @@ def _check(subject: Subject, robot: str | None, said: Said) -> Report:
 
 
 def _run(subject: Subject, stand: Stand, level: str | None, said: Said, report: Report) -> None:
-    """Let a component run at one of its levels."""
+    """Run a component at one of its levels."""
     carrier = stand.carrier
 
     def other() -> Stand:

@@ -21,14 +21,14 @@ DOCUMENTED, DECLARED = "documented", "data are declared"
 
 #: base units of quantities with a direction, which need a frame
 _DIRECTED = {"m", "rad", "A"}
-#: single numbers that are parts of a vector
+#: names of numbers that are parts of a vector
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw", "vx", "vy", "vz", "wx", "wy", "wz")
 #: words for numbers that are counted, not measured
 _COUNTED = ("int", "integer", "uint8", "buffer")
 
 
 def documented(cls: type, places: Places) -> Iterator[Fault]:
-    """The class, its data, properties, levels and services say what they are."""
+    """The class, its data, properties, levels and services have descriptions."""
     where = places.of_class(cls)
     if not (inspect.cleandoc(cls.__doc__ or "") or vars(cls).get("_short_desc")):
         yield Fault(DOCUMENTED, "the class has neither a docstring nor _short_desc: say in one what it does", where)
@@ -73,12 +73,12 @@ def _missing(name: str, field: DataField) -> Iterator[str]:
 
 
 def _is_measured(field: DataField) -> bool:
-    """Whether it holds quantities: neither words, nor flags, nor numbers of things."""
+    """Whether it contains quantities: neither words, nor flags, nor counts."""
     default: Any = field.default
     if isinstance(default, (bool, dict)) or field.type in _COUNTED or field.dtype in ("uint8", "bool"):
         return False
     if isinstance(default, str):
-        # a default may say in words what the number will be
+        # a default may be a word that describes the initial number
         return field.type in ("float", "double")
     if isinstance(default, int) or "int" in field.type or "string" in field.type or "objects" in field.type:
         return False

@@ -1,4 +1,4 @@
-"""Commands and values to try: some that fit a declaration, and many that do not."""
+"""Commands and values for checks: some valid ones, and many invalid ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from morse.core.declarations import DataField
     from morse.core.object import Object
 
-#: a number that most quantities can have
+#: a number that is valid for most quantities
 _SOME = 0.3
 _deep: list[Any] = []
 for _ in range(100):
@@ -19,7 +19,7 @@ for _ in range(100):
 _endless: dict[str, Any] = {}
 _endless["again"] = _endless
 
-#: what clients send by mistake, or to do harm
+#: invalid or malicious values of clients
 BAD_VALUES: tuple[Any, ...] = (
     None, True, "nonsense", "", "\ud800", b"bytes", math.nan, math.inf, -math.inf, 1e308, -1e308, 1e30, -1e30, 5e-324,
     -1, 0, 10**400, 2**63, [], {}, [[]], [math.nan] * 3, [1e308] * 3, ["a", "b", "c"], [1.0] * 1000, {"x": None}, _deep,
@@ -28,7 +28,7 @@ BAD_VALUES: tuple[Any, ...] = (
 
 
 def example(component: Object) -> dict[str, Any]:
-    """A command for an actuator that fits what it declares."""
+    """A valid command for an actuator."""
     declared = fields_of_component(component)
     values = {name: _example(declared[name], held) for name, held in component.local_data.items() if name in declared}
     return {name: value for name, value in values.items() if value is not None}

@@ -1,4 +1,4 @@
-"""In which line of which file a component declares something."""
+"""The file and line in which a component declares something."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Places:
     """Finds declarations.
 
     Args:
-        files: of modules that only one simulation knows, by name.
+        files: files of modules that only one simulation has imported, by name.
     """
 
     def __init__(self, files: Mapping[str, str]) -> None:
@@ -32,7 +32,7 @@ class Places:
         return _shown(file, definition.lineno) if definition is not None else ""
 
     def of(self, cls: type, function: str, name: str) -> str:
-        """Where a class or one of its bases declares something.
+        """File and line in which a class or one of its bases declares something.
 
         Args:
             function: ``add_data``, ``add_property``, ``add_level``; ``def`` for a method.

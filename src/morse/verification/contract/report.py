@@ -1,4 +1,4 @@
-"""What a check has found."""
+"""The results of a check."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 
 class Fault(NamedTuple):
-    """A rule that a component breaks.
+    """A violation of a rule.
 
     Attributes:
         rule: its name, see `morse.verification.contract.rules.RULES`.
-        text: what was found, what is expected, and how to mend it.
+        text: the fault, the expected value, and how to correct it.
         where: file and line of the declaration; empty if there is none.
     """
 
@@ -28,11 +28,11 @@ class Report:
     """The outcome of the check of one component.
 
     Attributes:
-        name: as scene scripts know it.
+        name: its name in scene scripts.
         where: file and line of its class; empty if it could not be loaded.
-        robot: class of the robot that carried it; the component itself if it is a robot.
+        robot: class of its robot; the component itself if it is a robot.
         checked: the rules that were checked, in order.
-        faults: what was found.
+        faults: the violations.
     """
 
     name: str
@@ -43,7 +43,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether the component keeps every rule."""
+        """Whether the component follows every rule."""
         return not self.faults
 
     def of(self, rule: str) -> list[Fault]:

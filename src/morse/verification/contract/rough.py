@@ -32,13 +32,13 @@ class Rough:
     """Sends invalid input to a component.
 
     Args:
-        stand: it may be in any state afterwards.
+        stand: a simulation; it may be in any state afterwards.
     """
 
     def __init__(self, stand: Stand, said: Said) -> None:
         self._stand = stand
         self._said = said
-        #: ticks within which it acts
+        #: number of ticks within which it acts
         self._period = math.ceil(stand.simulation.clock.frequency / stand.component.frequency)
 
     def faults(self) -> Iterator[Fault]:
@@ -105,7 +105,7 @@ class Rough:
     def _tried(
         self, rule: str, what: str, place: str, function: Callable[..., bool], *arguments: Any
     ) -> Iterator[Fault]:
-        """Do something, let it act if that was accepted, and see that everything goes on."""
+        """Apply an input, let the component act if the input was accepted, and check that the simulation continues."""
         stand = self._stand
         try:
             if function(*arguments):
@@ -117,6 +117,6 @@ class Rough:
             self._said.take()
             return
         if stand.failed:
-            yield Fault(rule, f"after {what} it is switched off: {self._said.last('')}", place)
+            yield Fault(rule, f"after {what} it is deactivated: {self._said.last('')}", place)
             stand.simulation.restart(seed=1)
             self._said.take()

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Said(logging.Handler):
-    """Keeps the errors of the simulation from the terminal, and remembers them; use it as a context."""
+    """Collects the errors of the simulation, so that they are not printed; used as a context manager."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
@@ -31,13 +31,13 @@ class Said(logging.Handler):
         return errors
 
     def last(self, otherwise: str) -> str:
-        """The last error; what was said is forgotten."""
+        """The last error; clears the list."""
         errors = self.take()
         return errors[-1] if errors else otherwise
 
     @contextmanager
     def unheard(self) -> Iterator[None]:
-        """Remember nothing of what is said meanwhile."""
+        """Ignore errors in the block."""
         self._listens = False
         try:
             yield

@@ -1,4 +1,4 @@
-"""A small world with a robot that carries the component, and things that it can sense."""
+"""A small world with the component on a robot, and objects for sensors."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from morse.verification.contract.said import Said
 
 _NAME = "part"
-#: robots to try, and what drives each: components may need wheels, rotors or a steering wheel
+#: robots to try, with their drives: components may need wheels, rotors or a steering wheel
 _CARRIERS = {
     "ATRV": "MotionVW",
     "Pioneer3DX": "MotionVWDiff",
@@ -80,10 +80,10 @@ env.properties(longitude=1.43, latitude=43.6, altitude=135.0)
 
 
 class Stand:
-    """A loaded simulation of the stand; use it as a context.
+    """A loaded simulation for the check; used as a context manager.
 
     Attributes:
-        simulation: without sockets.
+        simulation: a simulation without sockets.
         carrier: class path of the robot.
         robot: name of its class.
         name: the full name of the component.
@@ -101,24 +101,24 @@ class Stand:
 
     @property
     def component(self) -> Object:
-        """The component as it is now: a restart makes another one."""
+        """The present component: a restart creates another one."""
         found = self.simulation.context.component(self.name)
         assert found is not None
         return found
 
     @property
     def failed(self) -> bool:
-        """Whether the simulation has switched the component off because it raised an exception."""
+        """Whether the simulation has deactivated the component because it raised an exception."""
         return self.name in self.simulation.context.failed
 
     @property
     def places(self) -> Places:
-        """Where its class declares what."""
+        """The positions of the declarations of its class."""
         project = self.simulation.scene.project
         return Places(project.sources() if isinstance(project, ProjectImports) else {})
 
     def run(self, ticks: int) -> list[bytes]:
-        """Let time pass while the component does something, and return what it says of itself, as JSON, tick by tick.
+        """Run ticks while the component is active, and return its published data, as JSON, tick by tick.
 
         Raises:
             TypeError: its data cannot be written as JSON.
@@ -137,10 +137,10 @@ class Stand:
         return said
 
     def publish(self, message: Any) -> None:
-        """Give an actuator a command.
+        """Send a command to an actuator.
 
         Raises:
-            CommandError: it does not fit.
+            CommandError: it is invalid.
         """
         component = self.component
         assert isinstance(component, Actuator)
@@ -158,14 +158,14 @@ class Stand:
 
 
 def set_up(subject: Subject, said: Said, robot: str | None = None, level: str | None = None) -> Stand:
-    """The stand of a component, on the first robot that can carry it.
+    """The simulation for a component, on the first suitable robot.
 
     Args:
         robot: class of `morse.builder` or ``package.module.Class``; None to try those of MORSE.
-        level: abstraction level; None for the usual one.
+        level: abstraction level; None for the default level.
 
     Raises:
-        SubjectError: no robot can carry it; the message is that of the first.
+        SubjectError: no robot is suitable; the message is that of the first robot.
     """
     first: Exception | None = None
     for carrier in (robot,) if robot else _CARRIERS:

@@ -1,4 +1,4 @@
-"""What is to be checked: from a name of the library, or a file, to what a scene script writes."""
+"""The components to check: from a name in the library, or a file, to the call in a scene script."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-#: how scripts make components of the library that take arguments
+#: calls in scene scripts for components of the library with arguments
 _ARGUMENTS = {
     "Armature": "armature_name='kuka_armature', model_name='kuka_lwr'",
     "CompoundSensor": "[_member]",
@@ -23,7 +23,7 @@ _ARGUMENTS = {
 
 
 class SubjectError(Exception):
-    """There is nothing to check; the message says what was looked for."""
+    """There is nothing to check; the message contains the search."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ class Subject:
     """A component to check.
 
     Attributes:
-        name: of the class in scene scripts.
+        name: name of the class in scene scripts.
         imports: lines that a scene script begins with.
-        arguments: of the call that makes the component.
-        source_paths: folders of packages of the user.
-        resource_paths: folders of models of the user.
+        arguments: arguments of the call that creates the component.
+        source_paths: directories of packages of the user.
+        resource_paths: directories of models of the user.
     """
 
     name: str
@@ -46,12 +46,12 @@ class Subject:
 
     @property
     def call(self) -> str:
-        """How a scene script makes it."""
+        """The call in a scene script."""
         return f"{self.name}({self.arguments})"
 
 
 def subjects(what: str | os.PathLike[str]) -> list[Subject]:
-    """The components that are meant.
+    """The components of a name or a file.
 
     Args:
         what: the name of a class of `morse.builder`, or the path of a file with classes of components.
@@ -70,13 +70,13 @@ def subjects(what: str | os.PathLike[str]) -> list[Subject]:
 
 
 def library() -> list[str]:
-    """The names of all sensors, actuators and robots that come with MORSE, sorted."""
+    """The names of all sensors, actuators and robots of MORSE, sorted."""
     names = {name for module in (sensors, actuators, robots) for name in module.__all__}
     return sorted(name for name in names if not name.endswith("Creator"))
 
 
 def _is_installed(name: str) -> bool:
-    """Whether a package beside MORSE brings a component of that name."""
+    """Whether an installed package provides a component of that name."""
     return bool(getattr(getattr(morse.builder, name, None), "_classpath", None))
 
 

@@ -1,4 +1,4 @@
-"""Patrols; below 50 % it goes to the station and stays there until it has 80 %."""
+"""Patrols; below 50 % the robot returns to the station and stays there until it has 80 %."""
 
 from pymorse import Morse
 
@@ -6,7 +6,7 @@ STATION, PATROL = (-4.0, 0.0), [(0.0, 2.0), (0.0, -2.0)]
 
 
 def main():
-    """Returns the charge at which it went to charge, on arrival, and when it left, %."""
+    """Returns the charge when the robot turned back, on arrival, and at the departure, %."""
     with Morse() as simu:
         goal, battery, places = simu.robot.goal, simu.robot.battery, PATROL * 20
         while battery.get()["charge"] > 50.0:
@@ -20,4 +20,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print("Turned back at %.0f %%, came in with %.0f %%, left with %.0f %%." % main())
+    print("Turned back at %.0f %%, arrived with %.0f %%, left with %.0f %%." % main())

@@ -1,4 +1,4 @@
-"""Batteries and zones: a robot drives to and fro, and goes to charge before it is too late."""
+"""Batteries and zones: a robot patrols, and returns to the charging station in time."""
 
 from morse.builder import *
 
@@ -9,7 +9,7 @@ goal.properties(ObstacleAvoidance=False)
 robot.append(goal)
 
 battery = Battery()
-battery.properties(DischargingRate=6.0)  # a robot of great haste: % a second
+battery.properties(DischargingRate=6.0)  # a high rate for the example: % per second
 robot.append(battery)
 
 robot.add_default_interface("socket")

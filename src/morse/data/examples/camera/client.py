@@ -1,4 +1,4 @@
-"""Finds the red pixels of each picture, turns towards them, and stops when they are large."""
+"""Finds the red pixels of each image, turns towards them, and stops when they are many."""
 
 import base64
 
@@ -6,7 +6,7 @@ from pymorse import Morse
 
 
 def red_pixels(picture):
-    """Share of the picture that is red, and where the middle of that is: -1 left, 1 right."""
+    """Share of red pixels, and the position of their centre: -1 left, 1 right."""
     pixels, width = base64.b64decode(picture["image"]), picture["width"]
     columns = [
         i // 4 % width
@@ -20,7 +20,7 @@ def red_pixels(picture):
 
 
 def main():
-    """Returns where the robot stops, m."""
+    """Returns the final position of the robot, m."""
     with Morse() as simu:
         robot, end = simu.robot, simu.time() + 30.0
         while simu.time() < end:

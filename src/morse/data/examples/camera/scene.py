@@ -1,4 +1,4 @@
-"""Cameras: a robot follows a red ball by what its camera sees."""
+"""Cameras: a robot follows a red ball with its camera."""
 
 from morse.builder import *
 

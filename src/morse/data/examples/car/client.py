@@ -1,16 +1,16 @@
-"""Speeds up, steers to the left, and brakes."""
+"""Accelerates, steers to the left, and brakes."""
 
 from pymorse import Morse
 
 
 def speed(simu):
-    """Of the car over the ground, m/s."""
+    """The speed of the car over the ground, m/s."""
     vx, vy, _ = simu.robot.velocity.get()["world_linear_velocity"]
     return (vx * vx + vy * vy) ** 0.5
 
 
 def main():
-    """Returns the speed before braking, m/s, by how much the car has turned, rad, and the speed at the end, m/s."""
+    """Returns the speed before braking, m/s, the turning angle of the car, rad, and the final speed, m/s."""
     with Morse() as simu:
         simu.sleep(1.0)
         pedals, start = simu.robot.pedals, simu.robot.pose.get()["yaw"]

@@ -1,4 +1,4 @@
-"""Takes the depth of the left and the right half of the picture, on the line through its middle."""
+"""Reads the depth of the left and the right half of the image, on the row through its centre."""
 
 import base64
 import struct
@@ -7,7 +7,7 @@ from pymorse import Morse
 
 
 def main():
-    """Returns how far away the nearest thing in each half is, m: left, right."""
+    """Returns the smallest distance in each half, m: left, right."""
     with Morse() as simu:
         picture = simu.robot.Kinect.depth.get()
         width, height = picture["width"], picture["height"]

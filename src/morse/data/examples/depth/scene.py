@@ -1,4 +1,4 @@
-"""Depth cameras: a Kinect measures how far away the crates before it are."""
+"""Depth cameras: a Kinect measures the distances of crates."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Drives a square of 1 m by odometry alone."""
+"""Drives a square of 1 m with odometry only."""
 
 import math
 
@@ -8,7 +8,7 @@ SIDE, SPEED, TURN = 1.0, 0.6, 1.0  # m, m/s, rad/s
 
 
 def main():
-    """Returns where the robot ends, seen from its start: as odometry says, and as it is, metres."""
+    """Returns the final position relative to the start: by odometry, and the true one, metres."""
     with Morse() as simu:
         robot = simu.robot
         start = robot.pose.get()

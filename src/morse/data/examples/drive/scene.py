@@ -1,4 +1,4 @@
-"""Wheels: a Pioneer drives a square, and compares where its wheels say it is with where it is."""
+"""Wheels: a Pioneer drives a square, and compares its odometry with its true pose."""
 
 from morse.builder import *
 

@@ -9,13 +9,13 @@ RADIUS = 6378137.0  # of the earth at the equator, m
 
 
 def metres_to(goal, longitude, latitude):
-    """How far east and north a goal is, m; good for some kilometres."""
+    """The offset of the goal to the east and to the north, m; accurate for some kilometres."""
     east = math.radians(goal[0] - longitude) * RADIUS * math.cos(math.radians(latitude))
     return east, math.radians(goal[1] - latitude) * RADIUS
 
 
 def main():
-    """Returns how far from the goal the car stops, m."""
+    """Returns the final distance of the car from the goal, m."""
     with Morse() as simu:
         robot, end = simu.robot, simu.time() + 60.0
         while simu.time() < end:

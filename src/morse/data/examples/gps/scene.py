@@ -1,4 +1,4 @@
-"""On the earth: a car looks for a place that is given by longitude and latitude."""
+"""Geographic coordinates: a car drives to a position given by longitude and latitude."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Drives to the box, grabs it, turns, and lets it go."""
+"""Drives to the box, grasps it, turns, and releases it."""
 
 import math
 
@@ -6,12 +6,12 @@ from pymorse import Morse
 
 
 def place_of(simu, name):
-    """Where a thing is, m."""
+    """The position of an object, m."""
     return simu.rpc("simulation", "get_scene_objects")[name][1]
 
 
 def main():
-    """Returns what was grabbed, and how far it was carried, m."""
+    """Returns the name of the grasped object, and the distance by which it was carried, m."""
     with Morse() as simu:
         robot, before = simu.robot, place_of(simu, "tape")
         while robot.pose.get()["x"] < 1.0:

@@ -1,4 +1,4 @@
-"""Grippers: a robot takes a box, carries it to another place, and sets it down."""
+"""Grippers: a robot grasps a box, carries it to another place, and releases it."""
 
 from morse.builder import *
 

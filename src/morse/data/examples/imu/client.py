@@ -1,4 +1,4 @@
-"""Drives a circle, and adds up the yaw rate."""
+"""Drives a circle, and integrates the yaw rate."""
 
 import math
 
@@ -8,10 +8,10 @@ SPEED, RATE, SECONDS = 1.0, 0.5, 8.0  # m/s, rad/s, s
 
 
 def main():
-    """Returns the error of the heading after the way, rad, and the mean centripetal acceleration, m/s^2."""
+    """Returns the final error of the heading, rad, and the mean centripetal acceleration, m/s^2."""
     readings = []
     with Morse() as simu:
-        simu.pause()  # so that no reading is missed, however slow this program is
+        simu.pause()  # so that a slow client misses no measurement
         robot = simu.robot
         robot.imu.last()
         robot.motion.publish({"v": SPEED, "w": RATE})

@@ -1,4 +1,4 @@
-"""Inertial sensors: how fast does the heading from a gyroscope with the errors of a data sheet drift away?"""
+"""Inertial sensors: the heading from a gyroscope with the errors of a data sheet drifts."""
 
 from morse.builder import *
 

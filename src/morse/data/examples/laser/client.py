@@ -1,4 +1,4 @@
-"""Goes ahead while the way is free, else turns to the side where there is more room."""
+"""Drives ahead while the way is free, else turns to the side with more space."""
 
 from pymorse import Morse
 
@@ -6,7 +6,7 @@ CLEAR, SECONDS = 1.6, 12.0  # m; simulated s
 
 
 def main():
-    """Returns the length of the way, m, and the smallest distance that was seen, m."""
+    """Returns the driven distance, m, and the smallest measured distance, m."""
     way, nearest = 0.0, float("inf")
     with Morse() as simu:
         robot, before, end = simu.robot, None, simu.time() + SECONDS

@@ -1,4 +1,4 @@
-"""Laser scanners: a robot explores a hall and keeps clear of what it sees."""
+"""Laser scanners: a robot explores a hall and avoids obstacles."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Shows an arrow before each turn, and red when it stands."""
+"""Shows an arrow before each turn, and red when the robot stops."""
 
 from pymorse import Morse
 

@@ -1,4 +1,4 @@
-"""Lights: a robot says with an LED array and a lamp what it is about to do."""
+"""Lights: a robot shows its next action with an LED array and a lamp."""
 
 from morse.builder import *
 
@@ -9,7 +9,7 @@ robot.append(motion)
 
 leds = LedArray(rows=5, columns=7, pitch=0.06)
 leds.translate(x=-0.45, z=1.0)
-leds.rotate(z=3.1416)  # seen from behind
+leds.rotate(z=3.1416)  # faces backward
 robot.append(leds)
 
 lamp = Light()

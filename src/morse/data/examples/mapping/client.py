@@ -1,4 +1,4 @@
-"""Takes scans at four places, and draws what they hit."""
+"""Scans at four positions, and draws the hits."""
 
 import math
 
@@ -9,7 +9,7 @@ CELL = 1.0  # m
 
 
 def main():
-    """Returns the cells in which something was hit: column and row to the number of hits."""
+    """Returns the cells with hits: column and row to the number of hits."""
     hits = {}
     with Morse() as simu:
         for x, y in PLACES:

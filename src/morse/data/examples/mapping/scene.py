@@ -1,4 +1,4 @@
-"""Maps: a scanner that sees all around draws the plan of a hall with three boxes."""
+"""Maps: a scanner with a field of view of 360 degrees maps a hall with three boxes."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Compares what the sensors say in the same moments."""
+"""Compares measurements of the same ticks."""
 
 from pymorse import Morse
 
@@ -9,7 +9,7 @@ def main():
     """Returns the standard deviation of the noise along X, m, and the last pose: true, and north, east, down."""
     errors = []
     with Morse() as simu:
-        simu.pause()  # so that the readings of all sensors belong to the same tick
+        simu.pause()  # so that the measurements of all sensors belong to the same tick
         robot = simu.robot
         for sensor in (robot.truth, robot.measured, robot.sea):
             sensor.last()

@@ -1,4 +1,4 @@
-"""Real sensors: the same robot with an ideal pose and one with noise, a delay and another frame."""
+"""Real sensors: the same robot with an ideal pose and a pose with noise, a delay and another frame."""
 
 from morse.builder import *
 

@@ -1,10 +1,10 @@
-"""Has the head look at the other robot while drives by, a metre at a time."""
+"""Points the head at the other robot while that robot drives past, one metre at a time."""
 
 from pymorse import Morse
 
 
 def main():
-    """Returns, for some moments, the pan angle, rad, and where the other robot is, m."""
+    """Returns the pan angle, rad, and the position of the other robot, m, at some times."""
     seen = []
     with Morse() as simu:
         for _ in range(3):

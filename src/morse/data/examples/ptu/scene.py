@@ -1,4 +1,4 @@
-"""Pan-tilt units: a camera head keeps its eye on another robot."""
+"""Pan-tilt units: a camera head follows another robot."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Flies from place to place."""
+"""Flies from waypoint to waypoint."""
 
 from pymorse import Morse
 
@@ -6,7 +6,7 @@ ROUND = [(0.0, 0.0, 3.0), (4.0, 0.0, 3.0), (4.0, 3.0, 4.0), (0.0, 0.0, 1.0)]
 
 
 def main():
-    """Returns how far from each place it was when it said that it has arrived, m."""
+    """Returns the distance from each waypoint when the service had ended, m."""
     errors = []
     with Morse() as simu:
         for x, y, z in ROUND:

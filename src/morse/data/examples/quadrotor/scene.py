@@ -1,4 +1,4 @@
-"""Aircraft: a quadrotor flies a round, and lands."""
+"""Aircraft: a quadrotor flies a circuit, and lands."""
 
 from morse.builder import *
 

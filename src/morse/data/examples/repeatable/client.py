@@ -1,4 +1,4 @@
-"""Drives the same way three times: twice with the same seed, and with another one."""
+"""Drives the same path three times: twice with the same seed, and once with another seed."""
 
 from pymorse import Morse
 
@@ -6,7 +6,7 @@ TICKS = 180
 
 
 def drive(simu, seed):
-    """Start anew, drive, and return what the noisy sensor has said."""
+    """Restart, drive, and return the measurements of the noisy sensor."""
     simu.reset(seed=seed)
     simu.robot.pose.last()
     said = []

@@ -1,4 +1,4 @@
-"""Repeatability: the same run again, to the last bit, step by step."""
+"""Repeatability: bit-identical runs, step by step."""
 
 from morse.builder import *
 

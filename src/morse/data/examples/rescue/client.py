@@ -1,10 +1,10 @@
-"""Goes to the nearest victim in sight and heals, until none is left."""
+"""Drives to the nearest visible victim and heals, until no victim is left."""
 
 from pymorse import Morse
 
 
 def main():
-    """Returns the names of those who were healed, in order."""
+    """Returns the names of the healed victims, in order."""
     healed = []
     with Morse() as simu:
         robot = simu.robot

@@ -1,4 +1,4 @@
-"""Search and rescue: a robot looks for the injured, goes to them, and helps."""
+"""Search and rescue: a robot searches for victims, drives to them, and heals them."""
 
 from morse.builder import *
 

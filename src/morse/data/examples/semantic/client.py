@@ -1,4 +1,4 @@
-"""Turns once, and collects what the camera tells."""
+"""Turns once, and collects the objects that the camera reports."""
 
 import math
 
@@ -8,7 +8,7 @@ RATE = 1.0  # rad/s
 
 
 def main():
-    """Returns the things that were seen: name to type."""
+    """Returns the reported objects: name to type."""
     seen = {}
     with Morse() as simu:
         robot, end = simu.robot, simu.time() + math.tau / RATE + 0.5

@@ -1,4 +1,4 @@
-"""Semantic cameras: a robot looks around in a kitchen, and tells the things that it sees by their names."""
+"""Semantic cameras: a robot looks around in a kitchen, and lists the visible objects by name."""
 
 from morse.builder import *
 

@@ -1,4 +1,4 @@
-"""Pushes with 50 N for a while."""
+"""Applies a thrust of 50 N for a while."""
 
 from pymorse import Morse
 
@@ -6,7 +6,7 @@ THRUST = 50.0  # N
 
 
 def main():
-    """Returns the speed at the end, m/s: with F = C v^2 that is sqrt(50 / 8) = 2.5 m/s."""
+    """Returns the final speed, m/s: with F = C v^2 that is sqrt(50 / 8) = 2.5 m/s."""
     with Morse() as simu:
         simu.robot.engine.publish({"force": [THRUST, 0.0, 0.0], "torque": [0.0, 0.0, 0.0]})
         speed, before = 0.0, -1.0

@@ -1,4 +1,4 @@
-"""Under water: thrust against drag. The boat comes to the speed at which both are the same."""
+"""Under water: thrust against drag. The boat reaches the speed at which both are equal."""
 
 from morse.builder import *
 

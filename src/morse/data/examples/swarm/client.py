@@ -1,4 +1,4 @@
-"""Moves each robot outward or inward to the radius, and away from the one that is nearest along the circle."""
+"""Moves each robot radially to the circle, and away from its nearest neighbour along the circle."""
 
 import math
 
@@ -8,9 +8,9 @@ RADIUS, SECONDS = 4.0, 12.0  # m, s
 
 
 def main():
-    """Returns the distance of each robot from the middle, m, and the gaps along the circle, rad."""
+    """Returns the distance of each robot from the centre, m, and the gaps along the circle, rad."""
     with Morse() as simu:
-        simu.pause()  # all robots are moved by what is known of the same moment
+        simu.pause()  # all robots use poses of the same tick
         bots = [simu[name] for name in sorted(simu.robots)]
         for bot in bots:
             bot.pose.last()

@@ -1,10 +1,10 @@
-"""Many robots: nine start at random places and form a circle, each by what it knows of the others."""
+"""Many robots: nine robots start at random positions and form a circle."""
 
 from morse.builder import *
 
 for number in range(9):
     robot = FakeRobot("bot%d" % number)
-    # the same places in every run
+    # the same positions in every run
     robot.translate((number * 37) % 11 - 5.0, (number * 53) % 13 - 6.0, 0.3)
     body = Cylinder("body%d" % number)
     body.scale = (0.25, 0.25, 0.3)

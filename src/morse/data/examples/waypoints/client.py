@@ -1,4 +1,4 @@
-"""Sends the robot from place to place; each call ends when the robot is there."""
+"""Sends the robot to waypoints; each call ends when the robot has arrived."""
 
 from pymorse import Morse
 
@@ -7,7 +7,7 @@ TOLERANCE = 0.5  # m
 
 
 def main():
-    """Returns where the robot was each time it said that it has arrived."""
+    """Returns the position of the robot at the end of each call."""
     visited = []
     with Morse() as simu:
         for x, y in PLACES:

@@ -1,4 +1,4 @@
-"""Services that take time: an ATRV visits three places, and goes around a crate on its way."""
+"""Asynchronous services: an ATRV drives to three waypoints, and avoids a crate on its way."""
 
 from morse.builder import *
 
