@@ -108,7 +108,46 @@ def with_pymorse() -> Iterator[Callable[[], _Pose]]:
         yield once
 
 
-_SERVERS = {"mujoco": with_mujoco, "socket": with_socket, "pymorse": with_pymorse}
+@contextmanager
+def with_exchange() -> Iterator[Callable[[], _Pose]]:
+    """One round with MORSE: the service ``simulation exchange`` takes the command and returns the pose."""
+    command = json.dumps([{"r0.motion0": {"v": work.SPEED, "w": work.RATE}}, ["r0.pose0"]])
+    line = f"1 simulation exchange {command}\n".encode()
+    with _server("benchmarks.programs.serve") as (services, *_):
+        calls = _Line(services)
+
+        def once() -> _Pose:
+            calls.write(line)
+            _, status, value = calls.read().split(b" ", 2)
+            if status != b"SUCCESS":
+                raise RuntimeError(f"the simulation answers {value!r}")
+            return dict(json.loads(value)["r0.pose0"])
+
+        yield once
+
+
+@contextmanager
+def with_pymorse_exchange() -> Iterator[Callable[[], _Pose]]:
+    """One round with the same service and pymorse."""
+    from pymorse import Morse
+
+    with _server("benchmarks.programs.serve") as (services, *_), Morse(port=int(services)) as simu:
+        robot = simu.r0
+        command = {robot.motion0: {"v": work.SPEED, "w": work.RATE}}
+
+        def once() -> _Pose:
+            return dict(simu.exchange(command, [robot.pose0])[robot.pose0])
+
+        yield once
+
+
+_SERVERS = {
+    "mujoco": with_mujoco,
+    "socket": with_exchange,
+    "pymorse": with_pymorse_exchange,
+    "socket_streams": with_socket,
+    "pymorse_streams": with_pymorse,
+}
 
 
 def main() -> None:

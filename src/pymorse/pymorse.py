@@ -10,7 +10,7 @@ import os
 import threading
 import time as _time
 import weakref
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pymorse.binary import BinaryConnection, BinaryStream
 from pymorse.discovery import discover
@@ -22,10 +22,13 @@ from pymorse.requests import ServiceConnection
 from pymorse.stream import TIMEOUT, StreamJSON, connect
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
     from types import TracebackType
 
     from pymorse.component import Component, Robot
     from pymorse.future import MorseFuture
+
+_C = TypeVar("_C", "str", "Component", "str | Component")
 
 logger = logging.getLogger("pymorse")
 
@@ -205,6 +208,34 @@ class Morse:
         self._stream_poller.catch_up()
         self._wait_for_messages(sent or {})
 
+    def exchange(
+        self,
+        commands: Mapping[_C, Mapping[str, Any]] | None = None,
+        read: Iterable[_C] = (),
+        n: int = 1,
+    ) -> dict[_C, Any]:
+        """Give commands, run ``n`` ticks and return data, in one round trip; the simulation is paused afterwards.
+
+        It does the same as `publish`, `step` and ``last()``, in half the time, and does not use their streams::
+
+            pose = simu.exchange({simu.robot.motion: {"v": 1.0}}, [simu.robot.pose])[simu.robot.pose]
+
+        Args:
+            commands: fields of actuators, by the component or its full name.
+            read: components, or their full names, whose data are returned.
+            n: number of ticks.
+
+        Returns:
+            The data by the elements of ``read``; arrays are lists.
+
+        Raises:
+            MorseServiceFailed: there is no such component, or a command does not fit; then no time has passed.
+        """
+        wanted = {part: _full_name(part) for part in read}
+        given = {_full_name(part): command for part, command in (commands or {}).items()}
+        found = self.rpc("simulation", "exchange", given, list(wanted.values()), n) or {}
+        return {part: found[name] for part, name in wanted.items()}
+
     def _wait_for_messages(self, sent: dict[str, int]) -> None:
         """Wait until the streams have received all messages that were sent to them.
 
@@ -345,6 +376,10 @@ class Morse:
         if isinstance(error, KeyboardInterrupt):
             end_quietly(error)
         self.close(cancel_async_services=kind is not None)
+
+
+def _full_name(part: str | Component) -> str:
+    return part if isinstance(part, str) else part.fqn
 
 
 def _default_port() -> int:

@@ -25,6 +25,14 @@ class PendingCommands:
         """Switch to an actuator that replaces the present one and has taken over its input functions."""
         self._commands = Commands(actuator)
 
+    def check(self, message: Any) -> None:
+        """Raise the error that `give` would raise.
+
+        Raises:
+            CommandError: the message does not fit.
+        """
+        self._commands.fitting(message)
+
     def give(self, message: Any) -> None:
         """Set fields of the actuator at its next action; of several values for a field the last one is used.
 
@@ -36,12 +44,12 @@ class PendingCommands:
 
     @property
     def waiting(self) -> dict[str, Any]:
-        """Return the fields that have not been applied yet."""
-        return dict(self._waiting)
+        """Return the fields that have not been applied yet; always the same object, as groups of components need it."""
+        return self._waiting
 
     def forget(self) -> None:
         """Discard the commands that have not been applied yet."""
-        self._waiting = {}
+        self._waiting.clear()
 
     @staticmethod
     def all_of(actuator: Any) -> list[PendingCommands]:
@@ -52,6 +60,6 @@ class PendingCommands:
     def _take(self, actuator: Any) -> bool:
         if not self._waiting:
             return False
-        waiting, self._waiting = self._waiting, {}
-        actuator.local_data.update(waiting)
+        actuator.local_data.update(self._waiting)
+        self._waiting.clear()
         return True

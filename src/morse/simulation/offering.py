@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from morse.services.camera_services import ViewpointServices
 from morse.services.communication_services import CommunicationServices
+from morse.services.exchange_services import ExchangeServices
 from morse.services.lockstep_services import LockstepServices
 from morse.services.population_services import PopulationServices
 from morse.services.pull_services import PullServices
@@ -33,6 +34,7 @@ def offer_services(simulation: Running) -> None:
     objects: list[AbstractObject] = [
         Supervision(context, simulation.stop),
         LockstepServices(simulation),
+        ExchangeServices(simulation, context),
         StateServices(simulation),
         RecordingServices(simulation),
         PopulationServices(simulation),

@@ -11,6 +11,7 @@ from typing import Any
 
 import msgspec
 
+from morse.core.local_data import LocalData
 from morse.helpers.transformation import Transformation3d
 from morse.mathutils import Euler, Matrix, Quaternion, Vector
 
@@ -56,6 +57,8 @@ def plain(value: Any) -> Any:
 _SURROGATE, _HALF_PAIR = re.compile(rb"\\u[dD][89a-fA-F]"), re.compile("[\ud800-\udfff]")
 
 _encoder = msgspec.json.Encoder(enc_hook=plain)
+_MESSAGES: set[type] = {dict, LocalData}
+_STRINGS = {str}
 
 
 @lru_cache(maxsize=4096)
@@ -73,6 +76,10 @@ def to_json(value: Any) -> bytes:
     # Most of the data are numbers, which msgspec writes ten times as fast as json.
     # If the keys are the only strings, only the blanks have to be added.
     if isinstance(value, dict):
+        if value and {*map(type, value.values())} <= _MESSAGES and {*map(type, value)} == _STRINGS:
+            # the data of several components: each of them may be quick to encode
+            parts = [b"%b: %b" % (json.dumps(key).encode("ascii"), to_json(value[key])) for key in value]
+            return b"{%b}" % b", ".join(parts)
         quotes = 2 * len(value)
         if not _are_simple(tuple(value)):
             return _slowly(value)

@@ -1,0 +1,90 @@
+"""Commands, ticks and data in one call; part of the pseudo component ``simulation``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from morse.core import status
+from morse.core.abstractobject import AbstractObject
+from morse.core.actuator import Actuator
+from morse.core.exceptions import MorseRPCInvokationError
+from morse.core.hints import nearest
+from morse.core.pending_commands import PendingCommands
+from morse.core.quoting import short
+from morse.core.services import concurrent_service
+from morse.core.validation.errors import CommandError
+from morse.services.lockstep_services import Steps  # noqa: TC001 (arguments are checked against it)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.core.object import Object
+
+
+class Stepping(Protocol):
+    """The part of a simulation that the service needs."""
+
+    def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
+        """Do some ticks, then pause and call ``ended``; return a function that cancels the request."""
+
+
+class ExchangeServices(AbstractObject):
+    """One round trip for what otherwise takes several messages on several connections."""
+
+    def __init__(self, simulation: Stepping, context: Context) -> None:
+        super().__init__()
+        self._simulation = simulation
+        self._context = context
+
+    def name(self) -> str:
+        """``simulation``."""
+        return "simulation"
+
+    @concurrent_service(changes=False)  # the actuators note the commands when they take them
+    def exchange(
+        self,
+        ended: Callable[[tuple[str, Any]], object],
+        commands: dict[str, dict[str, Any]],
+        read: list[str],
+        n: Steps = 1,
+    ) -> Any:
+        """Give commands to actuators, run ``n`` ticks, and answer with the data of sensors.
+
+        The simulation is paused afterwards. Earlier step requests come first.
+
+        Args:
+            commands: fields of actuators, by the name of the component.
+            read: names of the components whose data are the answer, by name, as after the last tick.
+            n: number of ticks.
+        """
+        wanted = {name: self._component(name) for name in read}
+        inboxes = [(self._inbox(name), command) for name, command in commands.items()]
+        for name, (inbox, command) in zip(commands, inboxes, strict=True):
+            try:
+                inbox.check(command)
+            except CommandError as error:
+                raise MorseRPCInvokationError(f"{short(name)}: {error}") from None
+        for inbox, command in inboxes:
+            inbox.give(command)
+
+        def answer(outcome: tuple[str, Any]) -> None:
+            if outcome[0] == status.SUCCESS:
+                outcome = (status.SUCCESS, {name: component.local_data for name, component in wanted.items()})
+            ended(outcome)
+
+        return self._simulation.request_steps(n, answer)
+
+    def _component(self, name: str) -> Object:
+        component = self._context.component(name)
+        if component is None:
+            known = [*self._context.components, *self._context.robots]
+            raise MorseRPCInvokationError(f"no component {short(name)}{nearest(name, known)}")
+        return component
+
+    def _inbox(self, name: str) -> PendingCommands:
+        component = self._component(name)
+        if not isinstance(component, Actuator):
+            raise MorseRPCInvokationError(f"{short(name)} takes no commands: it is not an actuator")
+        inboxes = PendingCommands.all_of(component)
+        return inboxes[0] if inboxes else PendingCommands(component)
