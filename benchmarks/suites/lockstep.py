@@ -23,7 +23,7 @@ def lockstep(plan: Plan) -> Iterator[Result]:
     words = ("--rounds", "30" if plan.quick else "1500")
     programs = [
         Program(name, "benchmarks.programs.lockstep", ("--with", name, *words))
-        for name in ("socket", "pymorse", "mujoco")
+        for name in ("socket", "pymorse", "mujoco", "socket_streams", "pymorse_streams")
     ]
     try:
         trials = interleave(programs, plan.repeats, _check)
@@ -39,3 +39,6 @@ def lockstep(plan: Plan) -> Iterator[Result]:
     yield Result(
         "W6", "pymorse", rates["pymorse"] / bare, "x bare loop", at_least(0.55), peers, {"morse": rates["pymorse"]}
     )
+    for name in ("socket", "pymorse"):
+        own = rates[f"{name}_streams"]
+        yield Result("W6", f"{name}, by streams and step", own / bare, "x bare loop", None, peers, {"morse": own})

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pymorse.poller import Poller
 
-_CHUNK = 1 << 18
+#: bytes that are read at once: large pieces only where many bytes arrive, because their memory has to be mapped
+_CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 18
 MAX_UNSENT = 64 << 20
 """Maximum number of unsent bytes for a simulation that does not read."""
 
@@ -96,10 +97,10 @@ class Channel:
 
     def readable(self) -> None:
         """Read all available bytes, or the end of the connection; called in the poll thread."""
-        more = True
+        more, chunk = True, _CHUNK
         while more and self._up:
             try:
-                data = self.socket.recv(_CHUNK)
+                data = self.socket.recv(chunk)
             except (BlockingIOError, InterruptedError):
                 return
             except OSError:
@@ -108,7 +109,7 @@ class Channel:
                 self.close()
                 return
             self.received(data)
-            more = len(data) == _CHUNK
+            more, chunk = len(data) == chunk, _LARGE_CHUNK
 
     def close(self) -> None:
         """Close the connection; bytes that were passed to the operating system are still sent."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
 import selectors
 import socket
 import threading
@@ -22,6 +23,8 @@ _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 _COURTESY = 0.005
 #: interval at which a guest tries to wake up the sleeping thread, s
 _AGAIN = 0.005
+#: time for which a guest polls before it sleeps, s, if its last wait was shorter than that
+_WATCH = 0.0002 if (os.cpu_count() or 1) > 1 else 0.0
 
 
 def _nothing() -> None: ...
@@ -57,6 +60,7 @@ class Poller(threading.Thread):
         self._guest = threading.Lock()
         self._standing_back = threading.Condition()
         self._until = 0.0
+        self._watchful = True
 
     def is_serving(self) -> bool:
         """Whether the calling thread is the one that serves."""
@@ -159,9 +163,10 @@ class Poller(threading.Thread):
             if not self._take_turn():
                 return False
             try:
-                self._round(0.0)
+                if timeout <= 0.0:
+                    self._round(0.0)
                 while not (done() or self._stopping) and (left := deadline - time.monotonic()) > 0.0:
-                    self._round(left)
+                    self._round(left, watch=True)
             finally:
                 self._turn.release()
             self._until = time.monotonic() + _COURTESY
@@ -196,13 +201,13 @@ class Poller(threading.Thread):
         with self._standing_back:
             self._standing_back.notify_all()
 
-    def _round(self, timeout: float | None) -> None:
+    def _round(self, timeout: float | None, watch: bool = False) -> None:
         if self._ended:
             return
         self._serving = threading.get_ident()
         try:
             wakened = False
-            for key, events in self._selector.select(timeout):
+            for key, events in self._watch(timeout) if watch else self._selector.select(timeout):
                 if key.data is None:
                     wakened = True
                 else:
@@ -211,6 +216,17 @@ class Poller(threading.Thread):
                 self._obey()
         finally:
             self._serving = 0
+
+    def _watch(self, timeout: float | None) -> list[tuple[selectors.SelectorKey, int]]:
+        """The sockets that are ready; polls a moment, because waking a thread up takes longer than most answers."""
+        begin = now = time.perf_counter()
+        ready: list[tuple[selectors.SelectorKey, int]] = []
+        while self._watchful and now < begin + _WATCH and not ready:
+            ready = self._selector.select(0.0)
+            now = time.perf_counter()
+        ready = ready or self._selector.select(timeout)
+        self._watchful = time.perf_counter() < begin + _WATCH
+        return ready
 
     def _serve(self, channel: Channel, events: int) -> None:
         try:

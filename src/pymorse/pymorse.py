@@ -136,9 +136,12 @@ class Morse:
         Raises:
             ConnectionError: the simulation has ended.
         """
+        self._check_services()
+        return self._services.request(component, service, args)
+
+    def _check_services(self) -> None:
         if self._closed and not self._services.is_up():
             raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
-        return self._services.request(component, service, args)
 
     def rpc(self, component: str, service: str, *args: Any) -> Any:
         """Call a service and wait for its result without a timeout.
@@ -148,7 +151,8 @@ class Morse:
             MorseServicePreempted: it was cancelled or interrupted.
             TypeError: wrong number of arguments.
         """
-        return self.call(component, service, *args).result()
+        self._check_services()
+        return self._services.ask(component, service, args)
 
     def rpc_t(self, timeout: float | None, component: str, service: str, *args: Any) -> Any:
         """Call a service and wait at most ``timeout`` seconds for its result.

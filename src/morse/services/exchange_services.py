@@ -76,7 +76,7 @@ class ExchangeServices(AbstractObject):
         return self._simulation.request_steps(n, answer)
 
     def _component(self, name: str) -> Object:
-        component = self._context.component(name)
+        component = self._context.component(name) if isinstance(name, str) else None
         if component is None:
             known = [*self._context.components, *self._context.robots]
             raise MorseRPCInvokationError(f"no component {short(name)}{nearest(name, known)}")

@@ -11,7 +11,8 @@ from morse.middleware.socket.sending import send_now
 if TYPE_CHECKING:
     from morse.core.network import Network
 
-_CHUNK = 1 << 18
+#: bytes that are read at once: large pieces only where many bytes arrive, because their memory has to be mapped
+_CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 18
 #: default number of unsent bytes above which a peer counts as slow
 _HIGH_WATER = 1 << 16
 
@@ -55,6 +56,7 @@ class Connection:
         self._comes_first = comes_first
         self._listener: Listening
         self._rest = bytearray()
+        self._chunk = _CHUNK
         self._reading = self._writing = False
         self._slow = self._closing = self._ended = False
         self.high_water = _HIGH_WATER
@@ -94,12 +96,13 @@ class Connection:
         if not self._reading:
             return
         try:
-            data = self._socket.recv(_CHUNK)
+            data = self._socket.recv(self._chunk)
         except (BlockingIOError, InterruptedError):
             return
         except OSError as error:
             self._end(error)
             return
+        self._chunk = _LARGE_CHUNK if len(data) == self._chunk else _CHUNK
         if data:
             self._listener.data_received(data)
         else:
