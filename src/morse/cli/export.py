@@ -1,13 +1,17 @@
-"""``morse export``: the topics of a recording as tables."""
+"""``morse export``: the topics of a recording as tables, or the run as a film."""
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from morse.cli.filming import Filmed
+from morse.cli.filming import film as write_film
 from morse.cli.messages import CommandError, say
+from morse.cli.viewing import place_of, size_of
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
@@ -23,17 +27,64 @@ def command(
     topics: Annotated[
         str | None, typer.Option("--topics", metavar="TOPIC[,TOPIC]", help="Some topics (default: all).")
     ] = None,
+    film: Annotated[bool, typer.Option("--film", help="A film of the run, which is simulated again.")] = False,
+    output: Annotated[
+        str | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="The film: .gif (default), .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
+        ),
+    ] = None,
+    origin: Annotated[
+        str | None,
+        typer.Option("--from", metavar="X,Y,Z", help="Viewpoint of the film, m (default: that of the script)."),
+    ] = None,
+    target: Annotated[
+        str | None, typer.Option("--at", metavar="X,Y,Z", help="What the film looks at, m (default: the origin).")
+    ] = None,
+    camera: Annotated[
+        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="Film what a camera of the scene sees.")
+    ] = None,
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of the film.")] = "1280x720",
+    fov: Annotated[float | None, typer.Option("--fov", help="Angle of view of the film, degrees.")] = None,
+    rate: Annotated[float, typer.Option("--rate", help="Frames per simulated second.")] = 20.0,
+    begin: Annotated[float, typer.Option("--begin", metavar="S", help="Simulated seconds before the film.")] = 0.0,
+    length: Annotated[
+        float | None, typer.Option("--length", metavar="S", help="Simulated seconds of the film (default: the rest).")
+    ] = None,
+    fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
+    scene: Annotated[
+        str | None, typer.Option("--scene", metavar="PATH", help="Film: the scene script, if it is another one.")
+    ] = None,
+    trust: Annotated[
+        bool, typer.Option("--trust", help="Film: execute the script in the recording if need be.")
+    ] = False,
 ) -> int:
-    """Write a table for each topic of a recording.
+    """Write a table for each topic of a recording, or a film of the run.
 
-    A row is a message; its columns are simulated time and the fields of the message.
+    A row is a message; its columns are simulated time and the fields of the message. For a film, the scene is simulated
+    again with the seed and the inputs of the recording, and rendered as by `morse render`.
     """
     from morse.core.exceptions import MorseError
     from morse.recording.export import export
     from morse.recording.mcap.reader import McapFile
 
-    if csv == parquet:
-        raise CommandError("Say --csv or --parquet: which form the tables have.", 2)
+    if [csv, parquet, film].count(True) != 1:
+        raise CommandError("Say --csv or --parquet for tables, or --film.", 2)
+    if film:
+        what = Filmed(
+            camera,
+            (place_of(origin, "--from"), place_of(target, "--at")),
+            size_of(size),
+            fov,
+            fine,
+            rate,
+            begin,
+            length,
+        )
+        return _film(file, Path(output or f"{Path(file).stem}.gif"), what, scene or "", trust)
     folder = to or os.path.splitext(os.path.basename(file))[0]
     chosen = [topic.strip() for topic in (topics or "").split(",") if topic.strip()]
     try:
@@ -48,4 +99,27 @@ def command(
     for one in written:
         without = f", without {', '.join(one.left_out)} (--parquet holds them)" if one.left_out else ""
         say(f"{one.path}: {one.rows} rows of {one.topic}{without}")
+    return 0
+
+
+def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
+    from morse.core.exceptions import MorseError
+    from morse.recording.recording import Recording
+    from morse.rendering import picture_files
+    from morse.simulation.faults import describe
+
+    what.check()
+    try:
+        picture_files.check(path, film=True)
+    except ValueError as error:
+        raise CommandError(f"-o: {error}.", 2) from None
+    try:
+        with Recording(file) as recording:
+            write_film(recording, path, what, scene, trust=trust)
+    except MorseError as error:
+        raise CommandError(str(error)) from None
+    except OSError as error:
+        raise CommandError(f"{path} could not be written, or {file} not be read: {error}") from None
+    except (ValueError, LookupError) as error:
+        raise CommandError(f"The scene cannot be simulated again: {describe(error)}") from None
     return 0

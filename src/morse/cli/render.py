@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,20 +9,15 @@ import typer
 
 from morse.cli.messages import CommandError, nearest, say
 from morse.cli.scenes import resolve
+from morse.cli.viewing import drawn, place_of, request_of, shape_of, size_of
 from morse.simulation.options import RunOptions
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from morse.rendering import CameraRequest, Lens
     from morse.simulation.simulation import Simulation
 
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 _SHOWN = ("color", "depth", "ids")
-_SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
-_FARTHEST = 1e4
 _LONGEST = 3600.0
 
 
@@ -69,24 +62,24 @@ def command(
 
     path = Path(output)
     _check(show, time, film, rate, camera, (origin, target, fov))
-    width, height = _size(size)
-    places = _place(origin, "--from"), _place(target, "--to")
+    width, height = size_of(size)
+    places = place_of(origin, "--from"), place_of(target, "--to")
     try:
         picture_files.check(path, film=film is not None)
     except ValueError as error:
         raise CommandError(f"-o: {error}.", status=2) from None
     simulation = _load(scene, seed)
     try:
-        request = _request(simulation, camera, places, (width, height), fov, fine, show == "color")
+        request = request_of(simulation, camera, places, (width, height), fov, fine, show == "color")
         _run(simulation, time)
         if film is None:
-            picture_files.save_picture(path, _draw(request, show, fine))
+            picture_files.save_picture(path, drawn(request, show, fine))
             say(f"{path}: {time:g} s after the start.")
             return 0
         frames = max(1, round(film * rate))
-        made = picture_files.film(path, _shape(request, fine), rate)
+        made = picture_files.film(path, shape_of(request, fine), rate)
         for number in range(frames):
-            made.add(_draw(request, show, fine))
+            made.add(drawn(request, show, fine))
             _run(simulation, time + (number + 1) / rate)
         made.close()
         say(f"{path}: {frames} frames of {film:g} s.")
@@ -110,25 +103,6 @@ def _check(
         raise CommandError(f"--rate is a number of frames in a second up to 1000, not {rate:g}.", status=2)
     if camera is not None and any(other is not None for other in others):
         raise CommandError("--camera shows what a camera sees: --from, --to and --fov do not go with it.", status=2)
-
-
-def _size(text: str) -> tuple[int, int]:
-    found = _SIZE.fullmatch(text)
-    if found is None or not all(1 <= int(number) <= 8192 for number in found.groups()):
-        raise CommandError(f"--size is width x height in pixels up to 8192, such as 1280x720, not '{text}'.", status=2)
-    return int(found[1]), int(found[2])
-
-
-def _place(text: str | None, option: str) -> tuple[float, ...] | None:
-    if text is None:
-        return None
-    try:
-        found = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        found = ()
-    if len(found) != 3 or not all(abs(number) <= 1e6 for number in found):
-        raise CommandError(f"{option} is three numbers in metres, such as 4,-5,2.5, not '{text}'.", status=2)
-    return found
 
 
 def _load(words: list[str], seed: int | None) -> Simulation:
@@ -158,79 +132,3 @@ def _run(simulation: Simulation, until: float) -> None:
     ticks = round(until * simulation.clock.frequency) - simulation.clock.tick
     if ticks > 0:
         simulation.step(ticks)
-
-
-def _request(
-    simulation: Simulation,
-    camera: str | None,
-    places: tuple[Any, Any],
-    size: tuple[int, int],
-    fov: float | None,
-    fine: bool,
-    color: bool,
-) -> CameraRequest:
-    from morse.rendering import Renderer
-    from morse.rendering.viewpoint import Viewpoint, angle_of
-
-    renderer = simulation.context.server(Renderer)
-    if camera is not None:
-        component = simulation.context.components.get(camera)
-        lens: Lens | None = getattr(component, "lens", None)
-        if component is None or lens is None:
-            known = [n for n, c in simulation.context.components.items() if getattr(c, "lens", None) is not None]
-            there = f" There are: {', '.join(known)}." if known else " The scene has none."
-            raise CommandError(f"There is no camera '{camera}'.{nearest(camera, known)}{there}")
-        return renderer.request(component.bge_object, lens, color=color)
-    view = simulation.context.scene.settings.view
-    try:
-        if places == (None, None):
-            viewpoint = Viewpoint.of_script(view)
-        else:
-            viewpoint = Viewpoint.looking_at(places[0] or view.camera_location, places[1] or (0.0, 0.0, 0.0))
-        angle = angle_of(view) if fov is None else math.radians(fov)
-        return renderer.request(viewpoint, _lens(size, angle, fine), color=color)
-    except ValueError as error:
-        raise CommandError(f"{error}.", status=2) from None
-
-
-def _lens(size: tuple[int, int], angle: float, fine: bool) -> Lens:
-    from morse.rendering import Lens
-
-    width, height = (2 * number for number in size) if fine else size
-    return Lens.of_angle(width, height, angle, 0.05, _FARTHEST)
-
-
-def _shape(request: CameraRequest, fine: bool) -> tuple[int, int]:
-    from morse.rendering.viewpoint import Viewpoint
-
-    lens = request.lens
-    halved = fine and isinstance(request.obj, Viewpoint)
-    return (lens.width // 2, lens.height // 2) if halved else (lens.width, lens.height)
-
-
-def _draw(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
-    """(H, W, 3) what is seen now."""
-    import numpy as np
-
-    from morse.rendering.light_codes import LIGHT, encoded
-    from morse.viewer.feeds.id_colors import as_colors
-    from morse.viewer.feeds.pictures import as_pixels
-
-    request.server.serve([request])
-    picture = request.picture
-    assert picture is not None
-    if show == "ids":
-        pixels = as_colors(np.minimum(picture.ids + 1, 65535).astype(np.uint16))
-    elif show == "depth":
-        grey = as_pixels(np.where(picture.depth > 0, picture.depth, np.float32(np.inf)))
-        pixels = np.repeat(grey[..., None], 3, axis=2)
-    else:
-        assert picture.rgb is not None
-        pixels = picture.rgb
-    width, height = _shape(request, fine)
-    if pixels.shape[:2] == (height, width):
-        return pixels
-    if show != "color":
-        return np.ascontiguousarray(pixels[::2, ::2])
-    light = LIGHT[pixels]
-    return encoded((light[0::2, 0::2] + light[1::2, 0::2] + light[0::2, 1::2] + light[1::2, 1::2]) * np.float32(0.25))

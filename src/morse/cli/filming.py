@@ -1,0 +1,100 @@
+"""A film of a recorded run."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from morse.cli.messages import CommandError, say
+from morse.cli.viewing import drawn, request_of, shape_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.recording.recording import Recording
+
+_FASTEST, _LONGEST = 1000.0, 1e6
+
+
+class Filmed(NamedTuple):
+    """The content of a film.
+
+    Attributes:
+        camera: name of a camera of the scene, or None.
+        places: (x, y, z) of the viewpoint and of the point at which it looks, m; None for those of the script.
+        size: width and height, px.
+        fov: angle of view, degrees; None for that of the script.
+        fine: whether four times as many samples are drawn.
+        rate: frames per simulated second.
+        begin, length: simulated seconds; a length of None is the rest of the recording.
+    """
+
+    camera: str | None
+    places: tuple[Any, Any]
+    size: tuple[int, int]
+    fov: float | None
+    fine: bool
+    rate: float
+    begin: float
+    length: float | None
+
+    def check(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            CommandError: a number is out of range, or options exclude each other.
+        """
+        if not 0.0 < self.rate <= _FASTEST:
+            raise CommandError(f"--rate is a number of frames per second up to {_FASTEST:g}, not {self.rate:g}.", 2)
+        if not 0.0 <= self.begin <= _LONGEST:
+            raise CommandError(f"--begin is a number of simulated seconds, 0 or more, not {self.begin:g}.", 2)
+        if self.length is not None and not 0.0 < self.length <= _LONGEST:
+            raise CommandError(f"--length is a number of simulated seconds, not {self.length:g}.", 2)
+        if self.camera is not None and (self.places != (None, None) or self.fov is not None):
+            raise CommandError("--camera shows what a camera sees: --from, --at and --fov do not go with it.", 2)
+
+
+def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool) -> None:
+    """Simulate a recorded run again, and write a film of it.
+
+    Args:
+        recording: of a run.
+        path: of the film.
+        what: what is shown.
+        scene: path of the scene script; empty for the one that was recorded.
+        trust: see `morse.launch.recorded_run.options_of`.
+
+    Raises:
+        CommandError: there is no such camera, or the recording ends before the film begins.
+        MorseError: the run cannot be simulated again.
+        OSError: the film cannot be written.
+    """
+    from morse.launch.load import described, start
+    from morse.launch.recorded_run import inputs_of, options_of
+    from morse.rendering import picture_files
+    from morse.simulation.replaying import Replay
+
+    inputs = inputs_of(recording)
+    with contextlib.ExitStack() as stack:
+        options = options_of(recording, scene, trust, stack, say)
+        simulation = stack.enter_context(start(described(options.script, options), options))
+        replay = Replay(simulation, inputs)
+        frequency = simulation.clock.frequency
+        first = round(what.begin * frequency)
+        last = None if what.length is None else first + round(what.length * frequency)
+        made: Any = None
+        frames = ticks = 0
+        while not replay.done and (last is None or ticks < last):
+            if ticks >= first + round(frames * frequency / what.rate):
+                # a restart makes new components
+                request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
+                if made is None:
+                    made = picture_files.film(path, shape_of(request, what.fine), what.rate)
+                made.add(drawn(request, "color", what.fine))
+                frames += 1
+            replay.step()
+            ticks += 1
+        if made is None:
+            raise CommandError(f"The recording ends after {ticks / frequency:g} s, before the film begins.")
+        made.close()
+    say(f"{path}: {frames} frames of {frames / what.rate:g} s.")
