@@ -88,7 +88,13 @@ class RandomDrawing:
             return Light(lamps, sky, sun, made)
         finer = sun.copy()
         finer[:8], finer[12] = sun[:8] * 2.5, sun[12] / 2.5
-        return Light(lamps, sky, sun, made, finer, np.full((70, 55), -1e30, np.float32))
+        lamp = np.zeros(16, np.float32)
+        to = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        matrix = np.array([[20, 0, 18], [0, 20, 22], [0, 0, 1]]) @ to
+        lamp[:12] = np.column_stack([matrix, matrix @ (to[2] * 3)]).ravel()
+        lamp[12] = 0.05
+        depths = -rng.uniform(1, 5, (45, 37)).astype(np.float32)
+        return Light(lamps, sky, sun, made, finer, np.full((70, 55), -1e30, np.float32), lamp, depths)
 
     def cameras(self, sizes=((40, 33), (64, 20)), near=0.1, far=8.0, color=True):
         rows = np.zeros(len(sizes), CAMERA)

@@ -28,6 +28,8 @@ _AREA = 1.5
 _TOWARDS_SUN = (0.45, -0.55, 0.75)
 #: maximum number of lamps; the strongest ones are used, as in the live view
 _MOST_LAMPS = 8
+#: half of the opening angle of a spot, rad, up to which it casts shadows
+_WIDEST_SHADOW = 1.05
 
 
 def _srgb(code: int) -> NDArray[np.float64]:
@@ -40,10 +42,26 @@ class Lamps(NamedTuple):
     Attributes:
         lamps: (L,) `LAMP`.
         sunny: (3,) unit vector to the sun that casts shadows.
+        spot: the spot lamp that casts shadows, the strongest one; None if there is none.
     """
 
     lamps: NDArray[np.void]
     sunny: NDArray[np.float64]
+    spot: Spot | None
+
+
+class Spot(NamedTuple):
+    """A spot lamp.
+
+    Attributes:
+        position: (3,) m, frame of the world.
+        rotation: (9,) row by row; it shines along its -Z axis.
+        angle: half of the opening angle, rad.
+    """
+
+    position: tuple[float, ...]
+    rotation: tuple[float, ...]
+    angle: float
 
 
 def light_nodes(scene: Scene) -> list[Node]:
@@ -58,7 +76,7 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
     suns = [node for node in nodes if node.light is not None and node.light.type == "SUN"]
     mixed = bool(suns) and len(suns) < len(nodes)
     rows: list[tuple[object, ...]] = []
-    sunny = None
+    sunny, spot = None, None
     for node in _strongest_first(nodes, world, view)[:_MOST_LAMPS]:
         light = node.light
         assert light is not None
@@ -79,7 +97,11 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
             angle, edge = (_AREA, 1.0) if is_area else (min(max(light.spot_size / 2, 1e-3), 1.5), 0.3)
             kind = SPOT if is_area or light.type == "SPOT" else POINT
             shape = (math.cos(angle), math.cos(angle * (1 - edge)))
-            rows.append(_lamp(kind, position, towards, color * _FULL * light.energy * share, shape=shape))
+            casts = light.type == "SPOT" and light.casts_shadow and angle <= _WIDEST_SHADOW and spot is None
+            if casts:
+                spot = Spot(tuple(position), tuple(rotation), angle)
+            strength = _FULL * light.energy * share
+            rows.append(_lamp(kind, position, towards, color * strength, shape=shape, ground=(float(casts), 0.0, 0.0)))
     if sunny is None:
         sunny = np.array(_TOWARDS_SUN) / np.linalg.norm(_TOWARDS_SUN)
         # with lamps in the scene, the sun is faint
@@ -89,7 +111,7 @@ def lamps_of(all_nodes: Sequence[Node], world: World) -> Lamps:
     made = np.array(rows, dtype=LAMP)
     for name in LAMP.names or ():
         made[name] = np.nan_to_num(made[name], nan=0.0, posinf=1e6, neginf=-1e6)
-    return Lamps(made, sunny)
+    return Lamps(made, sunny, spot)
 
 
 def _sky_light(view: ViewSettings, lit: bool, mixed: bool) -> tuple[object, ...]:

@@ -13,6 +13,7 @@ from morse.rendering.distortion import DistortedLens
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
 from morse.rendering.request import CameraRequest, Picture
 from morse.rendering.shadows import Shadows
+from morse.rendering.spot_shadows import SpotShadows
 from morse.rendering.textures import TextureStore
 from morse.rendering.warp import Drawn
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from morse.kernel.drawing import Pictures
+    from morse.kernel.drawing import Pictures, Poses
     from morse.physics import World
     from morse.rendering.lens import Lens
     from morse.rendering.request import Placed
@@ -83,7 +84,7 @@ class Renderer:
             _fill(row, view)
         light = self._light
         if cameras["color"].any():
-            light = self._lit()
+            light = self._lit(poses)
             assert self._shadows is not None
             self._shadows.update(poses)
         made = self._drawer.draw(cameras, poses, light, self._samples)
@@ -112,8 +113,8 @@ class Renderer:
         self.contents = Contents(world, self._meshes, self._textures)
         self._drawer = drawer(self.contents.drawing)
         self._light_nodes = light_nodes(world.scene)
-        self._shadows = None
-        lamps, sunny = lamps_of(self._light_nodes, world)
+        self._shadows, self._spot_shadows = None, SpotShadows()
+        lamps, sunny, _ = lamps_of(self._light_nodes, world)
         self._light = Light(lamps, sky_of(world.scene.settings.view, sunny), np.zeros(16, np.float32), None)
         self._arrangement, self._repaints = world.arrangement, world.repaints
         self._colors = [node.color for node in self.contents.nodes]
@@ -125,14 +126,14 @@ class Renderer:
         self._repaints = self._world.repaints
         return self._colors != [node.color for node in self.contents.nodes]
 
-    def _lit(self) -> Light:
-        """The present lamps, with the shadows of the sun."""
-        lamps, sunny = lamps_of(self._light_nodes, self._world)
+    def _lit(self, poses: Poses) -> Light:
+        """The present lamps, with the shadows of the sun and of a spot lamp."""
+        lamps, sunny, spot = lamps_of(self._light_nodes, self._world)
         if self._shadows is None or not np.array_equal(self._shadows.sunny, sunny):
             self._shadows = Shadows(self.contents, self._drawer, sunny, self._light)
         sky = sky_of(self._world.scene.settings.view, sunny)
         self._shadows.light = self._shadows.light._replace(lamps=lamps, sky=sky)
-        return self._shadows.light
+        return self._spot_shadows.update(self._shadows.light, spot, poses, self._drawer)
 
 
 class _View(NamedTuple):

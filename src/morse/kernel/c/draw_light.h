@@ -44,14 +44,9 @@ static inline float sunlit(const float *row, int64_t width, float au, float av, 
     return (lit[0] + lit[1] + lit[2] + lit[3]) * (1 / 9.0f);
 }
 
-// Looks up the shares of eight points that have no share yet; points outside the map get none.
-static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
-    const float *s = m->sun, *rows[LANES];
-    // an offset along the normal and towards the sun, so that no surface shadows itself
-    const V3 p = sum(place, scaled(n, splat(s[12] * 1.3f)));
-    const F8 u = s[0] * p.x + s[1] * p.y + s[2] * p.z + (s[3] - 0.5f);
-    const F8 v = s[4] * p.x + s[5] * p.y + s[6] * p.z + (s[7] - 0.5f);
-    const F8 d = s[8] * p.x + s[9] * p.y + s[10] * p.z + (s[11] + s[12] * 1.5f);
+// Reads the shares of eight points that have no share yet; points outside the map get none.
+static inline void read_map(const ShadowMap *m, F8 u, F8 v, F8 d, F8 *share) {
+    const float *rows[LANES];
     const F8 fu = whole(u), fv = whole(v), au = u - fu, av = v - fv;
     const I8 on = (*share < splat(0)) & (fu >= splat(1)) & (fv >= splat(1)) & (fu < splat((float)(m->width - 2))) &
                   (fv < splat((float)(m->height - 2)));
@@ -63,6 +58,31 @@ static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
         if (on[j]) EACH(i, 4) __builtin_prefetch(rows[j] + (int64_t)i * m->width);
     }
     EACH_LANE(j) if (on[j])(*share)[j] = sunlit(rows[j], m->width, au[j], av[j], d[j]);
+}
+
+static inline F8 along(const float *row, V3 p, float more) {
+    return row[0] * p.x + row[1] * p.y + row[2] * p.z + (row[3] + more);
+}
+
+// Looks up the shares of eight points in a map of the sun.
+static inline void look_up(const ShadowMap *m, V3 place, V3 n, F8 *share) {
+    const float *s = m->sun;
+    // an offset along the normal and towards the sun, so that no surface shadows itself
+    const V3 p = sum(place, scaled(n, splat(s[12] * 1.3f)));
+    read_map(m, along(s, p, -0.5f), along(s + 4, p, -0.5f), along(s + 8, p, s[12] * 1.5f), share);
+}
+
+// The share of a spot lamp's light that reaches eight points; its map is in perspective, so that texels grow with
+// depth.
+static inline F8 past_things(const Frame *f, V3 place, V3 n, F8 nl) {
+    const ShadowMap m = {f->lamp_shadow, f->lamp_frame, f->lamp_width, f->lamp_height};
+    const float *s = m.sun;
+    const F8 texel = greater(along(s + 8, place, 0), splat(1e-3f)) * s[12];
+    const V3 p = sum(place, scaled(n, texel * 1.3f));
+    const F8 depth = greater(along(s + 8, p, 0), splat(1e-3f)), scale = 1 / depth;
+    F8 share = pick(nl > splat(0), splat(-1), splat(0));
+    read_map(&m, along(s, p, 0) * scale - 0.5f, along(s + 4, p, 0) * scale - 0.5f, texel * 1.5f - depth, &share);
+    return pick(share < splat(0), splat(1), share);
 }
 
 // The share of the sun's light that reaches eight points: from the finer map if it covers them, else from the other.
@@ -103,6 +123,7 @@ static inline V3 lit(const Frame *f, V3 place, V3 n, V3 v, V3 base, F8 metallic,
         const F8 nl = greater(dot(n, to), zero);
         if (!any(nl > zero)) continue;
         if (kind == SUN_LAMP && k->outer > 0 && f->shadow_width) fade = in_sun(f, place, n, nl);
+        if (kind == SPOT_LAMP && k->ground[0] > 0 && f->lamp_width) fade *= past_things(f, place, n, nl);
         light = scaled(light, fade * nl), diffuse = sum(diffuse, light);
         const V3 h = unit(sum(to, v));
         const F8 nh = dot(n, h), t = nh * nh * (a2 - 1) + 1, q = 1 - lesser(dot(v, h), one), q2 = q * q;

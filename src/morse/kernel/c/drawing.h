@@ -69,8 +69,9 @@ typedef struct {
     const Camera *cameras;
     float *shadow;
     const float *sun;
-    const float *near_shadow, *near_sun;  // a finer map of a part of the world
-    int32_t (*jobs)[2];                   // pairs of camera and part
+    const float *near_shadow, *near_sun;    // a finer map of a part of the world
+    const float *lamp_shadow, *lamp_frame;  // a perspective map of a spot lamp: minus the depths, m
+    int32_t (*jobs)[2];                     // pairs of camera and part
     int64_t *starts, *counts;
     Seen *seen;
     int64_t *firsts;
@@ -81,7 +82,7 @@ typedef struct {
     int32_t *ids;
     float (*normals)[3];  // unit vectors along the axes of the camera; null if no camera measures them
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
-    int32_t near_width, near_height;
+    int32_t near_width, near_height, lamp_width, lamp_height;
     int64_t next;  // index of the next piece of work
 } Frame;
 

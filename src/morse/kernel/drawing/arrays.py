@@ -130,6 +130,9 @@ class Light(NamedTuple):
         sun: (16,) float32, world to the shadow map: three rows of a 3x4 matrix, and the width of a texel, m.
         shadow: (H, W) float32, distance of the nearest surface from the sun, m; None without shadows.
         near_sun, near_shadow: a finer map of a part of the world, or None; it has priority over the other map.
+        lamp_frame: (16,) float32, world to the shadow map of the spot lamps whose ``ground`` begins with 1: three rows
+            of a 3x4 projection to (column x depth, row x depth, depth), and the width of a texel at a depth of 1 m.
+        lamp_shadow: (H, W) float32, minus the depth of the nearest surface, m; None without it.
     """
 
     lamps: NDArray[Any]
@@ -138,6 +141,8 @@ class Light(NamedTuple):
     shadow: NDArray[np.float32] | None
     near_sun: NDArray[np.float32] | None = None
     near_shadow: NDArray[np.float32] | None = None
+    lamp_frame: NDArray[np.float32] | None = None
+    lamp_shadow: NDArray[np.float32] | None = None
 
 
 class Pictures(NamedTuple):

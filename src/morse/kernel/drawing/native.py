@@ -83,12 +83,13 @@ class NativeDrawer:
         return rectangles
 
     def _light(self, light: Light, poses: Poses, samples: int) -> None:
-        frame, shadow, near = self._frame, light.shadow, light.near_shadow
+        frame, shadow, near, lamp = self._frame, light.shadow, light.near_shadow, light.lamp_shadow
         frame.point(**light._asdict())
         frame.point(samples=np.array(SAMPLES[samples], np.float32), models=poses.models, turns=poses.turns)
         frame.lamp_count, frame.sample_count = len(light.lamps), samples
         frame.shadow_height, frame.shadow_width = (0, 0) if shadow is None else shadow.shape
         frame.near_height, frame.near_width = (0, 0) if near is None else near.shape
+        frame.lamp_height, frame.lamp_width = (0, 0) if lamp is None else lamp.shape
 
     def _bin(self, cameras: int, tiles: int) -> None:
         """Sort the triangles into tiles: count them, allocate memory, store them."""

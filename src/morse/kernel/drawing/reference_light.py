@@ -112,19 +112,43 @@ def _in_sun(light: Light, place: Vectors, n: Vectors, nl: Floats) -> Floats:
 
 
 def _looked_up(s: Floats, shadow: Floats, place: Vectors, n: Vectors) -> Floats:
-    """The shares from one map; -1 outside the map."""
+    """The shares from one map of the sun; -1 outside the map."""
     p = [a + b * (s[12] * f(1.3)) for a, b in zip(place, n, strict=True)]
-    u = s[0] * p[0] + s[1] * p[1] + s[2] * p[2] + (s[3] - f(0.5))
-    v = s[4] * p[0] + s[5] * p[1] + s[6] * p[2] + (s[7] - f(0.5))
-    d = s[8] * p[0] + s[9] * p[1] + s[10] * p[2] + (s[11] + s[12] * f(1.5))
+    return _read(shadow, _along(s, p, f(-0.5)), _along(s[4:], p, f(-0.5)), _along(s[8:], p, s[12] * f(1.5)))
+
+
+def _past_things(light: Light, place: Vectors, n: Vectors, nl: Floats) -> Floats:
+    """The share of a spot lamp's light that reaches points; its map is in perspective: texels grow with depth."""
+    s, shadow = light.lamp_frame, light.lamp_shadow
+    assert s is not None
+    assert shadow is not None
+    ahead = _along(s[8:], place, f(0))
+    nearest: Floats = np.where(ahead > f(1e-3), ahead, f(1e-3))
+    texel = nearest * s[12]
+    p = [a + b * (texel * f(1.3)) for a, b in zip(place, n, strict=True)]
+    ahead = _along(s[8:], p, f(0))
+    depth: Floats = np.where(ahead > f(1e-3), ahead, f(1e-3))
+    scale = f(1) / depth
+    u, v = _along(s, p, f(0)) * scale - f(0.5), _along(s[4:], p, f(0)) * scale - f(0.5)
+    share = np.where(nl > 0, _read(shadow, u, v, texel * f(1.5) - depth), f(0))
+    return np.where(share < 0, f(1), share).astype(np.float32)
+
+
+def _along(row: Floats, p: Vectors, more: np.float32) -> Floats:
+    return np.asarray(row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + (row[3] + more))
+
+
+def _read(shadow: Floats, u: Floats, v: Floats, d: Floats) -> Floats:
+    """The shares at columns and rows of a map; -1 outside the map."""
     fu, fv = np.floor(u), np.floor(v)
     au, av = u - fu, v - fv
     height, width = shadow.shape
     inside = (fu >= 1) & (fv >= 1) & (fu < width - 2) & (fv < height - 2)
     column = np.where(inside, fu, 1).astype(np.int64) - 1
     row = np.where(inside, fv, 1).astype(np.int64) - 1
-    across, down = [f(1) - au, f(1), f(1), au], [f(1) - av, f(1), f(1), av]
-    lit = [np.zeros_like(u) for _ in range(4)]
+    across: Vectors = [f(1) - au, f(1), f(1), au]
+    down: Vectors = [f(1) - av, f(1), f(1), av]
+    lit: list[Floats] = [np.zeros_like(u) for _ in range(4)]
     for j in range(4):
         for i in range(4):
             near = shadow[np.minimum(row + j, height - 1), np.minimum(column + i, width - 1)]
@@ -166,6 +190,8 @@ def lit(
         nl = np.where(nl > 0, nl, f(0))
         if k["kind"] == SUN and k["outer"] > 0 and light.shadow is not None:
             fade = _in_sun(light, place, n, nl)
+        if k["kind"] == SPOT and k["ground"][0] > 0 and light.lamp_shadow is not None:
+            fade = fade * _past_things(light, place, n, nl)
         strength = fade * nl
         shone = [part * strength for part in color]
         diffuse = [a + b for a, b in zip(diffuse, shone, strict=True)]

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
-    models turns cameras shadow sun near_shadow near_sun jobs starts counts seen firsts members tiles rgb depth ids
-    normals"""
+    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame jobs starts counts
+    seen firsts members tiles rgb depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
-    near_width near_height"""
+    near_width near_height lamp_width lamp_height"""
 
 
 class FrameStructure(ctypes.Structure):
