@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -29,20 +28,6 @@ def count() -> int:
 @cache
 def _pool(workers: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(workers, thread_name_prefix="morse-kernel")
-
-
-def share_out(work: Callable[[int, int], None], size: int, least: int) -> None:
-    """Call ``work(first, last)`` for parts of ``range(size)``, in threads if each gets at least ``least``."""
-    parts = min(count(), size // least)
-    if parts <= 1:
-        work(0, size)
-        return
-    cuts = [size * part // parts for part in range(parts + 1)]
-    pool = _pool(count() - 1)
-    waiting = [pool.submit(work, first, last) for first, last in itertools.pairwise(cuts[1:])]
-    work(cuts[0], cuts[1])
-    for future in waiting:
-        future.result()
 
 
 def together(work: Callable[[], object], pieces: int) -> None:

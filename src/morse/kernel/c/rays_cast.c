@@ -3,7 +3,7 @@
 #include "primitives.h"
 #include "solids.h"
 
-MORSE_EXPORT void morse_rays_cast(const Solids *solids, const Rays *rays, int64_t first, int64_t last);
+MORSE_EXPORT void morse_rays_cast(const Solids *solids, Rays *rays, int64_t whole, int64_t part);
 
 typedef struct {
     const Solids *all;
@@ -91,14 +91,23 @@ static void cast_one(const Solids *solids, const Rays *rays, const double *posit
     rays->faces[i] = q.face;
 }
 
-// Casts the rays first, ..., last - 1 of all rays of all sensors: each ray is computed independently, so that the
-// distribution over threads does not matter.
-void morse_rays_cast(const Solids *solids, const Rays *rays, int64_t first, int64_t last) {
+// Casts the rays first, ..., last - 1 of all rays of all sensors.
+static void cast_part(const Solids *solids, const Rays *rays, int64_t first, int64_t last) {
     while (first < last) {
         const int64_t sensor = first / rays->rays, start = sensor * rays->rays;
         const int64_t end = last < start + rays->rays ? last : start + rays->rays;
         double position[3], rotation[9];
         aim(rays, sensor, position, rotation);
         for (; first < end; first++) cast_one(solids, rays, position, rotation, sensor, first - start);
+    }
+}
+
+// Casts all rays; several threads may call it at once, and each takes one part after another: some parts take longer
+// than others. Each ray is computed independently, so that the distribution over threads does not matter.
+void morse_rays_cast(const Solids *solids, Rays *rays, int64_t whole, int64_t part) {
+    for (;;) {
+        const int64_t first = __atomic_fetch_add(&rays->next, part, __ATOMIC_RELAXED);
+        if (first >= whole) return;
+        cast_part(solids, rays, first, whole - first < part ? whole : first + part);
     }
 }

@@ -26,4 +26,5 @@ typedef struct {
     double *distances;                              // infinite for nothing
     int64_t *solids;                                // -1 for nothing
     int32_t *faces;                                 // triangle of the mesh, else -1
+    int64_t next;                                   // first ray that no thread has taken
 } Rays;

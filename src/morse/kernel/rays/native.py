@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: number of rays that justify another thread
 _RAYS_A_THREAD = 2500
+#: rays that a thread takes at a time
+_PART = 256
 
 
 class _Memory:
@@ -139,14 +141,15 @@ class NativeRays:
         rays.slot_positions, rays.slot_rotations, rays.anchor = self._addresses_of(poses)
         rays.groups = address(groups)
         rays.distances, rays.solids, rays.faces = addresses(*hits)
-        whole = fan.shape[0] * fan.shape[1]
-
-        def cast_some(first: int, last: int) -> None:
-            self._library.morse_rays_cast(
-                ctypes.byref(self._solids), ctypes.byref(rays), ctypes.c_int64(first), ctypes.c_int64(last)
-            )
-
-        threads.share_out(cast_some, whole, _RAYS_A_THREAD)
+        rays.next, whole = 0, fan.shape[0] * fan.shape[1]
+        workers = whole // _RAYS_A_THREAD
+        arguments = (
+            ctypes.byref(self._solids),
+            ctypes.byref(rays),
+            ctypes.c_int64(whole),
+            ctypes.c_int64(_PART if workers > 1 else max(whole, 1)),
+        )
+        threads.together(lambda: self._library.morse_rays_cast(*arguments), workers)
         return hits
 
     def _addresses_of(self, poses: Poses) -> list[int | None]:

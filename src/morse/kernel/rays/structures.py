@@ -53,4 +53,5 @@ class RaysStructure(ctypes.Structure):
         *_addresses("directions origins owners groups"),
         ("limit", c_double),
         *_addresses("distances solids faces"),
+        ("next", c_int64),
     )
