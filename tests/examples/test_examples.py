@@ -115,6 +115,15 @@ def test_gripper(run):
     assert carried == pytest.approx(math.sqrt(2.0), abs=0.35)
 
 
+@example_test("legs")
+def test_legs(run):
+    walked, torque = run("legs", math.inf)
+    assert walked > 0.8
+    # a quarter of 12 kg, less the shin, is ahead of the knee by 0.22 m times the sine of the angle of the thigh
+    lever = 0.22 * math.sin(math.acos(0.36 / 0.44))
+    assert torque == pytest.approx((12.0 / 4.0 - 0.15) * 9.81 * lever, rel=0.1)
+
+
 @example_test("ptu")
 def test_ptu(run):
     seen = run("ptu")

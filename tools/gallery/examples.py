@@ -36,7 +36,16 @@ command copies both files, as a basis for your own scene. With `--headless` ther
 ends with the client. The tests run all examples.
 """
 #: simulated seconds after which the picture is taken, if not at the end of the client
-MOMENTS = {"waypoints": 8.0, "quadrotor": 4.0, "battery": 9.0, "lights": 1.1, "laser": 6.0, "drive": 5.0, "rescue": 3.0}
+MOMENTS = {
+    "waypoints": 8.0,
+    "quadrotor": 4.0,
+    "battery": 9.0,
+    "lights": 1.1,
+    "laser": 6.0,
+    "drive": 5.0,
+    "rescue": 3.0,
+    "legs": 5.0,
+}
 
 
 def take(example: Example) -> Path:
