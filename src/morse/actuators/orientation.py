@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from operator import sub
 from typing import Any
 
-from morse.core import mathutils
 from morse.core.actuator import Actuator
 from morse.core.limits import ANGLE
 from morse.helpers.components import add_data, add_kind, add_property, euler
+from morse.mathutils.rotations import rotation_from_euler
 
 _ALIKE = 1e-9
 
@@ -81,11 +82,13 @@ class Orientation(Actuator):
 
     def _force(self, roll: float, pitch: float, yaw: float) -> None:
         obj = self.robot_parent.bge_object
-        wanted = mathutils.Euler([roll, pitch, yaw]).to_matrix()
-        now = obj.world_pose()[1]
-        if any(abs(wanted[i][j] - now[3 * i + j]) > _ALIKE for i in range(3) for j in range(3)):
-            obj.worldOrientation = wanted
-        obj.set_velocity(None, (0.0, 0.0, 0.0))
+        wanted = rotation_from_euler((roll, pitch, yaw), "XYZ")
+        place, now = obj.world_pose()
+        if max(map(abs, map(sub, wanted, now))) > _ALIKE:
+            obj.set_pose(place, wanted)
+        # a robot that does not turn is left alone, so that it can rest
+        if any(obj.velocity()[1]):
+            obj.set_velocity(None, (0.0, 0.0, 0.0))
 
 
 def _body_rates(rates: list[float], roll: float, pitch: float) -> tuple[float, float, float]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from morse.actuators.holding import Holding
-from morse.core import mathutils
 from morse.core.limits import ANGLE, POSITION, Angle, Position
 from morse.core.services import service
 from morse.helpers.components import add_data
+from morse.mathutils.rotations import rotation_from_euler
 
 #: natural frequency, rad/s, and damping of the filters of the angles
 _FREQUENCY, _DAMPING = 10.0, 0.7
@@ -68,13 +68,13 @@ class StabilizedQuadrotor(Holding):
         for i, wanted in enumerate((data["phi_c"], data["theta_c"], angles[2] - data["psi_c"])):
             rates[i] += dt * _FREQUENCY * (_FREQUENCY * (wanted - angles[i]) - 2.0 * _DAMPING * rates[i])
             angles[i] += dt * rates[i]
-        rotation = mathutils.Euler(angles).to_matrix()
+        rotation = rotation_from_euler(angles, "XYZ")
         place = list(self.robot_parent.bge_object.world_pose()[0])
         lift = _LIFT + _HEIGHT_GAIN * (data["h_c"] - place[2]) - _CLIMB_GAIN * self._velocity[2]
         for i, pull in enumerate((0.0, 0.0, _LIFT)):
-            self._velocity[i] += dt * (rotation[i][2] * lift - pull)
+            self._velocity[i] += dt * (rotation[3 * i + 2] * lift - pull)
             place[i] += dt * self._velocity[i]
         body = self.robot_parent.bge_object
-        body.set_pose(place, [number for row in rotation for number in row])
+        body.set_pose(place, rotation)
         # a suspended body has no velocity
         body.suspendDynamics()

@@ -83,8 +83,8 @@ class Furnisher:
             return empty(row.name, row.at, row.turned, parent=parent, **row.options)
         if "collision" in row.name.lower():
             parts = [box(*row.size).moved(*row.centre)]
-            row.options.setdefault("collision", "box")
-            return hidden_shape(row.name, parts, row.at, row.turned, parent=parent, **row.options)
+            options = {"collision": "box", **row.options}
+            return hidden_shape(row.name, parts, row.at, row.turned, parent=parent, **options)
         kind, build = self._looks(row)
         if kind in self._boxes:
             row.options.setdefault("collision", "box")
