@@ -1,11 +1,11 @@
-"""What actuators are told while they are measured, so that each does all of its work in every tick."""
+"""Commands for actuators during a measurement, so that each does all of its work in every tick."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-#: fields that change while a component is measured: the height of a sine of half a hertz
+#: fields that change during a measurement: the amplitude of a sine of half a hertz
 _SWINGING = {"PA10": 1.0, "KukaLWR": 1.0, "Armature": 1.0, "PTU": 1.0}
 _FIXED: dict[str, dict[str, Any]] = {
     "MotionVW": {"v": 0.5, "w": 0.3},
@@ -27,10 +27,10 @@ _FIXED: dict[str, dict[str, Any]] = {
 
 
 def command(name: str, component: Any, time: float) -> None:
-    """Tell a component what to do in this tick.
+    """Command a component for this tick.
 
     Args:
-        name: of its class in scene scripts.
+        name: name of its class in scene scripts.
         time: simulated time, s.
     """
     data = component.local_data

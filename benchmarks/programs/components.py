@@ -44,15 +44,15 @@ def main() -> None:
             processors.append(robot.acted[1] if moves else processor - processor_without)
     failed = sorted(robot.simulation.context.failed)
     if failed:
-        sys.exit(f"{failed[0]} was switched off")
-    # medians: what else the machine does falls on few ticks
+        sys.exit(f"{failed[0]} was deactivated")
+    # medians: other load of the machine affects few ticks
     stopwatch.report(
         us=statistics.median(walls) * 1e6, processor_us=statistics.median(processors) * 1e6, rays=robot.looks_around
     )
 
 
 class Stand:
-    """A simulation with one robot, which moves."""
+    """A simulation with one moving robot."""
 
     def __init__(self, name: str, *, carries: bool) -> None:
         self.name = name
@@ -77,11 +77,11 @@ class Stand:
 
     @property
     def looks_around(self) -> bool:
-        """Whether the component casts rays or takes pictures."""
+        """Whether the component casts rays or captures images."""
         return bool(self.component.requests) or hasattr(self.component, "radars")
 
     def tick(self) -> tuple[float, float]:
-        """Seconds of the wall clock, and of this thread on the processor, that a tick takes."""
+        """Wall-clock time and processor time of this thread for a tick, seconds."""
         if self._is_driven:
             if hasattr(self.robot, "apply_vw_wheels"):
                 self.robot.apply_vw_wheels(work.SPEED, work.RATE)

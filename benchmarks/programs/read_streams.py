@@ -22,7 +22,7 @@ def main() -> None:
             connection = socket.create_connection(("127.0.0.1", int(port)))
             connection.sendall(requests)
             if binary:
-                connection.recv(1)  # the simulation knows that somebody reads
+                connection.recv(1)  # the simulation knows the reader
             connection.setblocking(False)
             selector.register(connection, selectors.EVENT_READ)
     print("connected", flush=True)

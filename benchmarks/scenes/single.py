@@ -49,7 +49,7 @@ if NAME in HOLDERS:
 if CARRIES:
     component = made(NAME)
     component.frequency(60)
-    # where such things are mounted: arms on top, bumpers in front
+    # usual mounting positions: arms on top, bumpers in front
     if NAME in ("Armature", "KukaLWR", "PA10"):
         component.translate(z=1.7)
     elif NAME in ("Bumper", "Collision"):

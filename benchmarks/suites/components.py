@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from benchmarks.plan import Plan
 
 _WANTED = {"empty": 3.0, "Pose": 5.0, "MotionVW": 5.0}
-#: of every other component that neither casts rays nor takes pictures
+#: target for every other component without rays or images
 _MOST = 15.0
 
 

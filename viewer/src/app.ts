@@ -52,7 +52,7 @@ export class App {
   /** the camera pose that services have set since the world was described */
   private viewpoint: Viewpoint | null = null;
   private loading = Promise.resolve();
-  /** changes since the world was described; a world that is loaded later needs them, too */
+  /** changes since the world was described, applied to a world that is loaded later */
   private readonly appearances = new Map<string, Appearance>();
 
   constructor() {
@@ -82,7 +82,7 @@ export class App {
     this.connection.on("refused", ({ why }) => this.toasts.show(why, "error"));
     this.connection.on("welcome", ({ title }) => {
       document.title = title;
-      this.appearances.clear(); // what still holds is told again
+      this.appearances.clear(); // valid changes are sent again
     });
     this.connection.onPoses = (frame) => this.take(frame);
     this.stage.onDrawn(() => this.connection.drawn());

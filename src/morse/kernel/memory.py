@@ -29,7 +29,7 @@ def aligned(count: int, dtype: DTypeLike) -> NDArray[Any]:
 def address(array: NDArray[Any] | None) -> int | None:
     """The address of the first number of an array; None for None.
 
-    The caller has to keep the array.
+    The caller has to keep a reference to the array.
 
     Raises:
         ValueError: the array is not contiguous.
@@ -37,7 +37,7 @@ def address(array: NDArray[Any] | None) -> int | None:
     if array is None:
         return None
     try:
-        # a fifth of the time of ``__array_interface__``
+        # takes a fifth of the time of ``__array_interface__``
         return addressof(_first_byte(array))
     except (TypeError, ValueError):
         # read-only, without numbers, or not contiguous

@@ -30,7 +30,7 @@ _INTERVAL = 0.5
 _CHUNK = 4 << 20
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: blocks that are kept for use
+#: maximum number of blocks that are kept for reuse
 _MOST_BLOCKS = 3
 
 
@@ -57,11 +57,11 @@ class Disk:
         self.waits = 0
         self._writer = McapWriter(file)
         self._items: deque[_Item] = deque()
-        self._given = self._taken = 0  # bytes; the second is written by the thread alone
-        #: held while messages are gathered, and while a chunk of them is closed
+        self._given = self._taken = 0  # bytes; only the thread writes the second
+        #: locked while messages are collected, and while their chunk is closed
         self._lock = threading.Lock()
         self._gathered = Gathered()
-        #: blocks that may be used again
+        #: blocks for reuse
         self._blocks: deque[Block] = deque()
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
@@ -92,7 +92,7 @@ class Disk:
             tick: its number.
             moments: computes its time.
             positions, rotations: (K, 3) m and (K, 9) of all rigid groups; those of the layout are copied.
-            scans: captures, and what they have taken.
+            scans: captures, and their data.
         """
         with self._lock:
             gathered = self._gathered
@@ -114,7 +114,7 @@ class Disk:
             self._pass_on()
 
     def _begin_block(self, first: int, last: int) -> tuple[Gathered, Block]:
-        """Return room for the poses of some rigid groups, in a chunk that has none yet."""
+        """Return memory for the poses of some rigid groups, in a chunk that has none yet."""
         gathered = self._gathered if self._gathered.block is None else self._begin_chunk()
         with contextlib.suppress(IndexError):
             while gathered.block is None:
@@ -141,13 +141,13 @@ class Disk:
                 self._room.clear()
 
     def _close_chunk(self) -> None:
-        """Append what was gathered to the items, and begin anew."""
+        """Append the collected messages to the items, and start a new chunk."""
         with self._lock:
             if self._gathered:
                 self._begin_chunk()
 
     def _begin_chunk(self) -> Gathered:
-        """The same, by whoever holds the lock."""
+        """The same; the caller holds the lock."""
         self._given += self._gathered.weight()
         self._items.append(self._gathered)
         self._gathered = Gathered()
@@ -202,7 +202,7 @@ class Disk:
         except OSError as error:
             self.error = error
             self._end_well()
-        except Exception as error:  # a mistake of ours: the recording ends, and says so
+        except Exception as error:  # an internal error: the recording ends with this error
             self.error = OSError(errno.EIO, f"a message cannot be encoded ({type(error).__name__}: {error})")
             self._end_well()
 

@@ -1,4 +1,4 @@
-"""Gathers messages until there are enough for a chunk."""
+"""Collects messages until there are enough for a chunk."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
     from morse.recording.mcap.records import Message
     from morse.recording.mcap.writer import Entries, Index
 
-#: bytes that a message takes beside its data, about
+#: approximate overhead of a message, bytes
 _OVERHEAD = 100
-#: bytes of the poses in a block, about, and ticks of a block: writing to memory that is in no cache takes time
+#: approximate size of the poses in a block, bytes, and ticks of a block: writing to uncached memory takes time
 _BLOCK, _LEAST_TICKS, _MOST_TICKS = 1 << 18, 16, 1024
 
 
 class Block:
-    """Room for the poses of many ticks; it is used again when they are encoded.
+    """Memory for the poses of many ticks; it is reused after they are encoded.
 
     Attributes:
-        first, last: the rigid groups whose poses are kept: ``range(first, last)``.
+        first, last: the rigid groups whose poses are stored: ``range(first, last)``.
         positions, rotations: (R, K, 3) m and (R, K, 9) of these groups.
         count: R.
         rows: pairs of views, one for each tick.
@@ -49,9 +49,9 @@ class Gathered:
     Attributes:
         ticks: number and records of each tick that is encoded later.
         block: poses of these ticks, or None.
-        moments: works out the times of these ticks.
-        scans: what captures have taken, by capture.
-        held: bytes of memory that messages take, about.
+        moments: computes the times of these ticks.
+        scans: data of captures, by capture.
+        held: approximate memory of the messages, bytes.
     """
 
     __slots__ = ("_messages", "block", "held", "moments", "scans", "ticks")
@@ -74,17 +74,17 @@ class Gathered:
         self.held += _OVERHEAD + len(one.data)
 
     def weight(self) -> int:
-        """Bytes of memory that all of it takes, about."""
+        """Approximate total memory, bytes."""
         return self.held + (len(self.ticks) * self.ticks[-1][1].held if self.ticks else 0)
 
     # -- encoding ----------------------------------------------------------------------------
 
     def encoded(self) -> tuple[NDArray[np.uint8], Index]:
-        """Return the records, and where the messages of each channel are in them."""
+        """Return the records, and the positions of the messages of each channel in them."""
         sizes = np.array([MESSAGE_HEAD.size + len(one.data) for _, one in self._messages], dtype=np.int64)
         before = np.array([count for count, _ in self._messages], dtype=np.int64)
         ticks = np.array([layout.size for _, layout in self.ticks], dtype=np.int64)
-        # of all ticks and messages before one
+        # number of all ticks and messages before each one
         ticks_before, sizes_before = _sums(ticks), _sums(sizes)
         chunk = np.empty(ticks_before[-1] + sizes_before[-1], dtype=np.uint8)
         found: dict[int, list[Entries]] = {}

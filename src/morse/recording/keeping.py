@@ -1,4 +1,4 @@
-"""Keeps what sensors measure together, and the frames of robots, so that they are encoded later."""
+"""Stores data of sensors that act together, and frames of robots, so that they are encoded later."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from morse.recording.streams import RecordedStreams, Tape
 
 _CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
-#: groups and layouts that are known at most; groups are formed again when their members change
+#: maximum number of known groups and layouts; groups are formed again when their members change
 _MOST_KNOWN = 256
-#: captures that are made at most until the components change: making one takes as long as hundreds of messages
+#: maximum number of new captures until the components change: creating one takes as long as hundreds of messages
 _MOST_MADE = 200
 
 
 class Captures:
-    """What is kept in the tick of the messages of a recording.
+    """Stores the data of messages of a recording in the tick.
 
-    A group of sensors is kept from the tick after its first measurement on: the streams of its members are quiet then,
-    see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all messages.
+    A group of sensors is stored from the tick after its first measurement on: the streams of its members are then
+    silent, see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all messages.
 
     Args:
-        native: encodes.
-        streams: of the recording.
-        tape: takes the messages.
+        native: the encoder.
+        streams: the streams of the recording.
+        tape: receives the messages.
     """
 
     def __init__(self, native: NativeRecords, streams: RecordedStreams, tape: Tape) -> None:
@@ -47,19 +47,19 @@ class Captures:
         #: groups that have measured in this tick, in order
         self._fired: list[Group] = []
         self._fire = self._fired.append
-        #: components whose streams are quiet while they act together
+        #: components whose streams are silent while they act together
         self._quiet: set[Any] = set()
         self.forget()
         self._context.group_taps.append(self._fire)
 
     @classmethod
     def made_for(cls, streams: RecordedStreams, tape: Tape) -> Captures | None:
-        """Return the captures of a recording; None if there is no kernel."""
+        """Return the captures of a recording; None without the kernel."""
         native = records()
         return None if native is None else cls(native, streams, tape)
 
     def forget(self) -> None:
-        """The components may be others now."""
+        """The components may have changed."""
         #: by the members of a group
         self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
         self._layouts: dict[tuple[Group, ...], Layout] = {}
@@ -71,26 +71,26 @@ class Captures:
         self._quiet = {component for component in self._quiet if id(component) in present}
 
     def close(self) -> None:
-        """Keep nothing more."""
+        """Stop storing data."""
         self._fired.clear()
         if self._fire in self._context.group_taps:
             self._context.group_taps.remove(self._fire)
 
     def is_quiet(self, component: Any) -> bool:
-        """Whether the stream of a component does not encode what the component measures together with others."""
+        """Whether the stream of a component does not encode its measurements with others."""
         return component in self._quiet
 
     # -- a tick ------------------------------------------------------------------------------
 
     def flush(self) -> bool:
-        """A tick ends. Returns False if the streams have to encode simulated time and the frames."""
+        """The end of a tick. Returns False if the streams have to encode simulated time and the frames."""
         fired, world = self._fired, self._world
         layout = self._layouts.get(tuple(fired))
         if layout is None or world.displacements != self._displacements or self._transforms.changed:
             return self._look_around()
         positions = world.positions.array
         for group in layout.posed:
-            if group.poses.snapshot.group_positions is not positions:  # something has moved since
+            if group.poses.snapshot.group_positions is not positions:  # an object has moved since
                 return self._encode_all()
         scans = None
         if layout.scans:
@@ -107,7 +107,7 @@ class Captures:
         return True
 
     def _encode_all(self) -> bool:
-        """Let the streams encode what the groups of this tick have measured."""
+        """Let the streams encode the measurements of the groups of this tick."""
         for group in self._fired:
             for stream in self._streams_of(group):
                 if stream.component_instance in self._quiet:
@@ -120,10 +120,10 @@ class Captures:
         members: Any = group.members
         return [stream for member in members for stream in known.get(member.name(), ())]
 
-    # -- what has changed --------------------------------------------------------------------
+    # -- changes -----------------------------------------------------------------------------
 
     def _look_around(self) -> bool:
-        """Encode this tick by the streams, and find out how the next ones can be kept."""
+        """Encode this tick by the streams, and determine how the next ticks can be stored."""
         fired = tuple(self._fired)
         self._encode_all()
         if self._displacements != self._world.displacements:
@@ -154,7 +154,7 @@ class Captures:
         return False
 
     def _drop_dissolved(self) -> None:
-        """Forget the groups that have been dissolved: their members are in other ones, and must not be held twice."""
+        """Remove dissolved groups: their members are in other groups, and must not be stored twice."""
         if len(self._known) + len(self._layouts) > _MOST_KNOWN:
             self._known.clear()
             self._layouts.clear()
@@ -163,7 +163,7 @@ class Captures:
                 del self._layouts[groups]
 
     def _drop_displaced(self) -> None:
-        """Forget the captures of objects that were moved within their rigid groups."""
+        """Remove the captures of objects that were moved within their rigid groups."""
         for members, found in list(self._known.items()):
             if found is not None and found[1] != _mountings(members):
                 del self._known[members]
@@ -176,7 +176,7 @@ class Captures:
         return self._transforms.plain() or []
 
     def _find(self, group: Group) -> Capture | None:
-        """The capture of a group; its members become quiet, or cease to be so, when the group is formed again."""
+        """The capture of a group; its members become silent, or no longer are, when the group is formed again."""
         if group.members not in self._known:
             self._known[group.members] = self._make(group)
         found = self._known[group.members]
@@ -227,5 +227,5 @@ def _mountings(components: Any) -> list[Mounting]:
 
 
 def _stamps(ends: Sequence[int]) -> list[int]:
-    """Positions of the time stamps of the transforms: after the count, and after each transform."""
+    """Offsets of the time stamps of the transforms: after the count, and after each transform."""
     return [begin + -(begin - STAMP) % 4 for begin in (2 * STAMP, *ends[:-1])]

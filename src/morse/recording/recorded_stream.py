@@ -1,4 +1,4 @@
-"""The stream of a sensor that is recorded."""
+"""The stream of a recorded sensor."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 class Single(NamedTuple):
-    """The message of a sensor that has one message.
+    """The message of a sensor with one message.
 
     Attributes:
-        channel: its number in the file.
+        channel: id of its channel in the file.
         data: the present message.
     """
 
@@ -35,7 +35,7 @@ class RecordedStream(Ros2Stream):
         return () if captures is not None and captures.is_quiet(self.component_instance) else None
 
     def single(self, type_name: str) -> Single | None:
-        """Return the present message if the sensor has one message, of that type; else None."""
+        """Return the present message if the sensor has one message of that type; else None."""
         if len(self._sending) != 1 or len(self._sending[0][1]) != 1 or self._odometry is not None:
             return None
         bound, (line,) = self._sending[0]

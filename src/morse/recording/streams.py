@@ -35,7 +35,7 @@ class _Topic(Publisher):
     """Passes the messages of a topic to a writer.
 
     Attributes:
-        number: of the channel of the file.
+        number: id of the channel in the file.
     """
 
     def __init__(self, number: int, keep: Callable[[bytes], object]) -> None:
@@ -88,7 +88,7 @@ class Tape(Backend):
         self._moments = Moments(self._clock, self._back)
 
     def keep(self, layout: Layout, positions: Any, rotations: Any, scans: Any) -> None:
-        """Keep the messages of this tick; see `Disk.keep`."""
+        """Store the messages of this tick; see `Disk.keep`."""
         tick = self._clock.tick
         if tick < self._tick:
             self._go_back(tick)
@@ -155,7 +155,7 @@ class RecordedStreams(Ros2DatastreamManager):
         self._names = names
         self._refused: set[str] = set()
         super().__init__({**context.scene.manager_options.get(_ROS2, {}), **_ALWAYS}, context)
-        #: keep what is measured together, and encode it later; None: every message is encoded at once
+        #: stores data of sensors that act together, to encode them later; None: every message is encoded in the tick
         records_sensors = names is None or bool(names)
         self.captures = Captures.made_for(self, tape) if records_sensors and isinstance(tape, Tape) else None
         self.follow()
@@ -211,7 +211,7 @@ class RecordedStreams(Ros2DatastreamManager):
             self.write_log()
 
     def flush_others(self) -> None:
-        """Publish what belongs to the tick beside time and frames."""
+        """Publish messages of the tick other than time and frames."""
         self.robots.publish()
         if self._log is not None:
             self._log.publish(self.context.clock.stamp())
@@ -221,7 +221,7 @@ class RecordedStreams(Ros2DatastreamManager):
         return (self.robots.stating, () if self._log is None else self._log.lines)
 
     def own_channels(self) -> tuple[int, int] | None:
-        """The channels of simulated time and of the frames; None if they have no channels of a file."""
+        """The channels of simulated time and of the frames; None if they are not in a file."""
         clock, frames = getattr(self._clock, "number", None), getattr(self._tf, "number", None)
         return None if clock is None or frames is None else (clock, frames)
 

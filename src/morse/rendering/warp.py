@@ -108,7 +108,7 @@ class Warp:
                 rgb[flat.pixels] = _colors(flat, picture.rgb)
             numbers = picture.ids.ravel()[flat.nearest]
             if picture.normals is not None and normals is not None:
-                # turns permute axes, so that the products are exact
+                # these rotations permute axes, so that the products are exact
                 turned = picture.normals.reshape(-1, 3)[flat.nearest] @ flat.turn.T.astype(np.float32)
                 normals[flat.pixels] = turned + np.float32(0)
             depths = _depths(flat, picture, numbers) * flat.stretch

@@ -84,7 +84,7 @@ def _material(material: Material, depot: Depot) -> d.MaterialDescription:
 
 
 def describe_light(light: Light) -> d.LightDescription:
-    """A lamp as pages know it."""
+    """The description of a lamp for pages."""
     return d.LightDescription(
         light.type, light.color, light.energy, light.distance, light.spot_size, light.casts_shadow
     )

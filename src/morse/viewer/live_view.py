@@ -203,7 +203,7 @@ class View(Observer):
                 real_time_factor=pacer.real_time_factor if running else 0.0,
             )
         )
-        # every picture is sent: those of a camera come at its own rate
+        # every image is sent: the camera determines the rate
         self._pictures.update()
         if now - self._told >= _VALUES_INTERVAL:
             self._told = now

@@ -142,7 +142,7 @@ class ViewServer:
         self.send(World(self._revision, url))
 
     def offer(self, folder: str, mime: str, data: bytes) -> str:
-        """Let pages fetch something, and return its address.
+        """Add a file for pages, and return its address.
 
         Args:
             folder: the first part of the address.

@@ -71,8 +71,8 @@ class Site:
         files: by path.
 
     Args:
-        folder: with the files of the page.
-        origins: of other pages that may fetch the files, and show the page in a frame.
+        folder: folder with the files of the page.
+        origins: origins of other pages that may fetch the files, and show the page in a frame.
     """
 
     def __init__(self, folder: Path = STATIC, origins: Collection[str] = ()) -> None:

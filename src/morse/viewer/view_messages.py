@@ -93,12 +93,12 @@ class Pace(ServerMessage, frozen=True):
 
 
 class RecordingDescription(Struct, frozen=True):
-    """A recording that is being written.
+    """An active recording.
 
     Attributes:
         path: absolute.
         seconds: simulated seconds in it.
-        bytes: of the file; data that wait to be written are not counted.
+        bytes: size of the file, without data that wait to be written.
         stoppable: whether the service ``stop_recording`` ends it.
     """
 
@@ -109,7 +109,7 @@ class RecordingDescription(Struct, frozen=True):
 
 
 class Recordings(ServerMessage, frozen=True):
-    """The recordings that are being written now; none for a simulation that cannot be recorded."""
+    """The active recordings; none for a simulation that cannot be recorded."""
 
     recordings: list[RecordingDescription]
     possible: bool = True
@@ -347,7 +347,7 @@ class Frustum(ServerMessage, frozen=True):
     """The field of view of a camera.
 
     Attributes:
-        rim: directions of the border of the picture as unit vectors in the frame of the camera (X right, Y down,
+        rim: directions of the border of the image as unit vectors in the frame of the camera (X right, Y down,
             Z forward), clockwise from the upper left corner, the same number for each side.
         near, far: clipping distances along the axis, metres.
     """
@@ -371,12 +371,12 @@ class MassCentre(ServerMessage, frozen=True):
 
 
 class Sighting(Struct, frozen=True):
-    """An object that a camera has recognised in its picture.
+    """An object that a camera has detected.
 
     Attributes:
-        id: of its pixels.
+        id: id of its pixels.
         kind: its class; empty if it has none.
-        box: x0, y0, x1, y1, px from the upper left corner; x1 and y1 are the first ones outside.
+        box: x0, y0, x1, y1, px from the upper left corner; x1 and y1 are one past the last pixel.
     """
 
     id: int
@@ -389,12 +389,12 @@ class Picture(Payload, frozen=True):
     """The image of a camera.
 
     Attributes:
-        mime: ``image/jpeg``, ``image/png``, ``image/x-rgba`` for bare rows of 8-bit RGBA, or ``image/x-u16`` for
-            bare rows of little-endian uint16, compressed by zlib; the top row is first.
-        meaning: of the pixels. Depth is 8-bit: 255 stands for ``low``, `FARTHEST_LEVEL` for ``high``, and pixels
+        mime: ``image/jpeg``, ``image/png``, ``image/x-rgba`` for raw rows of 8-bit RGBA, or ``image/x-u16`` for
+            raw rows of little-endian uint16, compressed by zlib; the top row is first.
+        meaning: of the pixels. Depth is 8-bit: 255 means ``low``, `FARTHEST_LEVEL` means ``high``, and pixels
             without depth are black. Ids are 16-bit, 0 for none.
-        low, high: the least and the greatest depth in the picture, in ``unit``.
-        sightings: what the camera has recognised.
+        low, high: the smallest and the largest depth in the image, in ``unit``.
+        sightings: the detected objects.
     """
 
     camera: str
@@ -413,12 +413,12 @@ class Picture(Payload, frozen=True):
 
 
 class SoundState(ServerMessage, frozen=True):
-    """What a loudspeaker plays.
+    """The state of a loudspeaker.
 
     Attributes:
         component: also the name of its node.
         mode: ``play``, ``pause`` or ``stop``.
-        url: of the file; None for a tone.
+        url: address of the file; None for a tone.
         played: seconds of the sound that were played at the simulated time ``time`` (s).
     """
 

@@ -1,21 +1,21 @@
 import type { Picture } from "../generated/protocol";
 import { depthColor, idColor } from "./palette";
 
-/** The grey of the greatest depth: `FARTHEST_LEVEL` of the simulator. */
+/** The grey value of the largest depth: `FARTHEST_LEVEL` of the simulator. */
 const FARTHEST = 32;
-/** Darker greys show nothing. */
+/** Darker grey values mean no depth. */
 const NOTHING = FARTHEST / 2;
 
-/** A picture as it is drawn, and what its pixels mean. */
+/** A decoded image, and the meaning of its pixels. */
 export interface Pixels {
   image: ImageData | ImageBitmap;
   /** ids, row by row, or null */
   ids: Uint16Array | null;
-  /** depth of a pixel, NaN for none; null if the picture shows no depth */
+  /** depth of a pixel, NaN for none; null if the image has no depth */
   depthAt: ((index: number) => number) | null;
 }
 
-/** Decode a picture, and colour depths and ids. */
+/** Decode an image, and colour depths and ids. */
 export async function decode(picture: Picture): Promise<Pixels> {
   const { width, height, mime, payload, meaning } = picture;
   if (mime === "image/x-rgba") return plain(new ImageData(new Uint8ClampedArray(payload), width, height));
@@ -70,7 +70,7 @@ function shareOf(grey: number): number {
   return (255 - grey) / (255 - FARTHEST);
 }
 
-/** Opaque RGBA as a little-endian word, as graphics memory has it. */
+/** Opaque RGBA as a little-endian word, as in graphics memory. */
 function asWord([red, green, blue]: readonly [number, number, number]): number {
   return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }

@@ -2,12 +2,12 @@ import type { Sighting } from "../generated/protocol";
 import { h } from "../ui/dom";
 import { idColor } from "./palette";
 
-/** Width of the frames in saved pictures, px. */
+/** Width of the frames in saved images, px. */
 const LINE = 2;
-/** Width of a letter of a name, px: a name that is wider than its box is left out. */
+/** Width of a character of a name, px: a name that is wider than its box is left out. */
 const LETTER = 6.2;
 
-/** Boxes with names over a picture. */
+/** Boxes with names over an image. */
 export class Marks {
   readonly element = h("div", { class: "marks", "aria-hidden": "true" });
   private shown: Sighting[] = [];
@@ -37,7 +37,7 @@ export class Marks {
     });
   }
 
-  /** Draw the boxes into a picture that is saved. */
+  /** Draw the boxes into an image that is saved. */
   drawOn(context: CanvasRenderingContext2D): void {
     if (this.element.hidden) return;
     const size = Math.max(10, Math.round(context.canvas.height / 30));
@@ -64,7 +64,7 @@ function mark({ id, name, kind, box }: Sighting, width: number, height: number):
   return h("div", { class: "mark-box", style: place, title: kind === "" ? name : `${name}: ${kind}` }, h("span", {}, name));
 }
 
-/** The colour of an id, light enough for a frame over its own pixels. */
+/** The colour of an id, bright enough for a frame over its own pixels. */
 function inkOf(id: number): string {
   const [red, green, blue] = idColor(id).map((part) => Math.round(part + (255 - part) * 0.55)) as [number, number, number];
   return `rgb(${red} ${green} ${blue})`;

@@ -1,6 +1,6 @@
 type Rgb = readonly [number, number, number];
 
-/** From near to far; lightness falls all the way, so that the order is seen without telling the hues apart. */
+/** From near to far; the lightness decreases monotonically, so that the order is visible without distinguishing hues. */
 const DEPTHS: readonly Rgb[] = [
   [255, 246, 190],
   [255, 196, 92],
@@ -10,7 +10,7 @@ const DEPTHS: readonly Rgb[] = [
   [84, 42, 134],
   [44, 36, 104],
 ];
-/** Hues that follow each other are far apart: the golden ratio. The same colours as those of `morse render --show ids`. */
+/** The golden ratio: consecutive hues differ strongly. The same colours as those of `morse render --show ids`. */
 const STEP = 0.6180339887;
 
 /** The colour of a share, 0 for near, 1 for far. */

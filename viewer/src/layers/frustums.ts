@@ -4,11 +4,11 @@ import type { Frustum } from "../generated/protocol";
 import type { Surroundings } from "./layer";
 import { Layer, discard } from "./layer";
 
-/** A view that goes farther fades out here, m: it would hide the world otherwise. */
+/** Distance at which longer fields of view fade out, m: they would hide the world. */
 const LONGEST = 3;
 const LINES = new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false, toneMapped: false });
 const FACES = new MeshBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false, side: DoubleSide, toneMapped: false });
-/** Opacity of faces and lines at the camera; both fade with the distance unless the view ends. */
+/** Opacity of faces and lines at the camera; both fade with the distance if the field of view is longer. */
 const [FACE, LINE] = [0.2, 1];
 const FADED = 0.12;
 
@@ -69,7 +69,7 @@ export class Frustums extends Layer {
   }
 }
 
-/** Where the border of the picture is at a distance along the axis; on a sphere for lenses that look to the sides. */
+/** The border of the image at a distance along the axis; on a sphere for wide-angle lenses. */
 function border({ rim }: Frustum, distance: number): Point[] {
   const flat = rim.every(([, , z]) => z > 0.2);
   return rim.map(([x, y, z]) => {

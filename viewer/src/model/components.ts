@@ -56,12 +56,12 @@ export class Components {
     return component ? component.robot || null : null;
   }
 
-  /** The sensors that take pictures. */
+  /** The sensors that capture images. */
   get cameras(): ComponentDescription[] {
     return this.all.value.filter(({ kind, data }) => kind === "sensor" && data.some(({ name }) => name === "image"));
   }
 
-  /** The colour that stands for a camera on the whole page. */
+  /** The colour of a camera on the whole page. */
   colorOf(camera: string): string {
     const sensors = this.all.value.filter(({ kind, properties }) => kind === "sensor" && properties.some(({ name }) => name === "cam_width"));
     const known = sensors.length > 0 ? sensors : this.cameras;

@@ -2,10 +2,10 @@ import type { Components } from "../model/components";
 import { h } from "../ui/dom";
 import type { Images } from "./images";
 
-/** Cameras that the menu lists; the others are opened from their robot. */
+/** Maximum number of cameras in the menu; the others are opened from their robot. */
 const MOST = 24;
 
-/** Which pictures are shown: of the selected robot, and of single cameras. */
+/** Selects the displayed images: of the selected robot, and of single cameras. */
 export function camerasMenu(images: Images, components: Components): HTMLElement {
   const follow = h("input", { type: "checkbox", onchange: () => images.follows.set(follow.checked) });
   images.follows.watch((follows) => (follow.checked = follows));
@@ -29,7 +29,7 @@ export function camerasMenu(images: Images, components: Components): HTMLElement
   };
   components.all.watch(show);
   images.open.watch((open) => {
-    // in place: a box that was just ticked keeps the focus
+    // in place: a check box keeps the focus
     components.cameras.slice(0, MOST).forEach(({ name }, i) => {
       const box = list.children[i]?.querySelector("input");
       if (box) box.checked = open.includes(name);

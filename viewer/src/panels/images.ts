@@ -7,16 +7,16 @@ import { Signal } from "../ui/signal";
 import { PicturePanel } from "./picture";
 
 const KEY = "morse.pictures";
-/** Panels that a selection opens at most; fewer where there is little room. */
+/** Maximum number of panels that a selection opens; fewer in narrow windows. */
 const MOST = 4;
 const NARROW = 900; // pixels
 
-/** What cameras see: a panel each, opened by the user, or by selecting their robot. */
+/** Camera images: a panel each, opened by the user, or by selecting the robot. */
 export class Images {
   readonly element = h("div", { class: "images", role: "group", "aria-label": "pictures of cameras" });
   /** names of the cameras whose panels are open */
   readonly open = new Signal<string[]>([]);
-  /** whether selecting a robot shows what its cameras see */
+  /** whether selecting a robot shows the images of its cameras */
   readonly follows = new Signal(localStorage.getItem(KEY) !== "off");
   private readonly panels = new Map<string, PicturePanel>();
   /** opened by the user, or by the script */
@@ -62,7 +62,7 @@ export class Images {
     return name;
   }
 
-  /** Let all cameras take pictures, or stop them. */
+  /** Start or stop capturing of all cameras. */
   capture(): void {
     this.connection.send({ type: "toggle_capturing" });
   }
@@ -84,7 +84,7 @@ export class Images {
     this.session.keep("cameras", [...this.chosen]);
   }
 
-  /** Open and close panels, so that those are shown that were chosen, and those of the selected robot. */
+  /** Open and close panels for the chosen cameras, and for those of the selected robot. */
   private arrange(): void {
     const robot = this.components.robotOf(this.components.selected.value);
     if (robot !== this.robot) this.closed.clear();
@@ -100,7 +100,7 @@ export class Images {
     this.watching.set("images", "images", [...names]);
   }
 
-  /** The cameras of what is selected: a camera itself, or those of the robot. */
+  /** The cameras of the selection: a camera itself, or those of the robot. */
   private ofSelection(): string[] {
     const selected = this.components.selected.value;
     if (!this.follows.value || selected === null) return [];

@@ -7,16 +7,16 @@ import { h, iconButton } from "../ui/dom";
 import { fileName, save } from "../ui/files";
 import { icons } from "../ui/icons";
 
-/** Pictures whose times tell the rate. */
+/** Number of images from which the rate is computed. */
 const COUNTED = 10;
 
-/** What the panel asks of the page. */
+/** Actions of the page for the panel. */
 export interface PictureActions {
   hold(): void;
   close(): void;
 }
 
-/** What one camera sees: picture, boxes, scale, size and rate. */
+/** The image of one camera, with boxes, scale, size and rate. */
 export class PicturePanel {
   readonly element: HTMLElement;
   private readonly canvas = h("canvas", { width: 160, height: 120, role: "img" });
@@ -32,7 +32,7 @@ export class PicturePanel {
   private readonly times: number[] = [];
   private picture: Picture | null = null;
   private pixels: Pixels | null = null;
-  /** pictures that were decoded or left out */
+  /** images that were decoded or skipped */
   taken = 0;
   private decoding = false;
   private next: Picture | null = null;
@@ -75,14 +75,14 @@ export class PicturePanel {
     );
   }
 
-  /** The button says what it will do. */
+  /** The label of the button is its next action. */
   showCapturing(active: boolean): void {
     this.holdButton.innerHTML = active ? icons.pause : icons.play;
     this.holdButton.ariaLabel = active ? "Stop the cameras" : "Let the cameras take pictures";
     this.holdButton.title = `${this.holdButton.ariaLabel} (Space)`;
   }
 
-  /** Draw a picture; of those that come while one is decoded, the last one is drawn. */
+  /** Draw an image; of several that arrive during the decoding of another one, only the last one is drawn. */
   async show(picture: Picture): Promise<void> {
     this.next = picture;
     if (this.decoding) return;
@@ -92,7 +92,7 @@ export class PicturePanel {
         const one: Picture = this.next;
         this.next = null;
         const pixels = await decode(one).catch(() => null);
-        // a picture that the browser cannot read is left out
+        // an image that the browser cannot decode is skipped
         if (pixels) this.draw(one, pixels);
         this.taken += 1;
       }
@@ -125,20 +125,20 @@ export class PicturePanel {
 
   private count(time: number): void {
     const last = this.times.at(-1) ?? -Infinity;
-    // the simulation went back in time, or began anew
+    // the simulation went back in time, or was restarted
     if (time < last) this.times.length = 0;
     if (time !== last) this.times.push(time);
     if (this.times.length > COUNTED) this.times.shift();
   }
 
-  /** Pictures per simulated second, or null as long as there are too few. */
+  /** Images per simulated second, or null while there are too few. */
   private rate(): number | null {
     const [first, last] = [this.times[0], this.times.at(-1)];
     if (first === undefined || last === undefined || last <= first) return null;
     return (this.times.length - 1) / (last - first);
   }
 
-  /** Show what the pixel under the pointer means: a depth, or the name of an object. */
+  /** Show the meaning of the pixel under the pointer: a depth, or the name of an object. */
   private read(event: PointerEvent): void {
     const { picture, pixels } = this;
     const { left, top, width, height } = this.canvas.getBoundingClientRect();

@@ -12,10 +12,10 @@ interface Line {
   stop: HTMLElement;
 }
 
-/** Records the run into a file, and says how long it is and where. */
+/** Records the run into a file, and shows its duration and its path. */
 export class RecordingPanel {
   readonly button = iconButton(icons.record, "Record the run", () => void this.toggle());
-  /** over the view: what is being recorded, and where the last recording is */
+  /** over the view: the present recordings, and the path of the last one */
   readonly element = h("div", { class: "recordings" });
   private running: RecordingDescription[] = [];
   private saved: string | null = null;
@@ -30,7 +30,7 @@ export class RecordingPanel {
   ) {
     this.button.classList.add("record");
     connection.on("recordings", ({ recordings, possible }) => {
-      // what is no longer written is complete, whoever stopped it
+      // a recording that is no longer listed is complete, whatever stopped it
       const ended = this.running.find((old) => !recordings.some(({ path }) => path === old.path));
       if (ended) this.saved = ended.path;
       this.running = recordings;
@@ -44,7 +44,7 @@ export class RecordingPanel {
     return this.running.find(({ stoppable }) => stoppable) ?? null;
   }
 
-  /** Start a recording, or stop the one that can be stopped. */
+  /** Start a recording, or stop the one that the page can stop. */
   async toggle(): Promise<void> {
     const service = this.own ? "stop_recording" : "start_recording";
     const { ok, value, error } = await this.connection.request({ type: "call_service", component: "simulation", service, arguments: [] });
@@ -64,7 +64,7 @@ export class RecordingPanel {
     button.setAttribute("aria-pressed", String(own !== null));
     const lines = this.running.map((one) => this.line(one));
     if (this.saved !== null && !this.running.some(({ path }) => path === this.saved)) lines.push(this.savedLine(this.saved));
-    // what stays is left where it is: it may have the focus
+    // existing elements stay in place: they may have the focus
     for (const old of [...this.element.children]) if (!lines.includes(old as HTMLElement)) old.remove();
     for (const line of lines) if (!line.isConnected) this.element.append(line);
   }
@@ -101,7 +101,7 @@ export class RecordingPanel {
       await navigator.clipboard.writeText(path);
       this.toasts.show("The path is on the clipboard.");
     } catch {
-      // without a secure connection browsers keep the clipboard to themselves
+      // without a secure connection, browsers do not allow access to the clipboard
       this.toasts.show(path);
     }
   }
@@ -111,7 +111,7 @@ function fileOf(path: string): string {
   return path.split(/[\\/]/).at(-1) ?? path;
 }
 
-/** Bytes as people read them. */
+/** A size with a unit. */
 export function formatSize(bytes: number): string {
   if (bytes < 1000) return `${bytes} B`;
   const units = ["kB", "MB", "GB", "TB"];

@@ -9,10 +9,10 @@ import type { Stage } from "../view/stage";
 import { Voice, listen } from "./voice";
 
 const KEY = "morse.sound";
-/** Seconds in which the volume of everything changes. */
+/** Duration of volume changes, s. */
 const FADE = 0.03;
 
-/** The loudspeakers of robots, heard from where the camera is. */
+/** The loudspeakers of robots, heard at the position of the camera. */
 export class Sounds {
   readonly button = iconButton(icons.mute, "Sound", () => this.toggle());
   readonly voices = new Map<string, Voice>();
@@ -23,7 +23,7 @@ export class Sounds {
   private muted = localStorage.getItem(KEY) === "off";
   private volume = 0;
   private readonly spot = new Vector3();
-  /** what each voice plays now */
+  /** the present sound of each voice */
   private readonly played = new WeakMap<Voice, SoundState>();
 
   constructor(
@@ -33,7 +33,7 @@ export class Sounds {
   ) {
     this.button.hidden = true;
     connection.on("welcome", () => {
-      // loudspeakers that are still there are told again
+      // states of existing loudspeakers are sent again
       this.states.clear();
       this.update();
     });
@@ -44,7 +44,7 @@ export class Sounds {
     connection.state.watch(() => this.setVolume());
     poses.watch(() => this.setVolume());
     stage.onDraw(() => this.place());
-    // browsers let a page sound only after the user has done something on it
+    // browsers allow sound only after a user action on the page
     for (const kind of ["pointerup", "keydown"]) addEventListener(kind, () => this.begin());
     this.show();
   }
@@ -61,7 +61,7 @@ export class Sounds {
     this.setVolume();
   }
 
-  /** Make sound possible, once there is a loudspeaker. */
+  /** Initialise sound, once there is a loudspeaker. */
   private begin(): void {
     if (this.states.size === 0 || this.muted) return;
     if (!this.context) {
@@ -81,7 +81,7 @@ export class Sounds {
     button.ariaLabel = button.title = audible ? "Mute" : "Let robots be heard";
   }
 
-  /** Let every loudspeaker play what it is to play. */
+  /** Update all loudspeakers. */
   private update(): void {
     this.show();
     const { context, output } = this;
@@ -106,7 +106,7 @@ export class Sounds {
       return;
     }
     const buffer = state.url === null ? null : await this.fetch(state.url);
-    if (this.states.get(state.component) !== state) return; // it has changed meanwhile
+    if (this.states.get(state.component) !== state) return; // changed in the meantime
     if (voice.playing && this.played.get(voice) === state) return;
     this.played.set(voice, state);
     const offset = state.played + Math.max(0, (this.poses.value?.time ?? state.time) - state.time);
@@ -114,7 +114,7 @@ export class Sounds {
     else voice.playTone(index);
   }
 
-  /** The sound of a file; null if the browser cannot read it. */
+  /** The sound of a file; null if the browser cannot decode it. */
   private fetch(url: string): Promise<AudioBuffer | null> {
     const { context } = this;
     const read = async (): Promise<AudioBuffer | null> => {
@@ -130,7 +130,7 @@ export class Sounds {
     return file;
   }
 
-  /** Silence while muted, while the simulation is paused, and without a connection to it. */
+  /** Muted, paused and disconnected simulations are silent. */
   private setVolume(): void {
     const { context, output } = this;
     if (!context || !output) return;
@@ -140,7 +140,7 @@ export class Sounds {
     output.gain.setTargetAtTime(wanted, context.currentTime, FADE / 3);
   }
 
-  /** Ears and loudspeakers where they are now. */
+  /** Update the positions of the listener and the loudspeakers. */
   private place(): void {
     const { context } = this;
     const { view, world } = this.stage;

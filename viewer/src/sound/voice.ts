@@ -1,16 +1,16 @@
 import type { Vector3 } from "three";
 
-/** Within this distance a sound is not louder, m. */
+/** Distance below which a sound does not get louder, m. */
 const NEAREST = 1;
-/** Frequency of the tone of the first loudspeaker, Hz; each further one is a step higher. */
+/** Frequency of the tone of the first loudspeaker, Hz; the others are higher by one step each. */
 const TONE = 440;
-/** Steps of a pentatonic scale: any of them sound well together. */
+/** Steps of a pentatonic scale, whose tones harmonise. */
 const STEPS = [1, 9 / 8, 5 / 4, 3 / 2, 5 / 3];
 const TONE_LOUDNESS = 0.3;
-/** Seconds in which a sound begins and ends, without a click. */
+/** Duration of fade-in and fade-out, s, which avoids clicks. */
 const FADE = 0.02;
 
-/** One loudspeaker: its sound, its volume and its place. */
+/** One loudspeaker: its sound, its volume and its position. */
 export class Voice {
   private readonly gain: GainNode;
   private readonly panner: PannerNode;
@@ -21,7 +21,7 @@ export class Voice {
     output: AudioNode,
   ) {
     this.gain = new GainNode(context, { gain: 0 });
-    // sound pressure falls with the distance
+    // the sound pressure is inversely proportional to the distance
     this.panner = new PannerNode(context, { panningModel: "equalpower", distanceModel: "inverse", refDistance: NEAREST, rolloffFactor: 1 });
     this.gain.connect(this.panner).connect(output);
   }
@@ -30,14 +30,14 @@ export class Voice {
     return this.source !== null;
   }
 
-  /** Play a recorded sound again and again, from a number of seconds after its beginning. */
+  /** Play a recorded sound repeatedly, from an offset in seconds. */
   playBuffer(buffer: AudioBuffer, offset: number): void {
     const source = new AudioBufferSourceNode(this.context, { buffer, loop: true });
     this.begin(source, 1);
     source.start(0, buffer.duration > 0 ? offset % buffer.duration : 0);
   }
 
-  /** Play a tone whose pitch tells loudspeakers apart. */
+  /** Play a tone with a different pitch for each loudspeaker. */
   playTone(index: number): void {
     const octave = 2 ** (Math.floor(index / STEPS.length) % 3);
     const source = new OscillatorNode(this.context, { type: "triangle", frequency: TONE * octave * (STEPS[index % STEPS.length] as number) });
@@ -53,7 +53,7 @@ export class Voice {
     this.source = null;
   }
 
-  /** Metres, in the world. */
+  /** Position in the world, metres. */
   place({ x, y, z }: Vector3): void {
     set(this.panner.positionX, x);
     set(this.panner.positionY, y);
@@ -75,7 +75,7 @@ export class Voice {
   }
 }
 
-/** Put the ears where the camera is. */
+/** Place the listener at the camera. */
 export function listen(listener: AudioListener, position: Vector3, ahead: Vector3, above: Vector3): void {
   set(listener.positionX, position.x);
   set(listener.positionY, position.y);

@@ -1,11 +1,11 @@
-// Encodes what a recording has kept of many ticks; `kernel/recording/arrays.py` describes the arrays.
+// Encodes the recorded data of many ticks; `kernel/recording/arrays.py` describes the arrays.
 #include "record.h"
 
 #include <math.h>
 
 #include "export.h"
 
-// Positions in the head of a record, behind the opcode (1), the length (8) and the channel (2).
+// Offsets in the header of a record, after the opcode (1), the length (8) and the channel (2).
 enum { SEQUENCE = 11, LOG_TIME = 15, PUBLISH_TIME = 23 };
 
 typedef double (*Unary)(double);
@@ -44,11 +44,11 @@ void morse_record_rows(const RecordRows *rows) {
     }
 }
 
-// An own Z axis that rises more steeply than this has one set of angles; see `helpers/transformation.py`.
+// A Z axis with a steeper slope than this has one set of angles; see `helpers/transformation.py`.
 #define UPRIGHT 0.51
 
-// Poses as the sensor `Pose` measures them: the quaternion follows from the angles. The functions are those that Python
-// calls. Returns how many are left to Python; `left` (R, N) says which.
+// Poses as measured by the sensor `Pose`: the quaternion is computed from the angles, with the functions that Python
+// calls. Returns the number of messages that are left to Python; `left` (R, N) marks them.
 int64_t morse_record_poses(const RecordRows *rows, const RecordPoses *all, const RecordFunctions *use, uint8_t *left) {
     int64_t count = 0;
     for (int64_t i = 0; i < rows->rows; i++) {
@@ -83,7 +83,7 @@ static double at_least_zero(double value) { return value > 0.0 ? value : 0.0; }
 
 static double or_one(double value) { return value != 0.0 ? value : 1.0; }
 
-// As `quaternion_from_rotation` in `mathutils/rotations.py`.
+// The same as `quaternion_from_rotation` in `mathutils/rotations.py`.
 static void quaternion_of(const double *m, double *q) {
     const double a = m[0], b = m[1], c = m[2], d = m[3], e = m[4], f = m[5], g = m[6], h = m[7], i = m[8];
     double s;
@@ -104,8 +104,8 @@ static void quaternion_of(const double *m, double *q) {
     for (int k = 0; k < 4; k++) q[k] = q[k] * scale;
 }
 
-// Poses of robots in the frames of their start: `origins` (N, 12) are positions and rotations. Returns how many are
-// left to Python; `left` (R, N) says which.
+// Poses of robots relative to their initial poses: `origins` (N, 12) are positions and rotations. Returns the number of
+// messages that are left to Python; `left` (R, N) marks them.
 int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, const double *origins, uint8_t *left) {
     int64_t count = 0;
     for (int64_t i = 0; i < rows->rows; i++) {
@@ -128,8 +128,8 @@ int64_t morse_record_frames(const RecordRows *rows, const RecordPoses *all, cons
     return count;
 }
 
-// Distances (R, N, rays) of scanners, in single precision; infinite from the reach of the scanner on. The first `kept`
-// rays of each scan are written.
+// Distances (R, N, rays) of scanners, in single precision; infinite at or above the range of the scanner. The first
+// `kept` rays of each scan are written.
 void morse_record_scans(const RecordRows *rows, int64_t members, int64_t rays, int64_t kept, const double *distances,
                         const double *reaches, const int64_t *places) {
     for (int64_t i = 0; i < rows->rows; i++) {

@@ -22,7 +22,7 @@ _ONE = np.float32(1)
 def normals(
     drawing: Drawing, camera: NDArray[Any], poses: Poses, seen: Projected, shown: NDArray[np.int32]
 ) -> NDArray[np.float32]:
-    """(N, 3) unit vectors along the axes of the camera, of pixels with the triangles ``shown``; 0 without a surface."""
+    """(N, 3) unit vectors in the axes of the camera, of pixels with the triangles ``shown``; 0 without a surface."""
     result = np.zeros((len(shown), 3), np.float32)
     solid = np.flatnonzero(shown >= 0)
     if not len(solid):

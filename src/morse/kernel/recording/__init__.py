@@ -1,7 +1,7 @@
 """Records of many ticks, encoded in one call without the GIL.
 
-The reference are the streams of ROS 2, which encode one message at a time. `morse.recording.captures` compares the
-messages of one tick with them.
+The reference is the encoding of the streams of ROS 2, which encode one message at a time. `morse.recording.captures`
+compares the messages of one tick with it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,6 @@ __all__ = ["NativeRecords", "Poses", "Rows", "records"]
 
 
 def records() -> NativeRecords | None:
-    """What encodes records; None without a kernel."""
+    """The encoder of records; None without the kernel."""
     loaded = library()
     return None if loaded is None else NativeRecords(loaded)

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class Rows(NamedTuple):
-    """The records of R ticks, which differ in their times and numbers only.
+    """The records of R ticks, which differ only in their times and numbers.
 
     Attributes:
-        begins: (R,) position of the first record of each tick in the chunk, bytes.
+        begins: (R,) offset of the first record of each tick in the chunk, bytes.
         moments: (R, 3) number of the tick, log time (ns), simulated time (ns).
-        templates: (size,) the records of one tick, one behind the other.
-        heads: (H,) position of each record in the templates.
-        stamps: (S,) position of each time stamp (seconds and nanoseconds, 4 bytes each) in the templates.
+        templates: (size,) the concatenated records of one tick.
+        heads: (H,) offset of each record in the templates.
+        stamps: (S,) offset of each time stamp (seconds and nanoseconds, 4 bytes each) in the templates.
         chunk: receives the records.
     """
 
@@ -41,7 +41,7 @@ class Poses(NamedTuple):
         slots: (N,) rigid group of each object.
         offsets, turned: (N, 3) m and (N, 9), pose of each object in its group.
         apart: (N,) 0 for an object with the pose of its group, 1 for one that is moved, 2 for one that is also rotated.
-        places: (N,) position of the seven numbers x, y, z and quaternion x, y, z, w in the templates.
+        places: (N,) offset of the seven numbers x, y, z and quaternion x, y, z, w in the templates.
     """
 
     positions: Floats

@@ -1,7 +1,7 @@
-"""The mathematical functions of the C library that Python uses, as addresses.
+"""Addresses of the mathematical functions of the C library that Python uses.
 
-Sine, cosine and their inverses are not rounded alike by all C libraries. C code that is to have the results of Python
-calls the same functions.
+C libraries round sine, cosine and their inverses differently. C code that must agree with Python calls the same
+functions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 _UNARY, _BINARY = CFUNCTYPE(c_double, c_double), CFUNCTYPE(c_double, c_double, c_double)
-#: numbers of each sign with which functions are compared, between 0 and 1
+#: number of arguments of each sign, between 0 and 1, with which functions are compared
 _SAMPLES = 200
 
 
@@ -26,7 +26,7 @@ class Functions(ctypes.Structure):
 
 @cache
 def functions() -> Functions | None:
-    """Return the functions; None if the system has none with the results of the module `math`."""
+    """Return the functions; None if the system has none that agree with the module `math`."""
     for name in ("ucrtbase",) if sys.platform == "win32" else (None, "libm.so.6"):
         try:
             library = ctypes.CDLL(name)

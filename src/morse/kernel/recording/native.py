@@ -60,7 +60,7 @@ class NativeRecords:
 
     @property
     def measures_poses(self) -> bool:
-        """Whether the functions of Python are known from which angles follow."""
+        """Whether the functions of Python for angles are available."""
         return self._functions is not None
 
     def rows(self, rows: Rows) -> None:
@@ -68,7 +68,7 @@ class NativeRecords:
         self._rows(byref(_rows(rows)))
 
     def poses(self, rows: Rows, poses: Poses) -> Bytes:
-        """Write poses as the sensor `Pose` measures them.
+        """Write poses as measured by the sensor `Pose`.
 
         Returns:
             (R, N) 1 for a pose that is left to Python, 0 for the others.
@@ -94,14 +94,14 @@ class NativeRecords:
         return left
 
     def scans(self, rows: Rows, distances: Floats, kept: int, reaches: Floats, places: Integers) -> None:
-        """Write distances in single precision; infinite from the reach on.
+        """Write distances in single precision; infinite at or above the range.
 
         Args:
             rows: see `Rows`.
             distances: (R, N, rays) m.
-            kept: number of rays of each scan that are written, the first ones.
+            kept: number of rays of each scan that are written; the first rays.
             reaches: (N,) m.
-            places: (N,) position of the distances in the templates.
+            places: (N,) offset of the distances in the templates.
         """
         _, members, rays = distances.shape
         sizes = c_int64(members), c_int64(rays), c_int64(min(kept, rays))

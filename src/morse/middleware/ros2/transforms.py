@@ -111,7 +111,7 @@ class Transforms:
             frames.moved = pose
 
     def plain(self) -> list[tuple[str, str, Any]] | None:
-        """Return odom frame, base frame and robot of all robots, in order, as `publish` has found them.
+        """Return odom frame, base frame and robot of all robots, in order, as determined by `publish`.
 
         Returns:
             None if a frame moves that is not the base of a robot, or if odometry moves a base.
@@ -175,7 +175,7 @@ class Transforms:
 
 
 def transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:
-    """``geometry_msgs/TransformStamped`` of whole ns."""
+    """``geometry_msgs/TransformStamped`` from whole ns."""
     return {
         "header": {"stamp": time(stamp), "frame_id": parent},
         "child_frame_id": child,

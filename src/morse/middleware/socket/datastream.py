@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 FIRST_PORT = 60000
-#: ticks follow each other quickly if messages are sent that often, and then messages are collected for that long, s
+#: ticks are fast if messages are sent at shorter intervals; messages are then collected for this time, s
 _QUICK, _TOGETHER = 0.006, 0.004
 
 
@@ -174,7 +174,7 @@ class SocketDatastreamManager(DatastreamManager):
 
     def _send(self) -> None:
         # Ticks may be faster than this thread is scheduled. All pending messages go to each client in one call,
-        # which costs less per message. If ticks follow each other quickly, the messages of several ticks are sent
+        # which costs less per message. If ticks are fast, the messages of several ticks are sent
         # together: each exchange between the two threads takes longer than a tick
         now = perf_counter()
         quick = now - self._sent < _QUICK and not self.context.paused()
@@ -194,7 +194,7 @@ class SocketDatastreamManager(DatastreamManager):
             self._send()
 
     def push(self) -> None:
-        """See `DatastreamManager.push`; to be called in the network thread."""
+        """See `DatastreamManager.push`; called in the network thread."""
         messages: dict[StreamServer, list[bytes]] = {}
         while self._parcels:
             for server, message in self._parcels.popleft():

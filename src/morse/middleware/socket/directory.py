@@ -19,7 +19,7 @@ class StreamDirectory(AbstractObject):
 
     Args:
         ports: by name of the component.
-        binary_port: of the binary streams.
+        binary_port: port of the binary streams.
     """
 
     def __init__(self, ports: Mapping[str, int], binary_port: int) -> None:

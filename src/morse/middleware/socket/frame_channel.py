@@ -1,4 +1,4 @@
-"""The binary stream of one component, and who reads it."""
+"""The binary stream of one component, and its readers."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from typing import Any
 
 
 class FrameChannel:
-    """One stream; changed in the network thread only.
+    """One stream; modified only in the network thread.
 
     Args:
-        name: of the component.
-        number: of the stream in its frames.
-        readers: who waits for a message of the component; the clients of the stream are added.
+        name: name of the component.
+        number: id of the stream in its frames.
+        readers: the clients that wait for a message of the component; the clients of the stream are added.
 
     Attributes:
-        name: of the component.
-        number: of the stream in its frames.
+        name: name of the component.
+        number: id of the stream in its frames.
         every: clients that get every message.
-        ready: clients that wait for one message; they ask for the next one when they want it.
+        ready: clients that wait for one message; they request each further message.
     """
 
     def __init__(self, name: str, number: int, readers: set[object]) -> None:
@@ -28,12 +28,12 @@ class FrameChannel:
         self._readers = readers
 
     def add(self, client: object, *, latest: bool) -> None:
-        """A client wants every message, or one message."""
+        """Add a client for every message, or for one message."""
         (self.ready if latest else self.every).add(client)
         self._readers.add(client)
 
     def discard(self, client: object) -> None:
-        """A client wants no more messages."""
+        """Remove a client."""
         self.every.discard(client)
         self.ready.discard(client)
         self._readers.discard(client)

@@ -1,4 +1,4 @@
-"""The clients of binary streams; everything here runs in the network thread.
+"""The clients of binary streams; all functions run in the network thread.
 
 A client sends lines: ``subscribe NAME``, ``subscribe NAME latest``, ``next NAME``, ``unsubscribe NAME``.
 """
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from morse.middleware.socket.frame_server import FrameServer
 
 MAX_NOTICES = 1 << 20
-"""Unsent bytes above which a client that goes on making requests is disconnected."""
-#: answers that name the nearest stream
+"""Number of unsent bytes above which a client that sends further requests is disconnected."""
+#: maximum number of error messages with the most similar name
 _HINTS = 8
 _EXPECTED = "expected: subscribe NAME [latest], next NAME, or unsubscribe NAME"
 
@@ -28,11 +28,11 @@ _EXPECTED = "expected: subscribe NAME [latest], next NAME, or unsubscribe NAME"
 class FrameClient(LineClient):
     """A client of binary streams.
 
-    Of the messages for which it has no room it gets the last one of each stream, as soon as it has room.
+    If the client is slow, it gets only the last message of each stream, as soon as it can receive it.
 
     Attributes:
         every: the streams of which it gets every message.
-        sent: number of messages handed to the connection.
+        sent: number of messages passed to the connection.
     """
 
     server: FrameServer
@@ -64,17 +64,17 @@ class FrameClient(LineClient):
         super().give_up()
 
     def importance(self) -> tuple[float, ...]:
-        """A client without subscriptions is the least important, then one that does not read."""
+        """A client without subscriptions has the lowest priority, then a client that does not read."""
         return (bool(self.every or self._latest), not self.congested, -self.heard)
 
     # -- messages ----------------------------------------------------------------------------
 
     def offer(self, frames: Sequence[tuple[FrameChannel, bytes]], data: bytes) -> None:
-        """Send messages now, or the last one of each stream as soon as there is room.
+        """Send messages now, or only the last message of each stream if the client is slow.
 
         Args:
             frames: the messages.
-            data: all of them, joined.
+            data: the concatenated messages.
         """
         if not self.congested:
             self.transport.write(data)
@@ -87,7 +87,7 @@ class FrameClient(LineClient):
             self._waiting[channel] = frame
 
     def resume_writing(self) -> None:
-        """The client has room again."""
+        """The client has caught up."""
         super().resume_writing()
         waiting, self._waiting = self._waiting, {}
         if waiting and not self.transport.is_closing():
@@ -122,13 +122,13 @@ class FrameClient(LineClient):
                 if (channel := self.server.channels.get(name)) in self._latest:
                     channel.add(self, latest=True)
             case _:
-                self._refuse(f"'{beginning(line)}' is no request: {_EXPECTED}")
+                self._refuse(f"'{beginning(line)}' is not a request: {_EXPECTED}")
 
     def _subscribe(self, name: str, *, latest: bool) -> None:
         channel = self.server.channels.get(name)
         if channel is None:
             self._refused += 1
-            # a client that goes on does not read them, and each takes a while
+            # a client that sends further requests does not read them, and each takes time
             hint = self.server.hint(name) if self._refused <= _HINTS else ""
             self._refuse(f"no stream {short(name)}{hint}", name)
             return
@@ -141,7 +141,7 @@ class FrameClient(LineClient):
         channel.add(self, latest=latest)
 
     def unsubscribe(self, channel: FrameChannel) -> bool:
-        """Send no more messages of a stream; True if it was subscribed."""
+        """End the subscription of a stream; True if there was one."""
         found = channel in self.every or channel in self._latest
         self.every -= {channel}
         self._latest.discard(channel)
@@ -153,11 +153,11 @@ class FrameClient(LineClient):
         self.notify(notice_frame({"error": text, "subject": name or ""}))
 
     def unfinished(self, rest: bytes) -> None:
-        """The client left in the middle of a request."""
+        """The client disconnected in the middle of a request."""
         self._complain("unfinished", f"the client {self.peer} left in the middle of a request: {beginning(rest)}")
 
     def overlong(self) -> None:
-        """A request without an end."""
+        """A request without a line end."""
         text = f"the client {self.peer} sent more than {MAX_LINE} bytes without a line end: disconnected"
         self._complain("overlong", text)
 

@@ -1,4 +1,4 @@
-"""The port for binary streams, all streams of a client on one connection; everything runs in the network thread."""
+"""The port for binary streams, all streams of a client on one connection; all functions run in the network thread."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 
-#: frames are put together to pieces of about that size
+#: approximate size to which frames are combined
 _PIECE = 1 << 18
 
 
@@ -32,26 +32,26 @@ class FrameServer(LineServer):
         self._number = 0
 
     def open(self, name: str, readers: set[object]) -> FrameChannel:
-        """A stream for a component; any thread may call it."""
+        """Create the stream of a component; any thread may call it."""
         self._number += 1
         channel = self.channels[name] = FrameChannel(name, self._number, readers)
         return channel
 
     def end(self, channel: FrameChannel) -> None:
-        """A component is deleted: tell its readers."""
+        """Close the stream of a deleted component, and notify its readers."""
         for client in self.clients:
             if client.unsubscribe(channel):
                 client.notify(notice_frame({"closed": channel.name}))
-        # a component that came in the meantime may have the same name
+        # a new component may have the same name
         if self.channels.get(channel.name) is channel:
             del self.channels[channel.name]
 
     def hint(self, name: str) -> str:
-        """The name of the stream that may have been meant."""
+        """The most similar name of a stream."""
         return nearest(name, sorted([*self.channels]))
 
     def publish(self, frames: Sequence[tuple[FrameChannel, bytes]]) -> None:
-        """Send frames to the clients that want them."""
+        """Send frames to the subscribed clients."""
         pieces: dict[frozenset[FrameChannel], list[list[tuple[FrameChannel, bytes]]]] = {}
         for client in self.clients:
             if not (key := client.every):
@@ -72,7 +72,7 @@ class FrameServer(LineServer):
 
 
 def _pieces(frames: Sequence[tuple[FrameChannel, bytes]]) -> Iterator[list[tuple[FrameChannel, bytes]]]:
-    """The frames in few pieces; none with more than one frame is larger than what a client may fall behind."""
+    """Combine frames into a few pieces; no piece with more than one frame exceeds the limit for slow clients."""
     piece: list[tuple[FrameChannel, bytes]] = []
     size = 0
     for channel, frame in frames:

@@ -1,6 +1,6 @@
 """Messages as binary frames.
 
-A frame is a head of 16 bytes, a text and arrays, all little-endian:
+A frame is a header of 16 bytes, a text and arrays, all little-endian:
 
 ====== ===== ==================================================================
 offset bytes
@@ -13,9 +13,9 @@ offset bytes
 12     4     bytes of numbers and arrays, unsigned; a multiple of 8
 ====== ===== ==================================================================
 
-The text of `DATA` is JSON, filled up with blanks: ``{"numbers": [name, ...], "arrays": [[name, type, shape], ...],
-"fields": {...}}``. The floating-point numbers follow the text, 8 bytes each, then the arrays, row by row, each filled
-up with zeros to a multiple of 8 bytes. Types are those of `TYPES`, or ``bytes``. ``fields`` has all other values.
+The text of `DATA` is JSON, padded with blanks: ``{"numbers": [name, ...], "arrays": [[name, type, shape], ...],
+"fields": {...}}``. The floating-point numbers follow the text, 8 bytes each, then the arrays, row by row, each padded
+with zeros to a multiple of 8 bytes. Types are those of `TYPES`, or ``bytes``. ``fields`` contains all other values.
 """
 
 from __future__ import annotations
@@ -42,24 +42,24 @@ TYPES = frozenset(("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8"
 
 _HEAD = struct.Struct("<2sBBIII")
 _ALIGNMENT = 8
-#: largest size of the text and of the arrays of a frame, bytes
+#: maximum size of the text and of the arrays of a frame, bytes
 _MAX_SIZE = (1 << 32) - _ALIGNMENT
 _FLOATS = {float}
 _encoder = msgspec.json.Encoder(enc_hook=plain)
 
 
 def data_frame(number: int, fields: dict[str, Any]) -> bytes:
-    """The frame of a message; floats, numpy arrays and bytes are binary, all other values are JSON.
+    """Encode a message as a frame; floats, numpy arrays and bytes are binary, all other values are JSON.
 
     Args:
-        number: of the stream.
-        fields: by name.
+        number: id of the stream.
+        fields: data by name.
 
     Raises:
         TypeError: a value has neither a binary nor a JSON representation.
         ValueError: a value contains itself, or the message is too large.
     """
-    # the copy of a LocalData by its own methods takes several times as long as the rest
+    # copying a LocalData by its own methods takes several times as long as the rest
     values: dict[str, Any] = dict.copy(fields)
     if {*map(type, values.values())} == _FLOATS:
         beginning, packed = _prepared(number, tuple(values))
@@ -69,7 +69,7 @@ def data_frame(number: int, fields: dict[str, Any]) -> bytes:
 
 @functools.lru_cache(maxsize=4096)
 def _prepared(number: int, names: tuple[str, ...]) -> tuple[bytes, struct.Struct]:
-    """The beginning of frames that have numbers only, and the layout of the numbers."""
+    """The beginning of frames that only have numbers, and the format of the numbers."""
     packed = struct.Struct(f"<{len(names)}d")
     return _beginning(number, _described(names, ()), packed.size), packed
 
@@ -111,7 +111,7 @@ def _mixed_frame(number: int, fields: Mapping[str, Any], values: dict[str, Any])
 
 @functools.lru_cache(maxsize=64)
 def _type_of(dtype: Any) -> str:
-    """The type of the elements of an array; empty if frames cannot carry it."""
+    """The type of the elements of an array; empty if frames do not support it."""
     kind = str(dtype.newbyteorder("<").str)
     return kind if kind in TYPES else ""
 
@@ -123,7 +123,7 @@ def _append(parts: list[bytes | memoryview], content: bytes | memoryview) -> Non
 
 
 def line_frame(number: int, line: bytes) -> bytes:
-    """The frame of a message that is a line of text already."""
+    """The frame of a message that is already a line of text."""
     return _beginning(number, line, 0, LINE)
 
 
@@ -133,7 +133,7 @@ def notice_frame(notice: Mapping[str, Any]) -> bytes:
 
 
 def _beginning(number: int, text: bytes, size: int, kind: int = DATA) -> bytes:
-    """Head and text of a frame with so many bytes of numbers and arrays."""
+    """Header and text of a frame with a number of bytes of numbers and arrays."""
     filling = b" " * (-len(text) % _ALIGNMENT)
     if max(size, len(text)) > _MAX_SIZE:
         raise ValueError(f"a message of {size + len(text)} bytes is too large for a frame")
@@ -145,7 +145,7 @@ def _compact(value: Mapping[str, Any]) -> bytes:
         text = _encoder.encode(value)
     except (TypeError, ValueError, OverflowError, RecursionError):
         return _slowly(value)
-    # "null" may also be infinity or not-a-number
+    # "null" may also be infinity or NaN
     return _slowly(value) if b"null" in text else text
 
 
@@ -153,4 +153,4 @@ def _slowly(value: Mapping[str, Any]) -> bytes:
     try:
         return json.dumps(value, default=plain, separators=(",", ":")).encode("ascii")
     except RecursionError:
-        raise ValueError("the value is nested too deeply, or holds itself") from None
+        raise ValueError("the value is nested too deeply, or contains itself") from None

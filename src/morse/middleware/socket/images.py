@@ -53,12 +53,12 @@ def _file(pixels: Any, form: str, quality: int) -> bytes:
 
 
 def image_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
-    """What `image_json` sends, with the image and other arrays as arrays, and the file of a picture as bytes."""
+    """The data of `image_json`, with images and other arrays as arrays, and image files as bytes."""
     return _fields(stream, "image", _unchanged, others=True)
 
 
 def cloud_fields(stream: AbstractDatastream) -> dict[str, Any] | None:
-    """What `cloud_json` sends, with the points (..., 3) as an array of float32."""
+    """The data of `cloud_json`, with the points (..., 3) as an array of float32."""
     if not _is_cloud(stream):
         return stream.data
     return _fields(stream, "points", _as_float32, others=False)

@@ -7,14 +7,14 @@ import os
 import socket
 from typing import Any
 
-#: bytes from which on the copy into the buffers of the system takes longer than a thread switch
+#: size above which copying into the buffers of the system takes longer than a thread switch, bytes
 _LARGE = 1 << 15
 
 
 def _system_call() -> Any:
-    """The system's ``send`` as a function that keeps the interpreter's lock, or None.
+    """The ``send`` function of the system without releasing the GIL, or None.
 
-    A send takes about 5 µs. `socket.socket.send` releases the lock for that time. The simulation thread takes it, so
+    A send takes about 5 µs. `socket.socket.send` releases the GIL for that time. The simulation thread acquires it, so
     that the network thread has to wait for it after each send, and both threads are woken up and put to sleep.
     """
     if os.name != "posix":
@@ -29,16 +29,16 @@ def _system_call() -> Any:
 
 
 _send = _system_call()
-#: a reader that has gone must not end the process by a signal
+#: a disconnected reader must not end the process by a signal
 _FLAGS = getattr(socket, "MSG_DONTWAIT", 0) | getattr(socket, "MSG_NOSIGNAL", 0)
 
 
 def send_now(sock: socket.socket, data: bytes) -> int:
-    """Send what the system takes now; returns the number of bytes.
+    """Send the bytes that the system accepts now; returns their number.
 
     Raises:
-        BlockingIOError: the system takes nothing now.
-        OSError: the connection has ended.
+        BlockingIOError: the system accepts no bytes now.
+        OSError: the connection is closed.
     """
     if _send is None or len(data) >= _LARGE:
         return sock.send(data)

@@ -122,7 +122,7 @@ class StreamServer(LineServer):
         self.binary: FrameChannel | None = None
 
     def leave(self, client: LineClient) -> None:
-        """A client has gone."""
+        """Remove a disconnected client."""
         super().leave(client)
         self.readers.discard(client)
 

@@ -1,7 +1,7 @@
-"""Messages whose numbers are kept in the tick, and which are encoded later, for many ticks at once.
+"""Messages whose numbers are stored in the tick, and encoded later for many ticks at once.
 
-A capture stands for the messages of several components or robots in one tick. In the tick, the poses of all rigid
-groups and the distances of scans are kept. The thread that writes the file encodes them by the kernel.
+A capture represents the messages of several components or robots in one tick. In the tick, the poses of all rigid
+groups and the distances of scans are copied. The thread that writes the file encodes them with the kernel.
 """
 
 from morse.recording.captures.capture import Capture

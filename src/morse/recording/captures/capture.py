@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 class Capture(ABC):
-    """The messages of one tick, which differ from those of another tick in their times and numbers only.
+    """The messages of one tick, which differ from those of another tick only in their times and numbers.
 
     Attributes:
         template: the records of one tick.
-        size: bytes of these records.
-        held: bytes of memory, beside poses, that a tick takes until it is encoded, about.
+        size: size of these records, bytes.
+        held: approximate memory of a tick until it is encoded, without poses, bytes.
     """
 
     held = 0
@@ -40,9 +40,9 @@ class Capture(ABC):
         """Write the records of R ticks.
 
         Args:
-            begins: (R,) position of the records of each tick in the chunk.
+            begins: (R,) offset of the records of each tick in the chunk.
             moments: (R, 3) number of the tick, log time (ns), simulated time (ns).
-            data: what was kept of R ticks.
+            data: the stored data of R ticks.
             chunk: receives the records.
         """
         template = self.template
@@ -55,10 +55,10 @@ class Capture(ABC):
         """Write the numbers into the records."""
 
     def agrees(self, data: Sequence[Any], wanted: Sequence[bytes]) -> bool:
-        """Whether the messages of a tick are those that the streams encode, to the bit.
+        """Whether the messages of a tick are bit-identical to those of the streams.
 
         Args:
-            data: what was kept of the tick.
+            data: the stored data of the tick.
             wanted: the messages of the same tick, in order.
         """
         chunk = np.empty(self.size, dtype=np.uint8)
@@ -71,7 +71,7 @@ class Capture(ABC):
         )
 
     def _of_template(self, chunk: NDArray[np.uint8]) -> Rows:
-        """One row that holds the template with its own times."""
+        """One row: the template with its own times."""
         chunk[:] = self.template.bytes
         begins, moments = np.zeros(1, dtype=np.int64), np.zeros((1, 3), dtype=np.int64)
         return Rows(begins, moments, self.template.bytes, self.template.heads, self.template.stamps, chunk)

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 
 class FramesCapture(PosesCapture):
-    """``rosgraph_msgs/Clock``, and ``tf2_msgs/TFMessage`` with the base of each robot in the frame of its start.
+    """``rosgraph_msgs/Clock``, and ``tf2_msgs/TFMessage`` with the base of each robot relative to its initial pose.
 
     Args:
-        native: encodes.
-        template: both messages; without robots the first one.
+        native: the encoder.
+        template: both messages; without robots only the first one.
         ends: end of the transform of each robot in the second message.
-        starts: pose of each robot at its start.
+        starts: initial pose of each robot.
         snapshot: poses of the robots.
     """
 

@@ -1,4 +1,4 @@
-"""Finds the capture for sensors that measure together."""
+"""Creates the capture of sensors that act together."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _MESSAGES: dict[Any, str] = {Pose: "geometry_msgs/msg/PoseStamped", LaserScanner
 
 
 def capture_of(native: NativeRecords, group: Group, streams: Sequence[RecordedStream]) -> Capture | None:
-    """Return what keeps the measurements of a group.
+    """Return the capture for the measurements of a group.
 
     Args:
-        native: encodes.
-        group: has measured in this tick.
-        streams: one for each member that is recorded, in the order of the members.
+        native: the encoder.
+        group: a group that has measured in this tick.
+        streams: one stream for each recorded member, in the order of the members.
 
     Returns:
-        None if the streams have to encode each message themselves.
+        None if the streams have to encode each message.
     """
     kind = type(group.members[0])
     wanted = _MESSAGES.get(kind)

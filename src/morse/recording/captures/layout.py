@@ -1,4 +1,4 @@
-"""What is kept of one tick."""
+"""The stored data of one tick."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Layout:
     """The records of a tick in which certain groups of sensors have measured.
 
     Attributes:
-        offsets: position of the records of each capture.
-        size: bytes of all records.
-        held: bytes of memory that a tick takes until it is encoded, about.
-        posed: groups whose poses are kept.
-        scans: groups whose scans are kept, and their captures.
+        offsets: offset of the records of each capture.
+        size: size of all records, bytes.
+        held: approximate memory of a tick until it is encoded, bytes.
+        posed: groups whose poses are stored.
+        scans: groups whose scans are stored, and their captures.
         first, last: the rigid groups whose poses are kept: ``range(first, last)``.
     """
 

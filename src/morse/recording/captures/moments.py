@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 class Moments:
-    """Works out the times of ticks after they have passed.
+    """Computes the times of past ticks.
 
     Args:
-        clock: of the simulation.
-        back: time by which restarts have set the simulation back so far, ns.
+        clock: the clock of the simulation.
+        back: total time by which restarts have set the simulation back, ns.
     """
 
     def __init__(self, clock: Clock, back: int) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from morse.physics.mounting import Mounting
     from morse.recording.captures.template import Template
 
-#: bytes of seven numbers: a position and a quaternion
+#: size of seven numbers, a position and a quaternion, bytes
 POSE = 56
 _SEVEN = np.dtype("<f8")
 
@@ -28,16 +28,16 @@ _SEVEN = np.dtype("<f8")
 class PosesCapture(Capture):
     """Messages with a position and a quaternion each.
 
-    What is kept of R ticks are positions (R, K, 3), m, and rotations (R, K, 9) of the rigid groups from a first one on,
-    and the number of that one.
+    The stored data of R ticks are positions (R, K, 3), m, and rotations (R, K, 9) of consecutive rigid groups, and the
+    index of the first of them.
 
     Attributes:
         slots: rigid group of each object.
 
     Args:
-        native: encodes.
+        native: the encoder.
         template: the messages.
-        places: (N,) position of the numbers of each message in the template.
+        places: (N,) offset of the numbers of each message in the template.
         slots: rigid group of each object.
         mountings: pose of each object in its group.
     """
@@ -75,7 +75,7 @@ class PosesCapture(Capture):
             rows.chunk[begin : begin + POSE] = np.array(numbers, dtype=_SEVEN).view(np.uint8)
 
     def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
-        """Encode by the kernel; returns (R, N) 1 for each message that is left to Python."""
+        """Encode with the kernel; returns (R, N) 1 for each message that is left to Python."""
         raise NotImplementedError
 
     def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:

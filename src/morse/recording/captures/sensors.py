@@ -1,4 +1,4 @@
-"""Captures of sensors that measure together."""
+"""Captures of sensors that act together."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class PoseSensors(PosesCapture):
     """``geometry_msgs/PoseStamped`` of sensors of the class `Pose`.
 
     Args:
-        native: encodes.
+        native: the encoder.
         template: the message of each sensor.
         snapshot: the poses of a group.
         members: rows of the sensors in the group.
     """
 
     def __init__(self, native: NativeRecords, template: Template, snapshot: Snapshot, members: Sequence[int]) -> None:
-        # the numbers are the end of each message
+        # the numbers are at the end of each message
         places = np.append(template.heads[1:], len(template.bytes)) - POSE
         slots, mountings = ([of[row] for row in members] for of in (snapshot.slots, snapshot.mountings))
         super().__init__(native, template, places, slots, mountings)  # type: ignore[arg-type]
@@ -51,15 +51,15 @@ class PoseSensors(PosesCapture):
 class Scanners(Capture):
     """``sensor_msgs/LaserScan`` of laser scanners with equal fans.
 
-    What is kept of R ticks is R arrays (B, rays) of distances, m.
+    The stored data of R ticks are R arrays (B, rays) of distances, m.
 
     Args:
-        native: encodes.
+        native: the encoder.
         template: the message of each scanner.
         bundles: rays of all scanners of the group.
-        members: rows of those that are recorded.
+        members: rows of the recorded scanners.
         kept: number of rays of each scan that are in its message.
-        reach: distance that stands for no hit, m.
+        reach: distance that means no hit, m.
     """
 
     def __init__(
@@ -77,11 +77,11 @@ class Scanners(Capture):
         self._members = np.array(members, dtype=np.int64)
         self._rows = list(range(len(bundles)))
         self._reaches = np.full(len(members), reach)
-        # the distances, and the number 0 of intensities, are the end of each message
+        # the distances, and the length 0 of intensities, are at the end of each message
         self._places: NDArray[np.int64] = np.append(template.heads[1:], self.size) - 4 * kept - 4
 
     def take(self, group: Group) -> NDArray[np.float64] | None:
-        """The distances (B, rays) of a tick; None if the scans were not made in one cast, or if a fan has changed."""
+        """The distances (B, rays) of a tick; None if the scans were made in several casts, or if a fan has changed."""
         scanners: Any = group.members
         bundles = [scanner.rays for scanner in scanners]
         if bundles != self._bundles:

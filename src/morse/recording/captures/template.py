@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: position of the time stamp in a message that begins with a header or a time: after the head of CDR
+#: offset of the time stamp in a message that begins with a header or a time: after the CDR header
 STAMP = 4
 
 
@@ -22,9 +22,9 @@ class Part(NamedTuple):
     """One record of a template.
 
     Attributes:
-        channel: number of its channel.
+        channel: id of its channel.
         data: the message in CDR.
-        stamps: positions of time stamps in the message.
+        stamps: offsets of time stamps in the message.
     """
 
     channel: int
@@ -33,14 +33,14 @@ class Part(NamedTuple):
 
 
 class Template:
-    """Records, one behind the other.
+    """Concatenated records.
 
     Attributes:
         bytes: (size,) the records.
-        channels: of each record.
-        heads: (H,) position of each record.
-        begins: (H,) position of each message.
-        stamps: (S,) position of each time stamp.
+        channels: channel of each record.
+        heads: (H,) offset of each record.
+        begins: (H,) offset of each message.
+        stamps: (S,) offset of each time stamp.
     """
 
     def __init__(self, parts: Iterable[Part]) -> None:

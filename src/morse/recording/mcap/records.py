@@ -94,18 +94,18 @@ def chunk_head(start: int, end: int, plain: memoryview, compression: str, compre
     Args:
         start, end: first and last log time, ns.
         plain: the records.
-        compression: name of the method; empty for none.
-        compressed: bytes of the records after compression.
+        compression: name of the algorithm; empty for none.
+        compressed: size of the records after compression, bytes.
     """
     content = CHUNK_HEAD.pack(start, end, len(plain), zlib.crc32(plain)) + text(compression)
     return PREFIX.pack(CHUNK, len(content) + 8 + compressed) + content + struct.pack("<Q", compressed)
 
 
 def message_index(number: int, entries: NDArray[np.int64]) -> bytes:
-    """Where the messages of a channel are in the chunk before it.
+    """The positions of the messages of a channel in the preceding chunk.
 
     Args:
-        number: of the channel.
+        number: id of the channel.
         entries: (N, 2) log time (ns) and offset in the records of the chunk.
     """
     content = np.ascontiguousarray(entries, dtype="<i8").tobytes()

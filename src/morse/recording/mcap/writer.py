@@ -108,15 +108,15 @@ class McapWriter:
         self.encoded(memoryview(plain), {number: np.array(entry, dtype=np.int64) for number, entry in entries.items()})
 
     def encoded(self, plain: memoryview, index: Index) -> None:
-        """Write messages that are encoded already, compressed and with an index.
+        """Write encoded messages, compressed and with an index.
 
         Args:
             plain: their records, as bytes.
-            index: where they are in ``plain``.
+            index: their positions in ``plain``.
         """
         if not index:
             return
-        # log time never falls
+        # log time never decreases
         start = min(int(entries[0, 0]) for entries in index.values())
         end = max(int(entries[-1, 0]) for entries in index.values())
         compressed = self._compressor.compress(plain)

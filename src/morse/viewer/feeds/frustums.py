@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from morse.rendering.lens import Lens
     from morse.viewer.server import ViewServer
 
-#: directions for each side of a picture: a fisheye lens bends the sides
+#: number of directions for each side of an image: a fisheye lens bends the sides
 SIDE = 8
-#: steps from the border of a picture to its centre, to find the first pixel that shows something
+#: number of steps from the border of an image to its centre, to find the first valid pixel
 _STEPS = 64
 
 
@@ -30,11 +30,11 @@ class ViewFrustums:
         self._sent: dict[str, Any] = {}
 
     def restarted(self) -> None:
-        """Forget what was sent, because the components are described again."""
+        """Send everything again, because the components are described again."""
         self._sent.clear()
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
         for name in sorted(self._server.wishes.overlays):
             component = self._context.components.get(name)
             lens = getattr(component, "lens", None)
@@ -44,10 +44,10 @@ class ViewFrustums:
 
 
 def rim(lens: Lens) -> NDArray[np.float64]:
-    """The directions of the border of a picture, (4 * SIDE, 3), clockwise from the upper left corner.
+    """The directions of the border of an image, (4 * SIDE, 3), clockwise from the upper left corner.
 
-    Where the border shows nothing, as in the corners of some fisheye pictures, the pixel next to the border that shows
-    something is taken.
+    Where pixels of the border are not valid, as in the corners of some fisheye images, the nearest valid pixel on the
+    way to the centre is used.
     """
     share = np.arange(SIDE) / SIDE
     one, none = np.ones(SIDE), np.zeros(SIDE)

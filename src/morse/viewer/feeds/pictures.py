@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from morse.viewer.server import ViewServer
 
 FARTHEST_LEVEL = 32
-"""The grey of the greatest depth in a picture: JPEG does not blur it into the black of no depth."""
+"""The grey value of the largest depth in an image: JPEG compression does not mix it with the black of no depth."""
 
 _QUALITY = 85
-#: objects whose boxes are sent with a picture
+#: maximum number of objects with boxes that are sent with an image
 _MOST_SIGHTINGS = 200
 _LONGEST_NAME = 80
 
@@ -37,7 +37,7 @@ class Shot(NamedTuple):
         image: the top row is first.
         source: changes with every new image.
         time: simulated seconds.
-        objects: that the camera has recognised.
+        objects: the objects that the camera has detected.
     """
 
     image: NDArray[Any]
@@ -47,7 +47,7 @@ class Shot(NamedTuple):
 
 
 class PicturesFeed:
-    """Sends the pictures of the cameras whose panels are open."""
+    """Sends the images of the cameras whose panels are open."""
 
     def __init__(self, context: Context, server: ViewServer) -> None:
         self._context = context
@@ -55,7 +55,7 @@ class PicturesFeed:
         self._sent: dict[str, object] = {}
 
     def update(self) -> None:
-        """Send the pictures that were taken since the last call."""
+        """Send the images captured since the last call."""
         wished = self._server.wishes.images
         for name in self._sent.keys() - wished:
             del self._sent[name]
@@ -68,7 +68,7 @@ class PicturesFeed:
             self._server.send(picture_of(name, component, shot))
 
     def shot(self, _name: str, component: Any) -> Shot | None:
-        """What a camera has taken last."""
+        """The last image of a camera."""
         image = component.local_data.get("image")
         if not is_picture(image):
             return None
@@ -94,7 +94,7 @@ def picture_of(name: str, component: Any, shot: Shot) -> Picture:
 
 
 class Levels(NamedTuple):
-    """Depths as greys, and the depths of the brightest and the darkest one."""
+    """Depths as grey values, and the depths of the brightest and the darkest value."""
 
     grey: NDArray[np.uint8]
     low: float
@@ -102,7 +102,7 @@ class Levels(NamedTuple):
 
 
 def depth_levels(image: NDArray[Any]) -> Levels:
-    """Depths (H, W) as greys from 255, the least, to `FARTHEST_LEVEL`; 0 for those that are not finite."""
+    """Depths (H, W) as grey values from 255, the smallest, to `FARTHEST_LEVEL`; 0 for depths that are not finite."""
     known = np.isfinite(image)
     if not known.any():
         return Levels(np.zeros(image.shape, np.uint8), 0.0, 0.0)
@@ -117,7 +117,7 @@ def depth_levels(image: NDArray[Any]) -> Levels:
 
 
 def sightings(objects: Any) -> Iterator[Sighting]:
-    """The objects of a camera that have a box; entries of another form are left out."""
+    """The objects of a camera that have a box; invalid entries are left out."""
     for thing in list(objects)[:_MOST_SIGHTINGS] if isinstance(objects, (list, tuple)) else ():
         if not isinstance(thing, dict):
             continue

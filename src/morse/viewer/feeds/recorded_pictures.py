@@ -30,9 +30,9 @@ _ENCODINGS = {
     "32FC1": ("f4", 1),
     "32FC2": ("f4", 2),
 }
-#: chunks of the file that are searched for an image: a camera that took none for so long has none to show
+#: maximum number of chunks that are searched for an image: older images are not shown
 _MOST_CHUNKS = 200
-#: ns: times of messages are rounded
+#: ns: tolerance for rounded times of messages
 _ROUNDING = 1_000_000
 
 
@@ -41,9 +41,9 @@ class RecordedPicturesFeed(PicturesFeed):
 
     Args:
         context: of the simulation.
-        server: of the pages.
-        recording: of the run.
-        topics: names of topics by the name of the camera, without the part that follows for its images.
+        server: the server of the pages.
+        recording: the recording of the run.
+        topics: names of topics by the name of the camera, without the suffix for its images.
         time: the present time of the recording, s.
     """
 
@@ -66,7 +66,7 @@ class RecordedPicturesFeed(PicturesFeed):
         self._known: dict[str, tuple[int, int, Shot]] = {}
 
     def shot(self, name: str, component: Any) -> Shot | None:
-        """The image that the camera had taken last at the present time of the recording."""
+        """The last image of the camera at the present time of the recording."""
         channel = self._channels.get(name)
         if channel is None:
             return super().shot(name, component)
@@ -81,7 +81,7 @@ class RecordedPicturesFeed(PicturesFeed):
             if message.log_time != stamp or shot is None:
                 shot = _shot(message, component)
         except (CdrError, MorseError, ValueError):
-            # a damaged message: what the simulation shows is all that is left
+            # a damaged message: show the image of the simulation instead
             return super().shot(name, component)
         self._known[name] = (now, message.log_time, shot)
         return shot
@@ -91,7 +91,7 @@ def _shot(message: Message, component: Any) -> Shot:
     image = image_of(decode(IMAGE, message.data))
     time = message.publish_time / 1e9
     data = component.local_data
-    # boxes are not recorded; those of the simulation belong to the image if both are of the same time
+    # boxes are not recorded; those of the simulation are valid if both have the same time
     same = abs(float(data.get("timestamp", -1.0)) - time) < _ROUNDING / 1e9
     return Shot(image, image, time, data.get("objects", ()) if same else ())
 
@@ -100,7 +100,7 @@ def image_of(message: Mapping[str, Any]) -> NDArray[Any]:
     """The pixels of a message ``sensor_msgs/Image``: (H, W) or (H, W, channels).
 
     Raises:
-        ValueError: the message is not an image, or has another encoding than those that MORSE writes.
+        ValueError: the message is not an image, or has an encoding that MORSE does not write.
     """
     known = _ENCODINGS.get(message["encoding"])
     if known is None:

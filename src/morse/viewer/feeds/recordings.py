@@ -1,4 +1,4 @@
-"""Sends pages which recordings are being written."""
+"""Sends pages the active recordings."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from morse.simulation.simulation import Simulation
     from morse.viewer.server import ViewServer
 
-#: wall-clock seconds between two looks at the sizes of files
+#: wall-clock seconds between two checks of the sizes of files
 _INTERVAL = 0.5
 
 
 class RecordingsFeed:
-    """Sends path, length and size of the recordings.
+    """Sends path, duration and size of the recordings.
 
     Args:
         simulation: whose recordings are described.
@@ -34,7 +34,7 @@ class RecordingsFeed:
         self._sent: Recordings | None = None
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
         recorders = self._simulation.recorders
         now = time.monotonic()
         known = [] if self._sent is None else [one.path for one in self._sent.recordings]
@@ -52,6 +52,6 @@ class RecordingsFeed:
     def _describe(self, recorder: Recorder, stoppable: bool) -> RecordingDescription:
         try:
             size = os.stat(recorder.path).st_size
-        except OSError:  # it was removed
+        except OSError:  # the file was removed
             size = 0
         return RecordingDescription(recorder.path, recorder.ticks / self._simulation.clock.frequency, size, stoppable)

@@ -1,4 +1,4 @@
-"""Sends pages the sounds that loudspeakers of robots play."""
+"""Sends pages the sounds of loudspeakers of robots."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger("morse.viewer")
 
-#: bytes of a file of sound; a longer one is not sent
+#: maximum size of a sound file, bytes; a larger file is not sent
 LARGEST = 32 << 20
-#: how files of sound begin: offset, bytes, content type
+#: signatures of sound files: offset, bytes, content type
 _BEGINNINGS = (
     (8, b"WAVE", "audio/wav"),
     (0, b"OggS", "audio/ogg"),
@@ -34,10 +34,10 @@ _BEGINNINGS = (
 
 
 class SoundsFeed:
-    """Sends what the actuators `morse.actuators.sound.Sound` play.
+    """Sends the sounds of the actuators `morse.actuators.sound.Sound`.
 
     Only files that the scene script names are read: clients may set the property ``file`` to any path of this machine,
-    and the page must not become a way to read it.
+    and the page must not make it readable.
     """
 
     def __init__(self, context: Context, server: ViewServer) -> None:
@@ -50,13 +50,13 @@ class SoundsFeed:
         self.restarted()
 
     def restarted(self) -> None:
-        """The components are new ones."""
+        """The components were created again."""
         self._speakers = [one for one in self._context.components.values() if isinstance(one, Sound)]
         if self._speakers:
             self._permitted |= frozenset(named_files(self._context))
 
     def update(self) -> None:
-        """Send what has changed since the last call."""
+        """Send the changes since the last call."""
         for speaker in self._speakers:
             name, state = speaker.name(), (speaker.mode, speaker.file)
             if self._sent.get(name) != state:
@@ -97,11 +97,11 @@ def named_files(context: Context) -> Iterable[str]:
 
 
 def read_sound(path: Path) -> tuple[str, bytes]:
-    """The content type and the bytes of a file of sound.
+    """The content type and the bytes of a sound file.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: the file is too large, or of another kind.
+        ValueError: the file is too large, or of another format.
     """
     if not path.is_file():
         raise ValueError("there is no such file")

@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 BOXES = frozenset(("chair", "door", "drawer", "rolling chair"))
 TABLE = Path(__file__).with_suffix(".tsv")
-#: m, middles of the walls; openings along them: from, to, lower and upper edge
+#: m, centres of the walls; openings along them: from, to, lower and upper edge
 WEST, EAST, SOUTH, NORTH, HEIGHT, THICK = -3.91, 3.91, -5.9, 5.9, 2.5, 0.2
 WINDOWS = ((1.6, 3.4, 0.9, 2.1), (4.6, 6.4, 0.9, 2.1))
 DOORWAY = (5.1, 6.7, 0.0, 2.1)
-#: the middle line of the path, relative to the middle of its bounding box; m
+#: the centre line of the path, relative to the centre of its bounding box; m
 TRAIL = ((-15.8, 9.8), (14.8, 9.8), (14.8, 3.3), (-12.0, 3.3), (-12.0, -3.3), (14.8, -3.3), (14.8, -9.8), (-14.8, -9.8))
 WIDE, DEEP, RAIL = 2.0, 0.91, 0.61
 
@@ -134,14 +134,14 @@ class Room:
         return [part.turned(z=90) for part in shelf(self.stock, y, x, z, rows=5, columns=2, wood="walnut", books=7)]
 
     def sliding(self, row: Row) -> list[Part]:
-        """A thin panel with a round grip."""
+        """A thin panel with a round handle."""
         x, y, z = row.size
         panel = box(x, min(y, 0.02), z).painted(self.stock["birch"])
         grip = cylinder(0.025, y * 1.02, columns=20).turned(x=90).moved(x * 0.38, 0, 0).painted(self.stock["steel"])
         return [panel, grip]
 
     def leaf(self, row: Row) -> list[Part]:
-        """A door with a grip on the side that opens, facing X."""
+        """A door with a handle on the side that opens, facing X."""
         x, y, z = row.size
         side = 1 if row.centre[1] >= 0 else -1
         grip = box(x - 0.025, 0.02, 0.14).moved(0.0125, side * y * 0.4, 0)
@@ -151,7 +151,7 @@ class Room:
         ]
 
     def drawer(self, row: Row) -> list[Part]:
-        """A box that is open at the top, with a front and a grip, facing -Y."""
+        """A box that is open at the top, with a front and a handle, facing -Y."""
         x, y, z = row.size
         thin, bar = 0.012, 0.03
         inner = y - bar - 0.02
