@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import struct
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import examples
-from morse.middleware.ros2.cdr import CdrError, decode, encode
+from morse.middleware.ros2.cdr import CdrError, decode, encode, encode_stamped
 from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of, messages
 
 typesys = pytest.importorskip("rosbags.typesys", reason="rosbags is not installed: pip install rosbags")
@@ -128,3 +129,40 @@ def test_what_a_message_lacks_has_its_default() -> None:
 def test_unknown_fields_are_refused() -> None:
     with pytest.raises(ValueError, match="yaw"):
         encode("geometry_msgs/msg/Point", {"yaw": 1.0})
+
+
+STAMPED = {"geometry_msgs/msg/PoseStamped": 7, "geometry_msgs/msg/TwistStamped": 6, "sensor_msgs/msg/Temperature": 2}
+
+
+@pytest.mark.parametrize("name", STAMPED)
+@given(data=st.data())
+def test_messages_that_are_packed_in_one_step_have_the_bytes_of_the_library(name: str, data: st.DataObject) -> None:
+    given_numbers = data.draw(st.lists(st.floats(allow_nan=False), min_size=STAMPED[name], max_size=STAMPED[name]))
+    frame = data.draw(st.text(st.characters(exclude_characters="\0", exclude_categories=("Cs",)), max_size=20))
+    stamp = data.draw(st.integers(0, 2**31 * 10**9 - 1))
+    packed = encode_stamped(name, stamp, frame, given_numbers)
+    message = STORE.deserialize_cdr(packed, name)
+    assert (message.header.frame_id, message.header.stamp.sec) == (frame, stamp // 10**9)
+    assert message.header.stamp.nanosec == stamp % 10**9
+    assert bytes(STORE.serialize_cdr(message, name)) == packed
+    assert list(_flat(as_plain(message))) == given_numbers
+    assert encode(name, decode(name, packed)) == packed
+
+
+def _flat(value: dict[str, Any]) -> Any:
+    for name, inner in value.items():
+        if isinstance(inner, dict):
+            yield from _flat(inner) if name != "header" else ()
+        else:
+            yield inner
+
+
+@pytest.mark.parametrize("count", [6, 8])
+def test_a_wrong_number_of_numbers_is_refused(count: int) -> None:
+    with pytest.raises(struct.error):
+        encode_stamped("geometry_msgs/msg/PoseStamped", 0, "map", [0.0] * count)
+
+
+def test_only_messages_of_fixed_length_are_packed_in_one_step() -> None:
+    with pytest.raises(ValueError, match="LaserScan is not"):
+        encode_stamped("sensor_msgs/msg/LaserScan", 0, "map", [])

@@ -5,9 +5,11 @@ from __future__ import annotations
 import logging
 import os
 import re
+import socket
 import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from morse.core.exceptions import MorseMiddlewareError
 from morse.middleware.ros.mapping import INSTALL
@@ -15,7 +17,7 @@ from morse.middleware.ros.messages import message, message_class, plain
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, MutableMapping
 
 logger = logging.getLogger(__name__)
 
@@ -47,12 +49,35 @@ def join(name: str | None = None) -> Any:
         if not rosgraph.is_master_online():
             uri = os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
             raise MorseMiddlewareError(f"ros: there is no master at {uri} (ROS_MASTER_URI): start it with 'roscore'")
+        stay_on_this_machine(os.environ)
         before = logging.root.level, list(logging.root.handlers)
         suffix = f"_{re.sub(r'[^A-Za-z0-9_]', '_', name)}" if name else ""
         rospy.init_node(f"morse{suffix}", disable_signals=True)
         # rospy configures the logging of the whole process
         logging.root.level, logging.root.handlers[:] = before[0], before[1]
     return rospy
+
+
+def stay_on_this_machine(variables: MutableMapping[str, str]) -> None:
+    """Have rospy listen on the loopback interface alone, unless the user has chosen an address.
+
+    rospy listens on all networks otherwise. Nodes of other machines reach this node only if the user sets ``ROS_IP`` or
+    ``ROS_HOSTNAME``, or if the master is on another machine.
+
+    Args:
+        variables: the environment of the process, which rospy reads.
+    """
+    if variables.get("ROS_IP") or variables.get("ROS_HOSTNAME"):
+        return
+    master = urlsplit(variables.get("ROS_MASTER_URI", "")).hostname or "localhost"
+    if master in ("localhost", "::1", socket.gethostname()) or master.startswith("127."):
+        variables["ROS_IP"] = "127.0.0.1"
+    else:
+        logger.warning(
+            "ros: the master is on %s, so that rospy listens on all networks of this machine: "
+            "set ROS_IP to the address on which it is to listen",
+            master,
+        )
 
 
 class _Publisher(Publisher):

@@ -16,7 +16,7 @@ import numpy as np
 from morse.middleware.ros2.definitions import PRIMITIVES, SEQUENCE, SINGLE, fields_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from morse.middleware.ros2.definitions import MessageField
 
@@ -42,6 +42,34 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
     buffer = bytearray(_HEADER)
     _struct_writer(type_name)(buffer, message)
     return bytes(buffer)
+
+
+def encode_stamped(type_name: str, stamp: int, frame_id: str, numbers: Sequence[float]) -> bytes:
+    """Encode a message with a header and a fixed number of other numbers, in one step.
+
+    Args:
+        type_name: such as ``geometry_msgs/msg/PoseStamped``.
+        stamp: ns.
+        frame_id: of the header.
+        numbers: all other numbers of the message, in the order of their definition.
+
+    Raises:
+        struct.error: a wrong number of numbers, or a number that does not fit its field.
+    """
+    pack, text = _stamped(type_name, frame_id)
+    return pack(_HEADER, stamp // _SECOND, stamp % _SECOND, text, *numbers)
+
+
+@lru_cache(maxsize=4096)
+def _stamped(type_name: str, frame_id: str) -> tuple[Callable[..., bytes], bytes]:
+    """Packs a message whose header has that frame; its offsets depend on the length of the name."""
+    header, *rest = fields_of(type_name)
+    letters = "".join(PRIMITIVES.get(field.type) or _letters(field.type) or "?" for field in rest)
+    if header.type != "std_msgs/msg/Header" or "?" in letters or any(field.size != SINGLE for field in rest):
+        raise ValueError(f"{type_name} is not a header and a fixed number of numbers")
+    text = _string_bytes(frame_id)
+    begin = _STAMP_SIZE + len(text)
+    return struct.Struct(f"<4siI{len(text)}s{_padding(letters, begin)}").pack, text
 
 
 def decode(type_name: str, data: bytes) -> dict[str, Any]:
@@ -90,6 +118,7 @@ def _write_header(buffer: bytearray, value: Mapping[str, Any]) -> None:
 _NAME = 100
 _HEADER_FIELDS = frozenset(("stamp", "frame_id"))
 _STAMP = struct.Struct("<iI").pack
+_STAMP_SIZE, _SECOND = 8, 10**9
 
 
 @lru_cache(maxsize=4096)
@@ -132,13 +161,18 @@ def _plain_writer(type_name: str) -> Write:
 
 
 def _padded(letters: str, begin: int) -> Callable[..., bytes]:
-    form, at = "<", begin
+    return struct.Struct("<" + _padding(letters, begin)).pack
+
+
+def _padding(letters: str, begin: int) -> str:
+    """The format of numbers from an offset on."""
+    form, at = "", begin
     for letter in letters:
         size = struct.calcsize("<" + letter)
         filled = -at % size
         form += "x" * filled + letter
         at += filled + size
-    return struct.Struct(form).pack
+    return form
 
 
 @cache

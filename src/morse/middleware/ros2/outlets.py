@@ -27,6 +27,7 @@ class Outlet(NamedTuple):
         frame: a name of `morse.core.declarations.FRAMES`, or ``down``; empty for the frame of the message.
         instead: outlet that is used if the backend does not have the type.
         or_none: nothing is published if the backend does not have the type.
+        numbers: for messages of a header and a fixed number of numbers: returns these, which `make` describes by name.
     """
 
     type: str
@@ -36,6 +37,7 @@ class Outlet(NamedTuple):
     frame: str = ""
     instead: Any = None
     or_none: bool = False
+    numbers: Callable[[Message], tuple[float, ...]] | None = None
 
 
 class Inlet(NamedTuple):

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from morse.core.kinds import Message
 
 _SECOND = 10**9
+_NO_TURN = (0.0, 0.0, 0.0, 1.0)
 #: first element of a covariance if the quantity is not measured (definition of sensor_msgs/Imu)
 ABSENT = np.array([-1.0] + [0.0] * 8)
 
@@ -47,15 +48,27 @@ def xyz(vector: Sequence[float] | None) -> dict[str, float]:
 
 def quaternion(wxyz: Sequence[float] | None) -> dict[str, float]:
     """A normalised ``Quaternion``; the identity for None, or for zero."""
-    if wxyz is None:
+    numbers = xyzw(wxyz)
+    if numbers is _NO_TURN:
         return {}
+    x, y, z, w = numbers
+    return {"x": x, "y": y, "z": z, "w": w}
+
+
+def xyzw(wxyz: Sequence[float] | None) -> tuple[float, float, float, float]:
+    """The numbers of `quaternion`, in the order of ``Quaternion``."""
+    if wxyz is None:
+        return _NO_TURN
     w, x, y, z = _floats(wxyz)
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if not 0.0 < length < math.inf:
-        return {}
-    if length == 1.0:
-        return {"x": x, "y": y, "z": z, "w": w}
-    return {"x": x / length, "y": y / length, "z": z / length, "w": w / length}
+        return _NO_TURN
+    return (x, y, z, w) if length == 1.0 else (x / length, y / length, z / length, w / length)
+
+
+def three(vector: Sequence[float] | None) -> tuple[float, ...]:
+    """The numbers of `xyz`."""
+    return (0.0, 0.0, 0.0) if vector is None else tuple(_floats(vector))
 
 
 def covariance(matrix: Any) -> Any:

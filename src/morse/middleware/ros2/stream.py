@@ -9,7 +9,7 @@ from zlib import crc32
 import numpy as np
 
 from morse.core.kind_stream import KindStream
-from morse.middleware.ros2.cdr import CdrError
+from morse.middleware.ros2.cdr import CdrError, encode_stamped
 from morse.middleware.ros2.fields import field_outlet, unsaid
 from morse.middleware.ros2.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.names import relative_name, robot_of
@@ -57,6 +57,7 @@ class Ros2Stream(KindStream):
         self._frame_ids: dict[str, str] = {}
         # streams check in different ticks
         self._silence = crc32(self.component_name.encode()) % _PATIENCE
+        self._prepared = self.manager.backend.is_cdr
         self._sending: list[tuple[BoundKind, list[_Sending]]] = []
         self._hearing: list[_Hearing] = []
         for bound in self.kinds:
@@ -167,10 +168,15 @@ class Ros2Stream(KindStream):
 
     def _send(self, line: _Sending, message: Message) -> None:
         try:
-            made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))
-            if made is None:
-                return
-            data = self.manager.backend.encode(line.outlet.type, made)
+            outlet, backend = line.outlet, self.manager.backend
+            frame = self.frame_id(outlet.frame or message.frame)
+            if outlet.numbers is not None and self._prepared:
+                data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message))
+            else:
+                made = outlet.make(message, frame)
+                if made is None:
+                    return
+                data = backend.encode(outlet.type, made)
         except _UNFIT as error:
             self.complain(
                 f"encode {line.topic}",

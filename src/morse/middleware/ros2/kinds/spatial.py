@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Any
 from morse.core.kinds.turning import quaternion_of
 from morse.core.mapping import maps
 from morse.middleware.ros2.outlets import Inlet, Outlet
-from morse.middleware.ros2.parts import ABSENT, covariance, from_quaternion, from_xyz, header, quaternion, xyz
+from morse.middleware.ros2.parts import (
+    ABSENT,
+    covariance,
+    from_quaternion,
+    from_xyz,
+    header,
+    quaternion,
+    three,
+    xyz,
+    xyzw,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,7 +47,13 @@ class SpatialKinds:
                     },
                 )
             ]
-        return [Outlet("geometry_msgs/msg/PoseStamped", lambda m, f: {"header": header(m, f), "pose": _pose(m)})]
+        return [
+            Outlet(
+                "geometry_msgs/msg/PoseStamped",
+                lambda m, f: {"header": header(m, f), "pose": _pose(m)},
+                numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
+            )
+        ]
 
     @maps("twist")
     def twist(self, stream: Any, bound: BoundKind) -> list[Outlet]:
@@ -52,7 +68,13 @@ class SpatialKinds:
                     },
                 )
             ]
-        return [Outlet("geometry_msgs/msg/TwistStamped", lambda m, f: {"header": header(m, f), "twist": _twist(m)})]
+        return [
+            Outlet(
+                "geometry_msgs/msg/TwistStamped",
+                lambda m, f: {"header": header(m, f), "twist": _twist(m)},
+                numbers=lambda m: (*three(m.linear), *three(m.angular)),
+            )
+        ]
 
     @maps("accel")
     def accel(self, stream: Any, bound: BoundKind) -> list[Outlet]:
