@@ -21,12 +21,18 @@ _CARRIERS = {
 _HOLDERS = {"ArmaturePose": "KukaLWR", "PTUPosture": "PTU"}
 #: arguments of the constructors of components
 ARGUMENTS = {"Armature": {"armature_name": "kuka_armature", "model_name": "kuka_lwr"}}
+#: positions of components that the body of the robot would hide
+_PLACES = {"Gripper": ("translate(x=0.6, z=0.5)", "rotate(y=1.5708)")}
 #: fields that depend on the model
 _OWN_FIELDS = {"morse.actuators.armature.Armature": {"kuka_2": 0.0, "kuka_4": 0.0}}
 #: components that set their own name, with the name of one of their parts that has data
 _OWN_NAMES = {"Kinect": "Kinect.depth"}
 #: values for fields whose defaults are not instructive
-_VALUES = {"LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"}, "Sound": {"mode": '"play"'}}
+_VALUES = {
+    "LedArray": {"colours": "[[[1.0, 0.5, 0.0]] * 8] * 8"},
+    "Gripper": {"grab": "True"},
+    "Sound": {"mode": '"play"'},
+}
 #: components that need a geographic position
 _ON_THE_EARTH = ("Magnetometer",)
 
@@ -66,6 +72,7 @@ def component_scene(name: str, *, sensor: bool, fields: bool) -> str:
     lines.append(f"{variable} = {name}({given})")
     if sensor and holder == "robot":
         lines.append(f"{variable}.translate(x=0.3, z=0.8)")
+    lines += [f"{variable}.{place}" for place in _PLACES.get(name, ())]
     lines += [f"{holder}.append({variable})", ""]
     if fields:
         lines.append("robot.add_default_interface('socket')")
