@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from playwright.sync_api import Error
 from view_pages import until
 from view_simulation import CircleDriver
 from view_worlds import playground
@@ -16,6 +18,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from playwright.sync_api import Browser, BrowserContext, Page
+
+
+#: a processor draws slowly, and a page that draws all the time leaves little of it to the test: 10 frames a second do
+FEW_FRAMES = """
+(() => {
+    const request = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (draw) => setTimeout(() => request(draw), 100);
+    window.cancelAnimationFrame = clearTimeout.bind(window);
+})();
+"""
 
 
 @pytest.fixture
@@ -59,16 +71,36 @@ def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]
         yield driver, url
 
 
+@pytest.fixture(scope="session")
+def profile(browser: Browser) -> Iterator[BrowserContext]:
+    """A window that stays open: a page in a new window takes twice the processor time of a page in a new tab."""
+    context = browser.new_context()
+    context.new_page()
+    yield context
+    context.close()
+
+
 @pytest.fixture
-def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
-    """Opens pages of the live view; an error on a page fails the test."""
+def open_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..., Page]]:
+    """Opens pages of the live view; an error on a page fails the test.
+
+    Pages of one test share nothing. Pages of different tests have different ports, and so different storages.
+    """
     contexts: list[BrowserContext] = []
+    tabs: list[Page] = []
     errors: list[str] = []
 
     def opened(url: str, *, wait: bool = True, width: int = 640, height: int = 420, **options: Any) -> Page:
-        context = browser.new_context(viewport={"width": width, "height": height}, **options)
-        contexts.append(context)
-        page = context.new_page()
+        size: Any = {"width": width, "height": height}
+        if options or tabs:
+            contexts.append(browser.new_context(viewport=size, **options))
+            page = contexts[-1].new_page()
+        else:
+            page = profile.new_page()
+            page.set_viewport_size(size)
+            tabs.append(page)
+        page.set_default_timeout(50_000)  # other programs may take most of the processor
+        page.add_init_script(FEW_FRAMES)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("dialog", lambda dialog: dialog.accept())  # a page that is left during a flight asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")
@@ -79,6 +111,11 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Page]]:
         return page
 
     yield opened
+    for tab in tabs:
+        if not tab.is_closed():
+            with contextlib.suppress(Error):  # a page that could not be loaded has no storage
+                tab.evaluate("localStorage.clear()")
+            tab.close()
     for context in contexts:
         context.close()
     assert errors == []

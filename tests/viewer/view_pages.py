@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-def until(condition: Callable[[], Any], what: str = "", limit: float = 20.0) -> Any:
+def until(condition: Callable[[], Any], what: str = "", limit: float = 50.0) -> Any:
     """Wait until a condition holds, and return its value."""
     end = time.monotonic() + limit
     while True:
