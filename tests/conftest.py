@@ -34,6 +34,14 @@ _MUST_RUN_IN_CI = ("browser", "blender")
 QUICK = ("architecture", "assets", "builder", "core", "helpers", "mathutils", "physics", "sensors", "services")
 _NOT_QUICK = ("slow", "soak", "browser", "blender")
 
+#: files that take more than twenty seconds
+_LONG = {
+    "test_journey", "test_docs_code", "test_view_truth", "test_view_browser", "test_view_panels", "test_view_live",
+    "test_verify_command", "test_recording_commands", "test_contract", "test_view_layout", "test_view_page",
+    "test_build", "test_sanitizers", "test_component_library", "test_abuse_crashes", "test_determinism",
+    "test_benchmarks", "test_mavlink", "test_asset_build", "test_blend_evaluation", "test_view_rereading",
+}  # fmt: skip
+
 #: the first port of the services of a worker's simulations, and the distance to those of the next worker
 _FIRST_PORT, _PORTS = 20_000, 200
 
@@ -54,7 +62,8 @@ if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark quick tests by their folders."""
+    """Mark quick tests by their folders, and put long files first: no worker begins one when the others have ended."""
+    items.sort(key=lambda item: item.path.stem not in _LONG)
     folders: dict[Path, str] = {}
     for item in items:
         if item.path not in folders:

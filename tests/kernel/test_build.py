@@ -30,7 +30,12 @@ def test_every_platform_has_libraries_of_its_own():
 
 # the compiler needs minutes for the C library of Windows
 @pytest.mark.parametrize(
-    "name", ["macos-aarch64", "linux-musl-aarch64", pytest.param("windows-x86_64", marks=pytest.mark.soak)]
+    "name",
+    [
+        "macos-aarch64",
+        pytest.param("linux-musl-aarch64", marks=pytest.mark.slow),
+        pytest.param("windows-x86_64", marks=pytest.mark.soak),
+    ],
 )
 def test_it_compiles_for_other_platforms(needs_compiler, tmp_path, name):
     (target,) = [target for target in targets.ALL if str(target) == name]

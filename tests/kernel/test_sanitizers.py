@@ -16,14 +16,16 @@ CHECKED = "MORSE_TESTED_KERNEL"
 OPTIONS = ["-O1", "-g", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
 #: tests of Python only
 _NOT_NATIVE = ("test_build.py", "test_loading.py", "test_sanitizers.py")
+WORDS = ["-n0", "-q", "-x", "-p", "no:cacheprovider", "--timeout", "600"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
-@pytest.mark.slow
+# the short form has a test of each kernel with inputs of all kinds
+@pytest.mark.parametrize("chosen", ["random or primitives or alike", pytest.param("test", marks=pytest.mark.slow)])
 @pytest.mark.timeout(650)
 @pytest.mark.skipif(CHECKED in os.environ, reason="this is the inner run")
 @pytest.mark.skipif(sys.platform != "linux", reason="the compiler of Linux is asked")
-def test_no_access_out_of_bounds_and_nothing_undefined(tmp_path):
+def test_no_access_out_of_bounds_and_nothing_undefined(tmp_path, chosen):
     compiler = shutil.which("gcc")
     if compiler is None:
         if os.environ.get("CI"):
@@ -43,7 +45,7 @@ def test_no_access_out_of_bounds_and_nothing_undefined(tmp_path):
     }
     here = [str(path) for path in Path(__file__).parent.glob("test_*.py") if path.name not in _NOT_NATIVE]
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *here],
+        [sys.executable, "-m", "pytest", *WORDS, "-k", chosen, *here],
         env=environment,
         capture_output=True,
         text=True,

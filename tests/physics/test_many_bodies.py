@@ -14,6 +14,7 @@ def test_thousands_of_things_that_stand_still():
     assert w.game_object("ball").worldPosition.z == pytest.approx(0.7, abs=0.01)
 
 
+@pytest.mark.slow
 def test_thousands_of_things_that_fall():
     """The engine's own estimate of the memory for that many bodies exceeds the memory of machines."""
     boxes = [rigid(f"box{i}", box(0.4, 0.4, 0.4), at=(i % 60, i // 60, 1.0)) for i in range(4800)]

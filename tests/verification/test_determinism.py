@@ -27,7 +27,11 @@ def options_of(script: str, tmp_path: Path, **more: object) -> RunOptions:
 
 
 @pytest.mark.parametrize(
-    ("script", "ticks"), [(scenes.CROWD, CROWD_TICKS), (scenes.WHEELS, WHEEL_TICKS)], ids=["crowd", "wheels"]
+    ("script", "ticks"),
+    [
+        pytest.param(scenes.CROWD, CROWD_TICKS, id="crowd", marks=pytest.mark.slow),
+        pytest.param(scenes.WHEELS, WHEEL_TICKS, id="wheels"),
+    ],
 )
 def test_processes_restarts_views_clients_and_the_wall_clock_change_nothing(
     script: str, ticks: int, tmp_path: Path
