@@ -5,8 +5,9 @@ Scenes without cameras do not import this package.
 
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lens import Lens
+from morse.rendering.motion import Motion
 from morse.rendering.photograph import photograph
 from morse.rendering.renderer import Renderer
 from morse.rendering.request import CameraRequest, Picture
 
-__all__ = ["CameraRequest", "DistortedLens", "Lens", "Picture", "Renderer", "photograph"]
+__all__ = ["CameraRequest", "DistortedLens", "Lens", "Motion", "Picture", "Renderer", "photograph"]

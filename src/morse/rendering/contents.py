@@ -19,6 +19,7 @@ from morse.kernel.drawing.arrays import (
     Poses,
 )
 from morse.rendering.meshes import clusters_of
+from morse.rendering.motion import moved
 from morse.scene import is_shown, slot_materials
 from morse.scene.frames import rigid_frame
 
@@ -132,11 +133,17 @@ class Contents:
 
     # -- poses -----------------------------------------------------------------------------
 
-    def poses(self) -> Poses:
-        """Return the present poses of all instances; invisible instances get zeros."""
+    def poses(self, time: float = 0.0) -> Poses:
+        """Return the poses of all instances; invisible instances get zeros.
+
+        Args:
+            time: s, relative to the present; the velocities are assumed to be constant.
+        """
         world = self._world
         self._follow()
         positions, rotations = world.slot_poses()
+        if time:
+            positions, rotations = moved(positions, rotations, *self._velocities(len(positions)), time)
         model = rotations[self._groups] @ self._offsets
         model[:, :, 3] += positions[self._groups]
         seen = self._shown & np.fromiter((obj.visible for obj in self._objects), bool, len(self._objects))
@@ -150,6 +157,15 @@ class Contents:
             np.ascontiguousarray(model.reshape(-1, 12), dtype=np.float32),
             np.ascontiguousarray(turns.reshape(-1, 9), dtype=np.float32),
         )
+
+    def _velocities(self, slots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(K, 3) linear and (K, 3) angular velocities of the slots, world axes; 0 for static slots."""
+        found = np.zeros((2, slots, 3))
+        for slot in np.unique(self._groups).tolist():
+            if not self._world.is_fixed(slot):
+                found[:, slot] = self._world.bodies.velocity(slot)
+        found[~np.isfinite(found)] = 0.0
+        return found[0], found[1]
 
     def _follow(self) -> None:
         """Update the poses of parts that move within their groups."""

@@ -11,6 +11,7 @@ from morse.kernel.drawing.arrays import CAMERA
 from morse.rendering.contents import Contents, MeshStore
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
+from morse.rendering.motion import averaged, cropped, joined, moved
 from morse.rendering.request import CameraRequest, Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing import Pictures, Poses
     from morse.physics import World
     from morse.rendering.lens import Lens
+    from morse.rendering.motion import Motion
     from morse.rendering.request import Placed
 
 #: number of samples of each pixel
@@ -63,7 +65,11 @@ class Renderer:
 
     def serve(self, requests: Sequence[CameraRequest]) -> None:
         """Render the requested images."""
-        wanted = [request for request in requests if request.wanted()]
+        asked = [request for request in requests if request.wanted()]
+        for request in asked:
+            if request.motion is not None:
+                self._draw_over_time(request, request.motion)
+        wanted = [request for request in asked if request.motion is None]
         while wanted:
             pixels, count = 0, 0
             for request in wanted:
@@ -74,14 +80,29 @@ class Renderer:
             self._draw(wanted[:count])
             wanted = wanted[count:]
 
-    def _draw(self, requests: Sequence[CameraRequest]) -> None:
+    def _draw_over_time(self, request: CameraRequest, motion: Motion) -> None:
+        """Render an image with motion blur or rolling shutter."""
+        bands = []
+        for band in motion.bands(request.lens.height):
+            pictures = []
+            for time in band.times:
+                lens = cropped(request.lens, band.first, band.last)
+                part = self.request(request.obj, lens, color=request.color, normals=request.normals)
+                part.exposure = request.exposure
+                self._draw([part], time)
+                assert part.picture is not None
+                pictures.append(part.picture)
+            bands.append(averaged(pictures))
+        request.picture = joined(bands)
+
+    def _draw(self, requests: Sequence[CameraRequest], time: float = 0.0) -> None:
         self._look()
         contents = self.contents
-        poses = contents.poses()
+        poses = contents.poses(time)
         views = [view for request in requests for view in _views(request)]
         cameras = np.zeros(len(views), CAMERA)
         for row, view in zip(cameras, views, strict=True):
-            _fill(row, view)
+            _fill(row, view, time)
         light = self._light
         if cameras["color"].any():
             light = self._lit(poses)
@@ -93,7 +114,7 @@ class Renderer:
             flats = [_cut(made, next(rows)) for _ in _views(request)]
             lens = request.lens
             drawn = lens.warp.gather(flats) if isinstance(lens, DistortedLens) else flats[0]
-            position, rotation = request.obj.world_pose()
+            position, rotation = _pose_of(request.obj, time)
             request.picture = Picture(
                 drawn.rgb,
                 drawn.depth,
@@ -160,9 +181,20 @@ def _views(request: CameraRequest) -> list[_View]:
     return [_View(request, lens, _STRAIGHT)]
 
 
-def _fill(row: Any, view: _View) -> None:
+def _pose_of(obj: Placed, time: float) -> tuple[Any, Any]:
+    """Position and rotation at a time relative to the present, at the present velocity."""
+    position, rotation = obj.world_pose()
+    velocity = getattr(obj, "velocity", None)
+    if not time or velocity is None:
+        return position, rotation
+    linear, angular = (np.nan_to_num(np.array([part], np.float64)) for part in velocity())
+    places, turns = moved(np.array([position]), np.reshape(np.array(rotation), (1, 3, 3)), linear, angular, time)
+    return places[0], turns[0]
+
+
+def _fill(row: Any, view: _View, time: float) -> None:
     request, lens = view.request, view.lens
-    position, rotation = request.obj.world_pose()
+    position, rotation = _pose_of(request.obj, time)
     for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
         row[name] = getattr(lens, name)
     # the rotations of undistorted images permute axes, so that these products are exact

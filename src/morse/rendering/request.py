@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.rendering.lens import Lens
+    from morse.rendering.motion import Motion
     from morse.rendering.renderer import Renderer
     from morse.scene import Node
 
@@ -56,6 +57,7 @@ class CameraRequest:
         color: whether the image has colours, not only depth and ids.
         normals: whether the image has normals.
         exposure: factor of the light.
+        motion: when the rows are exposed; None for an image of the present instant.
         wanted: returns whether an image is requested now.
         picture: the last image; None before the first.
     """
@@ -66,4 +68,5 @@ class CameraRequest:
         self.server = server
         self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted
         self.exposure = 1.0
+        self.motion: Motion | None = None
         self.picture: Picture | None = None

@@ -93,6 +93,36 @@ class VideoCamera(Camera):
     )
 
     add_property(
+        "exposure_time",
+        0.0,
+        "exposure_time",
+        "float",
+        "Time for which the image is exposed, until its tick: motion blur",
+        unit="s",
+        low=0.0,
+        high=1.0,
+    )
+    add_property(
+        "readout_time",
+        0.0,
+        "readout_time",
+        "float",
+        "Time from the read-out of the top row to that of the bottom row, at the tick of the image: rolling shutter",
+        unit="s",
+        low=0.0,
+        high=1.0,
+    )
+    add_property(
+        "motion_steps",
+        16,
+        "motion_steps",
+        "integer",
+        "Number of instants of an exposure, and of bands of rows, that are rendered separately",
+        low=2,
+        high=64,
+    )
+
+    add_property(
         "compression",
         "",
         "compression",
@@ -110,6 +140,9 @@ class VideoCamera(Camera):
     full_well: float
     read_noise: float
     stuck_pixels: float
+    exposure_time: float
+    readout_time: float
+    motion_steps: int
     compression: str
     quality: int
 
@@ -122,6 +155,11 @@ class VideoCamera(Camera):
     def _wants(self) -> bool:
         # it may have been set while the simulation runs
         self.request.exposure = math.exp2(self.exposure + (self._adjusted if self.auto_exposure else 0.0))
+        self.request.motion = None
+        if self.exposure_time or self.readout_time:
+            from morse.rendering import Motion
+
+            self.request.motion = Motion(self.exposure_time, self.readout_time, self.motion_steps)
         return super()._wants()
 
     def take(self, picture: Picture) -> None:
