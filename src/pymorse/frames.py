@@ -101,7 +101,7 @@ class _Layout(NamedTuple):
 
 @functools.lru_cache(maxsize=1024)
 def _layout(text: bytes) -> _Layout:
-    """What a text says of the rest of its frame; most messages of a stream have the same text."""
+    """The layout of a frame, from its text; most messages of a stream have the same text."""
     described = _parse(text)
     try:
         numbers, others = described["numbers"], described["fields"]

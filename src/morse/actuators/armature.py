@@ -80,7 +80,7 @@ class Armature(DynamicJoints):
         self._targets = targets_of(obj)
         self._follower = Follower()
         self._target_poses = self._poses()
-        #: setpoints that result from the targets; None while the joints have setpoints of their own
+        #: setpoints that result from the targets; None while commands set the setpoints
         self._led: list[float] | None = None
         self._trajectory: Trajectory | None = None
         #: motion of a target: its name, goal position and rotation in the world, speed in m/s and rad/s

@@ -1,4 +1,4 @@
-"""Joints that the physics moves, and motors that are told a position, a velocity or an effort."""
+"""Joints that the physics moves, with motors for positions, velocities or efforts."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class DynamicJoints(JointServices):
 
     @property
     def control(self) -> Control | None:
-        """What all motors are told; None if it differs."""
+        """The control mode of all motors; None if it differs."""
         told = {self._controls.get(name, Control.POSITION) for name in self.joints}
         return told.pop() if len(told) == 1 else None
 
@@ -108,7 +108,7 @@ class DynamicJoints(JointServices):
 
     @service(changes=False)
     def get_controls(self) -> dict[str, str]:
-        """Return what each motor is told: ``position``, ``velocity`` or ``effort``; empty if not dynamic."""
+        """Return the control mode of each motor: ``position``, ``velocity`` or ``effort``; empty if not dynamic."""
         if self._motors is None:
             return {}
         return {name: str(self._controls.get(name, Control.POSITION)) for name in self.joints}

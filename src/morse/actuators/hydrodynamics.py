@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 #: drag coefficients of a vessel along its axes, after those of streamlined bodies and of plates
 _COEFFICIENTS = (0.2, 1.1, 1.1)
 _THINNEST = 1e-3  # m
-#: N and N·m; what the engine takes
+#: maximum force and torque of the engine, N and N·m
 _MOST = 1e8
 _SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
 
@@ -27,7 +27,7 @@ _SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
 class Hydrodynamics(Actuator):
     """Lets water carry, slow down and take away a robot.
 
-    A box of eight cells stands for the robot. Each cell that is below the surface is pushed up by the weight of the
+    A box of eight cells approximates the robot. Each cell that is below the surface is pushed up by the weight of the
     water in its place, rho V g / 8, and slowed down along each axis of the robot by C v |v| / 8, with the speed v of
     the cell in the water. C = rho c A / 2 is that of the whole robot along an axis: A is the cross-section of the box,
     and c is 0.2 along X and 1.1 along Y and Z. Turning is damped by the same forces, and a robot at the surface rights

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LimitedMotion(Actuator):
-    """Follows the commanded speeds within limits of speed, acceleration and jerk; 0 stands for no limit.
+    """Follows the commanded speeds within limits of speed, acceleration and jerk; 0 means no limit.
 
     Attributes:
         linear_axes: components of the linear speed.

@@ -119,6 +119,6 @@ def _part(obj: Any, name: str) -> Any:
 
 
 def _joint(part: Any, axis: str) -> Bone:
-    """The joint between a segment and what carries it."""
+    """The joint between a segment and its parent."""
     position, rotation = part.local_pose()
     return Bone(part.name, -1, tuple(position), tuple(rotation), 0.0, JointKind.REVOLUTE, "xyz".index(axis))

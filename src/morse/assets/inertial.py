@@ -30,7 +30,7 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
     Args:
         mass: kg.
         origin: 4x4, centre of mass and axes of the moments in the frame of the link.
-        moments: ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, kg m^2; None if the file does not say them.
+        moments: ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, kg m^2; None if the file does not contain them.
     """
     x, y, z = origin.translation
     turned = np.array([list(row) for row in origin.to_3x3()])

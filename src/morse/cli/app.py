@@ -105,7 +105,7 @@ def execute(arguments: Sequence[str]) -> int:
         arguments: the words after ``morse``.
 
     Returns:
-        The exit status: 0, 1 for what could not be done, 2 for a mistake on the command line, 130
+        The exit status: 0, 1 for a failed command, 2 for an error on the command line, 130
         after Ctrl+C, or what the simulation returned.
     """
     try:

@@ -1,4 +1,4 @@
-"""The examples that come with MORSE: scenes with their clients, in ``morse/data/examples``."""
+"""The examples of MORSE: scenes with their clients, in ``morse/data/examples``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Example:
 
     Attributes:
         name: of its folder.
-        what: one line on what it shows.
+        what: a description in one line.
     """
 
     name: str

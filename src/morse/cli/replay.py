@@ -1,4 +1,4 @@
-"""``morse replay``: look at a recorded run again."""
+"""``morse replay``: show a recorded run."""
 
 from __future__ import annotations
 

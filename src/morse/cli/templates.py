@@ -43,7 +43,7 @@ COMPONENT_KINDS = ("robot", "sensor", "actuator")
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """What stands for the placeholders.
+    """The values of the placeholders.
 
     Attributes:
         env: name of the environment.

@@ -79,7 +79,7 @@ class AbstractObject:
         """Reset the object, since the simulation starts again at tick 0."""
 
     def get_state(self) -> Any:
-        """Return all that determines what the object does next, as plain data; None for an object without state."""
+        """Return the state that determines the future of the object, as plain data; None without a state."""
         return None
 
     def set_state(self, state: Any) -> None:

@@ -1,4 +1,4 @@
-"""Units of measurement: what they measure, and how to convert between them.
+"""Units of measurement: their dimensions, and conversions between them.
 
 A unit is written as names, ``·`` or ``*``, ``/`` and powers: ``m/s``, ``rad/s^2``, ``N·m``, ``kg·m²``.
 """

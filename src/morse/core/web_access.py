@@ -117,7 +117,7 @@ class Access:
         return None
 
     def cookie(self, path: str, name: str) -> dict[str, str]:
-        """Headers that let the browser keep the token that it has shown in the address."""
+        """Headers with which the browser stores the token of the address."""
         if self.token is None or "token" not in parse_qs(urlsplit(path).query):
             return {}
         return {"Set-Cookie": f"{name}={quote(self.token, safe='')}; HttpOnly; SameSite=Strict; Path=/"}

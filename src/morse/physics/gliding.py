@@ -56,7 +56,7 @@ class Gliding:
         newest: last tick in which a robot began to glide.
         speeds, margins: (K,) values of `Glide` by slot; the speed is negative for slots that do not glide.
         extents: (K,) distance from the origin of a robot to its outermost point, by slot, m.
-        foresight: ticks within which the engine notices what the robots could meet; 0: only what they meet.
+        foresight: ticks within which the engine detects possible contacts of the robots; 0: only actual contacts.
         clear_until: before that tick no robot can meet anything.
         is_rearranged: whether shapes of gliding robots have moved since the last forward kinematics of the engine.
         next_look: first tick in which one of the robots could be near an edge.
@@ -303,7 +303,7 @@ class Gliding:
         model.body_margin[slot.body] = margin
 
     def look_ahead(self, ticks: int) -> None:
-        """Have the engine notice what the robots could meet within so many ticks; 0: only what they meet."""
+        """Let the engine detect possible contacts of the robots within a number of ticks; 0: only actual contacts."""
         self.clear_until = 0
         if ticks != self.foresight:
             self.foresight = ticks

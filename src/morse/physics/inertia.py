@@ -81,7 +81,7 @@ def robot_inertia(
     return centre, mass / 12 * (squares.sum() - squares)
 
 
-#: kg/m^3, of links whose masses a file does not say
+#: density of links without masses in the file, kg/m^3
 _DENSITY = 1000.0
 
 

@@ -119,7 +119,7 @@ def frames_of(scene: Scene) -> list[Frame]:
 
 
 class _Hanging:
-    """The nodes that hang on the moving bones of an armature.
+    """The nodes attached to the moving bones of an armature.
 
     Attributes:
         nodes: all of them.

@@ -45,7 +45,7 @@ def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:
 
 
 def wake(state: EngineState, body: int) -> None:
-    """Wake the tree of a body, and what sleeps with it."""
+    """Wake the tree of a body, and all trees that sleep with it."""
     tree = int(state.model.body_treeid[body])
     asleep = state.data.tree_asleep
     if tree < 0 or asleep[tree] < 0:

@@ -126,7 +126,7 @@ class VelocitySnapshot:
 
 
 class VelocitySnapshots:
-    """Takes the velocities of the same bodies again and again."""
+    """Reads the velocities of the same bodies repeatedly."""
 
     def __init__(self, state: EngineState, objects: Sequence[Moving]) -> None:
         self._state = state

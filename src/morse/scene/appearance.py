@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(eq=False, slots=True)
 class Image:
-    """An encoded picture.
+    """An encoded image.
 
     Attributes:
         data: the bytes of a PNG or JPEG file.

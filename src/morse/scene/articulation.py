@@ -12,15 +12,15 @@ if TYPE_CHECKING:
 
 #: property of an armature: whether the physics moves its joints
 DYNAMIC = "Dynamic"
-#: property of an armature: what its motors are told
+#: property of an armature: the control mode of its motors
 CONTROL = "Control"
 
 
 class Control(StrEnum):
-    """What the motor of a joint is told.
+    """The control mode of the motor of a joint.
 
-    A motor that is told a position or a velocity exerts the effort (N m or N) that it takes, up to its limit. A motor
-    that is told an effort exerts this effort; without a command, the joint moves freely.
+    A motor that controls a position or a velocity exerts the necessary effort (N m or N), up to its limit. A motor
+    for efforts exerts the commanded effort; without a command, the joint moves freely.
     """
 
     POSITION = "position"
@@ -99,7 +99,7 @@ def is_dynamic(armature: Node) -> bool:
 
 
 def controls_of(armature: Node) -> dict[str, Control]:
-    """Return what the motor of each joint of an armature is told."""
+    """Return the control mode of the motor of each joint of an armature."""
     settings = armature.articulation or Articulation()
     word = armature.properties.get(CONTROL)
     common = Control(word) if isinstance(word, str) and word in list(Control) else None

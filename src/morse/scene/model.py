@@ -1,4 +1,4 @@
-"""Records which nodes of a scene came from which model file."""
+"""Records the model files of the nodes of a scene."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _ZERO = [0.0, 0.0, 0.0]
 _VISUAL = Visual("cube", (0.04, 0.04, 0.02), (0.3, 0.9, 0.6))
-#: attributes that are errors, and all that decide who acts together
+#: attributes with errors, and all attributes that determine which IMUs act together
 _ERRORS = tuple(f"_{part}_{kind}" for part in ("gyro", "accel") for kind in ("density", "instability", "walk"))
 _SETTINGS = ("_computation_mode", *_ERRORS)
 #: the g of data sheets, m/s^2
@@ -192,7 +192,7 @@ class IMU(MotionSensor):
 
     @classmethod
     def act_together(cls, group: Group) -> None:
-        """Measure for all members; the numbers are worked out for those that are read."""
+        """Measure for all members; the values are computed for those that are read."""
         members: Any = group.members
         memory, poses, clock = group.memory, group.poses, group.context.clock
         settings = [group.attributes(name) for name in _SETTINGS]

@@ -244,7 +244,7 @@ class LaserScanner(Sensor):
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None
 
     def _look(self) -> Any:
-        """What the rays meet now; they are made again if properties were changed."""
+        """The present hits of the rays; the rays are created again if properties were changed."""
         if self._arc != self._arc_properties():
             self.create_laser_arc()
         rays = self.rays

@@ -1,4 +1,4 @@
-"""Measures how what it sees moves in the picture."""
+"""Measures the motion of the visible points in the image."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class OpticalFlowCamera(Camera):
         self._before: tuple[Any, ...] | None = None
 
     def take(self, picture: Picture) -> None:
-        """Compare with the last picture."""
+        """Compare with the last image."""
         from morse.rendering.flow import Moment, moment_of, optical_flow
 
         now = moment_of(picture)

@@ -178,7 +178,7 @@ class VideoCamera(Camera):
         self.local_data["image"] = self.ordered(image)
 
     def _adjust(self, mean: float) -> None:
-        """Come nearer to the exposure that makes pictures neither dark nor bright."""
+        """Adjust the exposure towards images that are neither dark nor bright."""
         wanted = _GAMMA * math.log2(_MIDDLE / max(mean, 1.0))
         step = min(max(_SPEED * wanted, -_MOST_STOPS), _MOST_STOPS)
         self._adjusted = min(max(self._adjusted + step, -_FARTHEST), _FARTHEST)

@@ -35,7 +35,7 @@ class RecordingServices(AbstractObject):
 
     @property
     def path(self) -> str | None:
-        """Of the recording that `stop_recording` stops; None if there is none."""
+        """The path of the recording that `stop_recording` stops; None if there is none."""
         return self._recorder.path if self._recorder is not None and self._recorder.running else None
 
     @service(changes=False)

@@ -25,7 +25,7 @@ class Schedule(Generic[_C]):
 
     A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not
     before ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow,
-    exactly ``f`` times a second on average, and from integers alone, so that it never drifts.
+    exactly ``f`` times per second on average, computed from integers, so that it never drifts.
 
     Args:
         frequency: frequency of the simulation, Hz.

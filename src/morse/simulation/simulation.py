@@ -235,7 +235,7 @@ class Simulation(Recorded, Handles):
 
     @property
     def journal(self) -> Journal:
-        """Everything that comes in from outside."""
+        """All input from outside."""
         return self.context.journal
 
     def set_controls(self, keys: frozenset[str], axes: tuple[float, ...] = (), robot: str | None = None) -> None:

@@ -49,7 +49,7 @@ def follow(file: TextIO, ended: Callable[[], bool] = _never) -> Iterator[str]:
 
 
 class LogWatch(threading.Thread):
-    """Follows the log of a simulation and takes note of what it says.
+    """Follows and evaluates the log of a simulation.
 
     Args:
         path: of the log.

@@ -72,7 +72,7 @@ class SimulationProcess:
         """TCP port of its services.
 
         Raises:
-            MorseTestingError: it has not said so.
+            MorseTestingError: the log does not contain it.
         """
         if self.watch.port is None:
             raise MorseTestingError(f"the simulation did not say on which port its services are ({self.log})")
@@ -157,7 +157,7 @@ def _morse() -> list[str]:
 
 
 def preferred_port(wanted: int) -> int:
-    """``wanted`` if nothing listens on it, else 0, which stands for any free port."""
+    """``wanted`` if nothing listens on it, else 0 for any free port."""
     with socket.socket() as probe:
         if os.name == "posix":
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -45,10 +45,10 @@ class MorseTestCase(unittest.TestCase):
     simulation: SimulationProcess | None = None
 
     def setUpMw(self) -> None:  # noqa: N802
-        """Start what else the test needs, such as a middleware; called before the simulation starts."""
+        """Start other programs of the test, such as a middleware; called before the simulation starts."""
 
     def tearDownMw(self) -> None:  # noqa: N802
-        """Stop what `setUpMw` started; called after the simulation has ended."""
+        """Stop the programs that `setUpMw` started; called after the simulation has ended."""
 
     def setUpEnv(self) -> None:  # noqa: N802
         """Build the scene.

@@ -1,4 +1,4 @@
-"""COLLADA files: what has to be known of them before they are read."""
+"""COLLADA files: checks before they are read."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Below:
         return (self._folder / str(name)).is_file()
 
     def keys(self) -> Iterator[str]:
-        """No names: a folder may be large, and trimesh asks for what a model names."""
+        """Return no names: a folder may be large, and trimesh requests the files that a model names."""
         return iter(())
 
     def write(self, name: str, data: bytes) -> None:

@@ -19,7 +19,7 @@ from morse.scene import Library, Node, NodeKind, PhysicsType
 #: glTF looks along +Z with +Y up; models of MORSE look along +X with +Z up
 _FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _GLTF = (".gltf", ".glb")
-#: relative; what a rotation and a scale cannot say
+#: relative tolerance for parts of a matrix other than rotation and scale
 _SHEAR = 1e-3
 
 
@@ -53,7 +53,7 @@ def read_meshes(path: str | Path) -> Library:
         raise AssetError(path, "it is nested too deeply") from None
     except MemoryError:
         raise AssetError(path, "it needs more memory than there is") from None
-    except Exception as error:  # whatever a damaged file leads trimesh to
+    except Exception as error:  # trimesh may raise any exception for a damaged file
         what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
         raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error
     if below.refused:

@@ -107,7 +107,7 @@ class Surfaces:
 
 
 def _normals(vertices: Any, triangles: Any) -> Any:
-    """(T, 3, 3) normals of the corners, smooth but for creases; what has one place is one vertex, as in STL files."""
+    """(T, 3, 3) normals of the corners, smooth except at creases; equal positions are one vertex, as in STL files."""
     if not len(triangles):
         return None
     _, same = np.unique(vertices, axis=0, return_inverse=True)

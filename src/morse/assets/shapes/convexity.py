@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _BULGE = 1e-3  # of the diagonal: how far a vertex may lie in front of a face
-_WORK = 20_000_000  # products of vertices and faces that are looked at
+_WORK = 20_000_000  # maximum product of vertices and faces that are tested
 _CHUNK = 2_000_000
 _HULL_POINTS = 512  # a hull with more vertices is given by its extreme ones
-_THINNEST = 0.001  # metres; hulls that are flatter are made this thick
+_THINNEST = 0.001  # metres; flatter hulls get this thickness
 
 
 def is_convex(surface: Surface) -> bool:

@@ -163,7 +163,7 @@ def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive
 
 
 def _outline(flat: Floats) -> Floats:
-    """The points (P, 2) farthest out: the rim, without what caps have inside."""
+    """The outermost points (P, 2): the rim, without the inner points of caps."""
     distance = np.linalg.norm(flat - (flat.max(axis=0) + flat.min(axis=0)) / 2.0, axis=1)
     rim: Floats = flat[distance >= 0.9 * distance.max()]
     return rim

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _THICKNESS = 0.05  # of the square root of the area: a wall is thicker than a picture frame …
-_THINNEST, _THICKEST = 0.005, 0.1  # … within these, metres: thin plates let fast things through
+_THINNEST, _THICKEST = 0.005, 0.1  # … within these, metres: fast objects pass through thin plates
 _HALVINGS = 6  # of the thickness, until something is left behind the neighbouring faces
 _SAME_AREA = 1e-3
 _SQUARE = 1e-3  # sine by which the corners of a rectangle may be off

@@ -52,7 +52,7 @@ class Link:
     """A rigid body.
 
     Attributes:
-        inertial: None if the file does not say it.
+        inertial: None if the file does not contain it.
     """
 
     name: str

@@ -37,7 +37,7 @@ _BOUNDS = {
     "mesh": Bounds.CONVEX_HULL,
 }
 _GREY = (0.7, 0.7, 0.7, 1.0)
-#: a link of that name stands for the world: what hangs on it is fixed
+#: a link of that name is the world: links attached to it are fixed
 _WORLD = "world"
 _LIGHTEST = 1e-3
 

@@ -146,7 +146,7 @@ class MaterialSlot:
 
 
 class ObjectMaterial:
-    """The material of one slot; a change is seen on this object alone."""
+    """The material of one slot; a change affects this object only."""
 
     __slots__ = ("_index", "_node")
 

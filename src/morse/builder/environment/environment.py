@@ -146,7 +146,7 @@ class Environment(ViewMethods, TimeMethods):
         _without_effect("set_background_scene")
 
     def set_debug(self, debug: bool = True) -> None:
-        """Log everything that MORSE says."""
+        """Log all messages of MORSE."""
         if checks.boolean(debug, "env.set_debug(debug)"):
             logging.getLogger("morse").setLevel(logging.DEBUG)
 

@@ -58,7 +58,7 @@ class Part:
 
         @property
         def is_robot(self) -> bool:
-            """True for what carries sensors and actuators."""
+            """True for robots, which have sensors and actuators."""
 
     @property
     def plain_name(self) -> str:

@@ -140,7 +140,7 @@ class _Classes:
         raise AttributeError(f"module '{self._module}' has no attribute '{name}'", name=name)
 
     def all(self) -> list[str]:
-        """The names of the classes, sorted, with what the module has of its own."""
+        """The names of the classes and of the attributes of the module, sorted."""
         names = {name for name in self._variables if not name.startswith("_")}
         for file in sources.files(self.package):
             try:

@@ -1,6 +1,6 @@
 """An index of the classes in the files of the package.
 
-To read the definitions from the text of a hundred files takes as long as to import numpy. The index is written when the
+Reading the definitions from the text of a hundred files takes as long as importing numpy. The index is written when the
 package is built. Its keys are digests of the files: the index does not know a file that was changed later, and that
 file is read itself.
 """

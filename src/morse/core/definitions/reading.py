@@ -1,4 +1,4 @@
-"""What the text of a file says about its classes, without executing it."""
+"""Reads the definitions of classes from the text of a file, without executing it."""
 
 from __future__ import annotations
 

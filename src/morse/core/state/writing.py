@@ -1,6 +1,6 @@
 """Converts objects into plain data.
 
-Numbers, strings, bytes and None stand for themselves. Everything else is a list that begins with a word:
+Numbers, strings, bytes and None are written unchanged. Everything else is a list that begins with a word:
 
 =========== =====================================================================
 ``list`` …  items (also ``tuple``, ``set``, ``frozenset``, ``deque`` with its length)

@@ -50,7 +50,7 @@ def _carry(holder, component, name):
     return component
 
 def _small(component):
-    # pictures of a few pixels tell as much as large ones
+    # images of a few pixels are sufficient
     names = [declared.name for declared in _properties(component.component_class() or object).values()]
     if "cam_width" in names:
         component.properties(cam_width=32, cam_height=24)
