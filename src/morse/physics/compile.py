@@ -212,7 +212,7 @@ class _Builder:
                 self._add_feelers(node, slot, body)
                 continue
             for shape in node.shapes or ():
-                if is_caster(node):
+                if is_caster(node) and frame.motion is not Motion.JOINT:
                     position = position + np.array([0.0, 0.0, rise(shape, position, rotation, floor)])
                 fitted = shape if stand is None else trimmed(shape, position, rotation, stand) or shape
                 geom = self._add_geom(body, fitted, position, rotation)
@@ -294,7 +294,8 @@ class _Builder:
             logarithm = math.log(min(restitution, 0.99))
             geom.solref = [2.0 * self._step, -logarithm / math.hypot(math.pi, logarithm)]
             geom.priority = 1
-        if is_caster(node):
+        # a caster with a joint rolls, others slide
+        if is_caster(node) and frame.motion is not Motion.JOINT:
             geom.condim, geom.priority = 1, 2
         if (not node.body.collides and not frame.node.body.collides) or node.body.type is PhysicsType.SENSOR:
             geom.contype = geom.conaffinity = 0

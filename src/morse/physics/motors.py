@@ -11,7 +11,9 @@ computed from the largest load of the motor:
 * from the moment m g l of the weight of the load: k = m g l / 2 mrad, so that joints do not sag;
 * in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
   topple over its ankle (an inverted pendulum needs m g l);
-* d = 2 sqrt(k I), critically damped.
+* d = 2 sqrt(k I), critically damped; of a motor that is told a velocity 10 I / h, where h is the time step. If the
+  motor has
+  a largest effort, the joint lags by 0.1 rad/s (2 cm/s) at most, and d h is the inertia of its rotor.
 
 Such a motor also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of real
 robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
@@ -38,6 +40,10 @@ if TYPE_CHECKING:
 _FREQUENCY = 50.0
 #: largest sag, rad or m
 _SAG = {False: 2e-3, True: 2e-4}
+#: largest difference to the speed that a motor with a largest effort is told, rad/s or m/s
+_LAG = {False: 0.1, True: 0.02}
+#: damping of a motor without a largest effort as a multiple of I / h
+_GRIP = 10.0
 #: stiffness of a leg as a multiple of the minimum with which a robot stands
 _UPRIGHT = 10.0
 #: k h^2 / I, above which a spring is too stiff for the time step
@@ -80,9 +86,12 @@ def drive(motor: Any, joint: Any, dynamics: JointDynamics, control: Control, loa
     if control is Control.EFFORT:
         motor.gainprm[0], motor.biastype = 1.0, mujoco.mjtBias.mjBIAS_NONE
     elif control is Control.VELOCITY:
-        if gain is None:
+        if gain is None and math.isfinite(dynamics.effort):
+            gain = max(inertia / step, dynamics.effort / _LAG[load.slides])
+            joint.armature = max(dynamics.inertia, gain * step - inertia)
+        elif gain is None:
             joint.armature = max(dynamics.inertia, inertia)
-            gain = (inertia + joint.armature) / step
+            gain = _GRIP * max(inertia, load.body) / step
         motor.gainprm[0], motor.biasprm[2] = gain, -gain
     else:
         slowing = dynamics.slowing if own else None

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from morse.assets.mjcf.model import BodyData, ModelData
 
 _LIGHTEST = 1e-3
+#: m and kg
+_FARTHEST, _HEAVIEST = 1e6, 1e9
 #: bodies, and bodies that hang on each other
 _MOST_BODIES, _DEEPEST = 2000, 200
 
@@ -46,6 +48,7 @@ class _Reader:
         self._names: set[str] = set()
 
     def library(self) -> Library:
+        self._demand_usual_sizes()
         chosen, base = self._choose()
         bones = Bones(self.model, chosen)
         self.warnings += bones.warnings
@@ -85,6 +88,28 @@ class _Reader:
             self.warnings.append(f"{len(world.children)} shapes of the world are left out: the robot is free")
         sensors, remarks = sensors_of(self.model, {index: links[index] for index in chosen})
         return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
+
+    def _demand_usual_sizes(self) -> None:
+        """Refuse lengths and masses with which the physics could not compute."""
+        model = self.model
+        lengths = [
+            *(("body", one.name, one.position) for one in model.bodies),
+            *(("joint", one.name, (*one.position, *(one.limits or ()))) for one in model.joints if one.kind == "slide"),
+            *(("shape", one.name, (*one.position, *one.size)) for one in model.geoms if one.kind != "plane"),
+        ]
+        for what, name, values in lengths:
+            largest = max(map(abs, values), default=0.0)
+            if not largest <= _FARTHEST:
+                raise AssetError(
+                    self.source.path,
+                    f"the {what} '{name:.60}' has a length of {largest:.3g} m, more than {_FARTHEST:g} m",
+                )
+        for body in model.bodies:
+            if not body.inertial[0] <= _HEAVIEST:
+                raise AssetError(
+                    self.source.path,
+                    f"the body '{body.name:.60}' has a mass of {body.inertial[0]:.3g} kg, more than {_HEAVIEST:g} kg",
+                )
 
     def _choose(self) -> tuple[list[int], int | None]:
         """Return the bodies of the robot, parents first, and the one that is free; None for a robot that is fixed."""

@@ -113,7 +113,7 @@ class Source:
                 for number in _numbers(value):
                     if not abs(number) <= _LARGEST:
                         raise self._fail(
-                            f"<{element.tag} {name}={value[:60]!r}>: {number:g} is not a number that a robot can have"
+                            f"<{element.tag} {name}={value[:60]!r}>: expected numbers that a robot can have"
                         )
         copies = 1.0
         for element in root.iter("replicate"):

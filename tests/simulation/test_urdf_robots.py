@@ -1,0 +1,105 @@
+"""Robots from URDF files that drive on wheels with motors, and whose arms have no masses if the script wants it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+import morse
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+WHEEL = """<link name="{side}_wheel"><inertial><mass value="0.5"/>
+    <inertia ixx="0.001" iyy="0.002" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="{side}" type="continuous"><parent link="base"/><child link="{side}_wheel"/><origin xyz="0 {y} 0"/>
+    <axis xyz="0 1 0"/></joint>"""
+ROVER = f"""<robot name="rover">
+  <link name="base"><inertial><origin xyz="-0.05 0 0"/><mass value="6"/>
+    <inertia ixx="0.05" iyy="0.08" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><origin xyz="0 0 0.05"/><geometry><box size="0.4 0.2 0.05"/></geometry></collision></link>
+  {WHEEL.format(side="left", y=0.2)}
+  {WHEEL.format(side="right", y=-0.2)}
+  <link name="caster"><inertial><mass value="0.1"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="roll" type="continuous"><parent link="base"/><child link="caster"/><origin xyz="-0.15 0 -0.05"/>
+    <axis xyz="0 1 0"/></joint>
+</robot>"""
+SCENE = """
+from morse.builder import *
+rover = Robot({file!r})
+rover.translate(z=0.1)
+motors = Armature(armature_name='rover_joints')
+{more}
+rover.append(motors)
+wheels = ArmaturePose()
+motors.append(wheels)
+pose = Pose()
+rover.append(pose)
+env = Environment('empty')
+"""
+
+
+@pytest.fixture
+def rover(tmp_path: Path):
+    made = []
+
+    def load(more: str):
+        (tmp_path / "rover.urdf").write_text(ROVER)
+        script = tmp_path / "scene.py"
+        script.write_text(SCENE.format(file=str(tmp_path / "rover.urdf"), more=more))
+        made.append(morse.load(script))
+        return made[-1].rover, made[-1]
+
+    yield load
+    for simulation in made:
+        simulation.close()
+
+
+def test_wheels_that_are_told_a_speed_roll(rover) -> None:
+    robot, sim = rover("motors.control('velocity', ['left', 'right'])\nmotors.control('effort', ['roll'])")
+    robot.motors.publish({"left": 3.0, "right": 3.0, "roll": 0.0})
+    sim.step(120)
+    before = robot.pose.get()["x"]
+    sim.step(120)
+    # v = w r
+    assert (robot.pose.get()["x"] - before) / 2.0 == pytest.approx(3.0 * 0.1, rel=0.03)
+    speeds = robot.motors.wheels.get_velocities().result()
+    assert speeds["left"] == pytest.approx(3.0, rel=0.01)
+    assert speeds["roll"] == pytest.approx(6.0, rel=0.05), "the caster is half as large"
+
+
+def test_wheels_against_each_other_turn_the_robot(rover) -> None:
+    robot, sim = rover("motors.control('velocity', ['left', 'right'])\nmotors.control('effort', ['roll'])")
+    robot.motors.publish({"left": -2.0, "right": 2.0, "roll": 0.0})
+    sim.step(60)
+    before = robot.pose.get()["yaw"]
+    sim.step(60)
+    # (v_right - v_left) / width if nothing slides; the caster cannot steer, and slides sideways
+    rate = 2.0 * 2.0 * 0.1 / 0.4
+    assert 0.75 * rate < robot.pose.get()["yaw"] - before < 1.01 * rate
+
+
+def test_torques_on_the_wheels_accelerate_it(rover) -> None:
+    robot, sim = rover("motors.control('effort')")
+    torque = 0.2
+    robot.motors.publish({"left": torque, "right": torque, "roll": 0.0})
+    sim.step(6)
+    first = robot.motors.wheels.get_velocities().result()["left"] * 0.1
+    sim.step(60)
+    second = robot.motors.wheels.get_velocities().result()["left"] * 0.1
+    # F = 2 T / r; the mass of the robot, and that of the turning wheels I / r^2
+    mass = 6.0 + 2 * 0.5 + 0.1 + 2 * 0.002 / 0.1**2
+    assert second - first == pytest.approx(2.0 * torque / 0.1 / mass, rel=0.06)
+
+
+def test_joints_without_masses_if_the_script_wants_it(rover) -> None:
+    robot, sim = rover("motors.properties(Dynamic=False)")
+    sim.step(2)
+    assert robot.motors.get_controls().result() == {}
+    robot.motors.set_rotation("left", 1.0).result()
+    sim.step(2)
+    assert robot.motors.wheels.get()["left"] == 1.0, "at once, as in MORSE 1.4"
+    assert robot.motors.wheels.get_efforts().result() == {}
