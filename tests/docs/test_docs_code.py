@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 # tests/middleware runs the examples that need another program
-ELSEWHERE = {DOCS / f"{name}.md" for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "mavlink")}
+ELSEWHERE = {
+    DOCS / f"{name}.md" for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "moos", "mavlink")
+}
 SCENES = [
     block
     for block in blocks("python")

@@ -17,6 +17,7 @@ from morse.assets.search import MORSE_COMPONENTS
 from morse.cli import blender
 from morse.kernel import loading
 from morse.middleware.mavlink import mapping as mavlink
+from morse.middleware.moos import mapping as moos
 from morse.middleware.mqtt import mapping as mqtt
 from morse.middleware.ros import mapping as ros
 from morse.middleware.ros2.backends.choice import available
@@ -68,6 +69,7 @@ def findings() -> Iterator[Finding]:
     yield _ros2()
     yield _ros1()
     yield _mqtt()
+    yield _moos()
     yield _mavlink()
     yield _browser()
     yield _blender()
@@ -119,6 +121,10 @@ def _ros1() -> Finding:
 
 def _mqtt() -> Finding:
     return _module("paho.mqtt", "paho-mqtt", "topics of an MQTT broker", mqtt.INSTALL)
+
+
+def _moos() -> Finding:
+    return _module("pymoos2", "pymoos2", "variables of a MOOS database", moos.INSTALL)
 
 
 def _mavlink() -> Finding:

@@ -42,7 +42,6 @@ _OTHER_NAMES = {
     "yarp": "rosbridge or mqtt",
     "yarp_json": "rosbridge or mqtt",
     "pocolibs": "ros2",
-    "moos": "mqtt",
     "hla": "socket",
     "pprzlink": "mavlink",
 }

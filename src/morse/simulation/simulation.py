@@ -110,13 +110,16 @@ class Simulation(Recorded, Handles):
         Raises:
             LoadError: naming the component and the line of the script that made it.
         """
-        with acting(self.context), self.scene.project:
-            self._make_components()
-            for manager, options in self.scene.manager_options.items():
-                opens = self.context.network is not None or not needs_network(manager)
-                if opens and options and manager not in self.context.stream_managers:
-                    self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
-        self.observers[:0] = self.context.stream_managers.values()
+        try:
+            with acting(self.context), self.scene.project:
+                self._make_components()
+                for manager, options in self.scene.manager_options.items():
+                    opens = self.context.network is not None or not needs_network(manager)
+                    if opens and options and manager not in self.context.stream_managers:
+                        self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
+        finally:
+            # also if a stream is refused: those that are open are closed then
+            self.observers[:0] = self.context.stream_managers.values()
 
     def _make_components(self) -> None:
         for table in (self.context.robots, self.context.external_robots, self.context.components):

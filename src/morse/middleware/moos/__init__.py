@@ -1,0 +1,1 @@
+"""The data of components as variables of a MOOS database."""
