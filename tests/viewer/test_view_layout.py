@@ -6,8 +6,19 @@ from typing import TYPE_CHECKING
 
 import pytest
 from view_pages import until
+from view_worlds import playground
 
-from morse.viewer.view_messages import DebugProperties, DebugProperty, Listening, Recordings, SoundState
+from morse.viewer.view_messages import (
+    ComponentDescription,
+    DebugProperties,
+    DebugProperty,
+    FieldDescription,
+    Listening,
+    RecordingDescription,
+    Recordings,
+    SoundState,
+    Tree,
+)
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -151,3 +162,40 @@ def test_the_list_of_keys_keeps_the_focus_until_escape(running, open_page) -> No
         assert page.evaluate(inside)
     page.keyboard.press("Escape")
     assert not page.get_by_role("dialog", name="Keys").is_visible()
+
+
+#: left, top, right and bottom of the first element that a selector finds
+EDGES = """(selector) => { const box = document.querySelector(selector).getBoundingClientRect();
+    return [box.left, box.top, box.right, box.bottom] }"""
+SMALL = """[...document.querySelectorAll(".image button, .recording button, .popup label, .extra button")]
+    .filter((e) => e.checkVisibility()).map((e) => [e.ariaLabel, e.getBoundingClientRect()])
+    .filter(([, box]) => box.width < 43.5 || box.height < 43.5).map(([name]) => name)"""
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 780), (780, 360)])
+def test_on_a_telephone_nothing_lies_over_what_a_thumb_needs(served, open_page, width, height) -> None:
+    server, url = served
+    scene, moving = playground()
+    server.set_scene(scene, moving)
+    image = [FieldDescription("image", "buffer")]
+    camera = ComponentDescription("robot0.lidar", "sensor", "robot0", data=image)
+    server.send(Tree([ComponentDescription("robot0", "robot", "robot0"), camera]))
+    server.send(Listening(["robot0"]))
+    server.send(Recordings([RecordingDescription("/a/run.mcap", 1.0, 500, stoppable=True)]))
+    page = open_page(url, width=width, height=height, has_touch=True, is_mobile=True)
+    page.evaluate("morse.components.selected.set('robot0.lidar')")
+    until(lambda: page.locator(".image").is_visible() and page.locator(".touchpad").is_visible())
+    _, _, right, bottom = page.evaluate(EDGES, ".image")
+    left, top, _, _ = page.evaluate(EDGES, ".touchpad")
+    assert right <= left or bottom <= top
+    assert page.evaluate(SMALL) == []
+    header_end = page.evaluate(EDGES, ".bar")[3]
+    page.evaluate("document.querySelector('summary[title=view]').click()")
+    _, top, _, bottom = page.evaluate(EDGES, ".popup")
+    assert header_end - 1 <= top
+    assert bottom <= height
+    assert page.evaluate(SMALL) == []
+    page.evaluate("document.querySelector('.more').click()")
+    until(lambda: page.locator(".extra").is_visible())
+    assert header_end - 1 <= page.evaluate(EDGES, ".extra")[1]
+    assert page.evaluate(SMALL) == []

@@ -25,7 +25,7 @@ export class PicturePanel {
   private readonly near = h("span", {});
   private readonly far = h("span", {});
   private readonly scale = h("div", { class: "scale", hidden: true }, this.near, h("span", { class: "ramp" }), this.far);
-  private readonly facts = h("span", { class: "facts quiet" });
+  private readonly facts = h("span", { class: "facts quiet" }, "no picture yet");
   private readonly holdButton: HTMLButtonElement;
   private readonly boxesButton = iconButton(icons.boxes, "Boxes with names", () => this.toggleBoxes());
   private readonly sizeButton = iconButton(icons.enlarge, "Larger", () => this.toggleSize());

@@ -65,5 +65,7 @@ export function parse(text: string, type: string): unknown {
 
 /** A value as text for editing. */
 export function write(value: unknown): string {
+  // as in scene scripts, where a property may be None
+  if (value === null) return "None";
   return typeof value === "string" ? value : JSON.stringify(value);
 }
