@@ -56,4 +56,8 @@ class Mounting(NamedTuple):
 
 
 def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
-    return any(not -1e-14 <= x - y <= 1e-14 for x, y in zip(a, b, strict=True))
+    # a loop takes half the time of a generator
+    for x, y in zip(a, b, strict=True):  # noqa: SIM110
+        if not -1e-14 <= x - y <= 1e-14:
+            return True
+    return False
