@@ -230,7 +230,7 @@ def test_a_frame_sent_to_a_port_of_lines_hurts_nobody(bench: Bench, caplog: pyte
     bench.tick_until(lambda: motion.local_data["v"] == 1.0)
     assert "cannot be read" in caplog.text
     assert b"SUCCESS 3" in bench.call(peers[2], b"1 robot1.motion add [1, 2]\n")
-    wait_until(peers[1].lines)
+    bench.tick_until(peers[1].lines)
     for peer in peers:
         peer.close()
 
