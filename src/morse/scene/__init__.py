@@ -2,7 +2,7 @@
 
 from morse.scene.appearance import Camera, Image, Light, Material
 from morse.scene.armature import Bone, JointKind
-from morse.scene.articulation import Articulation, Control, Inertial, JointDynamics, controls_of, is_dynamic
+from morse.scene.articulation import Articulation, Control, Inertial, JointDynamics
 from morse.scene.body import BodySettings, Bounds, PhysicsType
 from morse.scene.component import (
     ComponentDeclaration,
@@ -11,6 +11,7 @@ from morse.scene.component import (
     SourceLine,
     StreamDeclaration,
 )
+from morse.scene.joint_control import controls_of, is_dynamic
 from morse.scene.library import Library
 from morse.scene.looks import is_shown, slot_materials
 from morse.scene.mesh import Mesh

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.components.cameras import MOUNTED
+from morse.builder.names.classes import load_class
 from morse.mathutils import Euler, Matrix
 
 if TYPE_CHECKING:
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
 def add_sensors(robot: AbstractComponent, declared: Iterable[DeclaredSensor]) -> dict[str, Any]:
     """Create the sensors of a file on the links of a robot, and return them by name."""
-    from morse.builder import sensors
-
     found: dict[str, Any] = {}
     for one in declared:
         name = base = re.sub(r"\W", "_", one.name, flags=re.ASCII) or "sensor"
@@ -26,7 +25,7 @@ def add_sensors(robot: AbstractComponent, declared: Iterable[DeclaredSensor]) ->
         while name in found:
             number += 1
             name = f"{base}_{number}"
-        made = getattr(sensors, one.product)(name)
+        made = load_class(f"morse.builder.sensors.{one.product}")(name)
         r = one.rotation
         turned = Matrix((r[:3], r[3:6], r[6:]))
         if hasattr(made, "rotate") and made.scene_node.rotation_euler[:] == list(MOUNTED):
