@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _FARTHEST = 1e7
 #: largest texture coordinate, beyond which the fraction loses its precision
 _FARTHEST_UV = 1e4
+#: triangles that are processed at once; each takes 700 bytes while it is
+_AT_ONCE = 1 << 17
 
 
 class Clusters(NamedTuple):
@@ -35,31 +37,70 @@ class Clusters(NamedTuple):
     spheres: NDArray[np.float32]
 
 
-def clusters_of(mesh: Mesh, slots: int) -> Clusters:
+def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
     """Divide a mesh into clusters, and merge equal corners.
 
     Triangles with corners that are not finite or do not exist are left out.
 
     Args:
         slots: number of material slots; triangles of other slots get the last one.
+        at_once: number of triangles that are processed at once, a multiple of `CLUSTER`; the result does not depend on
+            it. It bounds the temporary memory.
     """
-    index = np.asarray(mesh.triangles, dtype=np.int64).reshape(-1, 3)
+    index = np.asarray(mesh.triangles).reshape(-1, 3)
     points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
-    fine: NDArray[np.bool_] = np.asarray(((index >= 0) & (index < len(points))).all(axis=1))
-    places = np.abs(points) <= _FARTHEST
-    usable = np.asarray(places.all(axis=1))
+    usable = np.asarray((np.abs(points) <= _FARTHEST).all(axis=1))
+    parts = _parts(len(index), at_once)
+    chosen = np.concatenate([np.zeros(0, np.intp), *(part.start + _usable(index[part], usable) for part in parts)])
+    centres = np.empty((len(chosen), 3))
+    for part in _parts(len(chosen), at_once):
+        centres[part] = points[index[chosen[part]]].mean(axis=1, dtype=np.float64)
+    order = chosen[_along_curve(centres)] if len(chosen) else chosen
+    del centres, chosen
+    slot = np.clip(_column(mesh.material_index, len(index)), 0, slots - 1)
+    ordered = [order[part] for part in _parts(len(order), at_once)] or [order]
+    return _stacked([_joined(_rows(mesh, points, index, part), slot[part]) for part in ordered])
+
+
+def _parts(count: int, at_once: int) -> list[slice]:
+    return [slice(first, min(first + at_once, count)) for first in range(0, count, at_once)]
+
+
+def _usable(index: NDArray[np.integer], usable: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """The triangles (N, 3) whose corners exist and are usable."""
+    fine = np.asarray(((index >= 0) & (index < len(usable))).all(axis=1))
     fine[fine] = usable[index[fine]].all(axis=1)
-    corners = points[index[fine]]
-    slot = np.clip(_column(mesh.material_index, len(index))[fine], 0, slots - 1)
-    rows = np.zeros((len(corners), 3, 8), np.float32)
+    return np.flatnonzero(fine)
+
+
+def _rows(
+    mesh: Mesh, points: NDArray[np.float32], index: NDArray[np.integer], chosen: NDArray[np.intp]
+) -> NDArray[np.float32]:
+    """(N, 3, 8) position, normal and texture coordinates of the corners of some triangles."""
+    corners = points[index[chosen]]
+    rows = np.zeros((len(chosen), 3, 8), np.float32)
     rows[..., :3] = corners
-    rows[..., 3:6] = _normals(mesh, fine, corners)
+    rows[..., 3:6] = _normals(mesh, chosen, len(index), corners)
     if mesh.uvs is not None and len(mesh.uvs) == len(index):
-        uvs = np.asarray(mesh.uvs, dtype=np.float32).reshape(-1, 3, 2)[fine]
+        uvs = np.asarray(np.asarray(mesh.uvs)[chosen], dtype=np.float32).reshape(-1, 3, 2)
         rows[..., 6:] = np.clip(np.nan_to_num(uvs), -_FARTHEST_UV, _FARTHEST_UV)
     rows += np.float32(0.0)  # the sum converts -0 to 0
-    order = _along_curve(corners.mean(axis=1, dtype=np.float64)) if len(corners) else np.zeros(0, np.int64)
-    return _joined(rows[order], slot[order])
+    return rows
+
+
+def _stacked(parts: list[Clusters]) -> Clusters:
+    """Return the clusters of all parts, with the numbers of their vertices and triangles counted through."""
+    vertices = triangles = 0
+    numbers = []
+    for part in parts:
+        numbers.append(part.clusters + np.array([vertices, 0, triangles, 0], np.int32))
+        vertices, triangles = vertices + len(part.vertices), triangles + len(part.triangles)
+    return Clusters(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.triangles for part in parts]),
+        np.concatenate(numbers),
+        np.concatenate([part.spheres for part in parts]),
+    )
 
 
 def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
@@ -69,13 +110,13 @@ def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
     return found
 
 
-def _normals(mesh: Mesh, fine: NDArray[np.bool_], corners: NDArray[np.float32]) -> NDArray[np.float32]:
+def _normals(mesh: Mesh, chosen: NDArray[np.intp], count: int, corners: NDArray[np.float32]) -> NDArray[np.float32]:
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
     face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-30)
     flat = np.repeat(face[:, None], 3, axis=1).astype(np.float32)
-    if mesh.normals is None or len(mesh.normals) != len(fine):
+    if mesh.normals is None or len(mesh.normals) != count:
         return flat
-    given = np.asarray(mesh.normals, dtype=np.float32).reshape(-1, 3, 3)[fine]
+    given = np.asarray(np.asarray(mesh.normals)[chosen], dtype=np.float32).reshape(-1, 3, 3)
     usable = (np.isfinite(given) & (np.abs(given) < 1e3)).all(axis=2, keepdims=True)
     return np.where(usable, given, flat)
 
