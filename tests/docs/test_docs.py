@@ -111,7 +111,9 @@ def test_every_command_is_documented():
 
 
 def test_environment_variables_exist():
-    said = {name for page in PAGES for name in _VARIABLE.findall(page.read_text(encoding="utf-8"))}
+    # the variables of a MOOS database have such names, too
+    pages = [page for page in PAGES if page.name != "moos.md"]
+    said = {name for page in pages for name in _VARIABLE.findall(page.read_text(encoding="utf-8"))}
     sources = [*(ROOT / "src").rglob("*.py"), ROOT / "hatch_build.py"]
     known = {name for path in sources for name in _VARIABLE.findall(path.read_text(encoding="utf-8"))}
     assert said
