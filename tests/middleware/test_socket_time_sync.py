@@ -9,6 +9,7 @@ import pytest
 from socket_bench import Bench, Peer, wait_until
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.socket import datastream
 from morse.middleware.socket.listener import listen, port_of
 
 if TYPE_CHECKING:
@@ -122,3 +123,19 @@ def test_no_sync_port_unless_asked_for() -> None:
     bench = Bench({"time_sync": False, "sync_port": 1})
     assert bench.streams._sync is None
     bench.close()
+
+
+def test_the_data_of_a_tick_do_not_wait_for_the_next_one(
+    paced: Bench, sync_port: int, running: Callable[[], int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Messages of ticks that follow each other quickly are sent together, but not while a client waits for them."""
+    monkeypatch.setattr(datastream, "_QUICK", 1e9)
+    monkeypatch.setattr(datastream, "_TOGETHER", 1e9)
+    paced.sensor(port=0)
+    client, reader = pacer(paced, sync_port), paced.connect("robot1.pose")
+    assert running() == 0
+    for expected in range(1, 6):
+        client.send(b"sync")
+        wait_until(lambda expected=expected: len(reader.lines()) == expected)
+    for peer in (client, reader):
+        peer.close()

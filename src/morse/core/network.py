@@ -97,6 +97,11 @@ class Network:
         """The event loop; use it in its callbacks only."""
         return self._loop
 
+    @property
+    def is_borrowed(self) -> bool:
+        """Whether the simulation runs the loop, because it waits for its clients."""
+        return self._borrower is not None
+
     def post(self, function: Callable[..., object], *args: Any) -> None:
         """Schedule ``function(*args)`` in the thread that runs the loop; after `stop` the call is ignored.
 

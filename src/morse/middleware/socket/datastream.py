@@ -168,7 +168,7 @@ class SocketDatastreamManager(DatastreamManager):
         if self._frames:
             self._frame_parcels.append(self._frames.copy())
             self._frames.clear()
-        if not self._posted or self.context.paused():
+        if not self._posted or self._is_awaited():
             self._posted = True
             self.context.network.post(self._send)
 
@@ -177,13 +177,17 @@ class SocketDatastreamManager(DatastreamManager):
         # which costs less per message. If ticks are fast, the messages of several ticks are sent
         # together: each exchange between the two threads takes longer than a tick
         now = perf_counter()
-        quick = now - self._sent < _QUICK and not self.context.paused()
+        quick = now - self._sent < _QUICK and not self._is_awaited()
         self._sent = now
         if quick:
             self.context.network.loop.call_later(_TOGETHER, self._send_pending)
         else:
             self._posted = False
         self.push()
+
+    def _is_awaited(self) -> bool:
+        """Whether a client waits for the data of this tick before it lets the next one begin."""
+        return bool(self.context.paused() or self.context.network.is_borrowed)
 
     def _send_pending(self) -> None:
         if self._parcels or self._frame_parcels:
