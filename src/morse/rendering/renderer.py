@@ -10,8 +10,9 @@ from morse.kernel.drawing import Light, drawer
 from morse.kernel.drawing.arrays import CAMERA
 from morse.rendering.contents import Contents, MeshStore
 from morse.rendering.distortion import DistortedLens
+from morse.rendering.exposures import averaged, cropped, joined
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
-from morse.rendering.motion import averaged, cropped, joined, moved
+from morse.rendering.motion import moved
 from morse.rendering.request import CameraRequest, Picture
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
