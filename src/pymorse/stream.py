@@ -119,7 +119,7 @@ def to_json(value: Any) -> str:
     Raises:
         TypeError: the value cannot be represented in JSON.
     """
-    return json.dumps(value, default=_plain)
+    return _encode(value)
 
 
 def _plain(value: Any) -> Any:
@@ -129,6 +129,10 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (set, frozenset, range)):
         return list(value)
     raise TypeError(f"{value!r} cannot be sent: JSON has numbers, strings, booleans, None, lists and dictionaries")
+
+
+#: made once: `json.dumps` with a default makes an encoder at each call
+_encode = json.JSONEncoder(default=_plain).encode
 
 
 def connect(host: str, port: int, timeout: float = TIMEOUT) -> _socket.socket:
