@@ -30,8 +30,18 @@ FLAGS = [
 
 _MUST_RUN_IN_CI = ("browser", "blender")
 
-#: folders whose tests make up `pytest -m quick`, except those that take long or need more than Python
-QUICK = ("architecture", "assets", "builder", "core", "helpers", "mathutils", "physics", "sensors", "services")
+#: folders and files whose tests make up `pytest -m quick`, except those that take long or need more than Python
+QUICK = (
+    "assets", "builder", "core", "helpers", "mathutils", "modifiers", "physics", "sensors",
+    "test_import_circles", "test_run_command", "test_primitives", "test_pymorse_futures", "test_recording_streams",
+    "test_socket_protocol", "test_together", "test_view_protocol", "test_waypoint", "test_distortion",
+    "test_lockstep_services",
+)  # fmt: skip
+_TOO_LONG_FOR_QUICK = (
+    "test_blend_hostile", "test_blend_versions", "test_convex_parts", "test_camera_options", "test_cameras",
+    "test_installed_packages", "test_libraries", "test_living_world", "test_many_bodies", "test_recovery",
+    "test_saved_states", "test_star_import", "test_stubs", "test_rays",
+)  # fmt: skip
 _NOT_QUICK = ("slow", "soak", "browser", "blender")
 
 #: files that take more than twenty seconds
@@ -62,19 +72,20 @@ if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark quick tests by their folders, and put long files first: no worker begins one when the others have ended."""
+    """Mark quick tests, and put long files first: no worker begins one when the others have ended."""
     items.sort(key=lambda item: item.path.stem not in _LONG)
-    folders: dict[Path, str] = {}
+    quick: dict[Path, bool] = {}
     for item in items:
-        if item.path not in folders:
-            folders[item.path] = _folder(item.path)
-        if folders[item.path] in QUICK and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
+        if item.path not in quick:
+            quick[item.path] = _is_quick(item.path)
+        if quick[item.path] and not any(item.get_closest_marker(mark) for mark in _NOT_QUICK):
             item.add_marker("quick")
 
 
-def _folder(path: Path) -> str:
+def _is_quick(path: Path) -> bool:
     here = Path(__file__).parent
-    return path.relative_to(here).parts[0] if here in path.parents else ""
+    folder = path.relative_to(here).parts[0] if here in path.parents else ""
+    return path.stem in QUICK or (folder in QUICK and path.stem not in _TOO_LONG_FOR_QUICK)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
