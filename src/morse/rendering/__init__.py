@@ -7,7 +7,8 @@ from morse.rendering.distortion import DistortedLens
 from morse.rendering.lens import Lens
 from morse.rendering.motion import Motion
 from morse.rendering.photograph import photograph
+from morse.rendering.picture import Picture
 from morse.rendering.renderer import Renderer
-from morse.rendering.request import CameraRequest, Picture
+from morse.rendering.request import CameraRequest
 
 __all__ = ["CameraRequest", "DistortedLens", "Lens", "Motion", "Picture", "Renderer", "photograph"]

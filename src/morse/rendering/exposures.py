@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from morse.rendering.lens import Lens
-    from morse.rendering.request import Picture
+    from morse.rendering.picture import Picture
 
 
 @lru_cache(maxsize=256)

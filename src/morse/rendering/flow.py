@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.rendering.lens import Lens
-    from morse.rendering.request import Picture
+    from morse.rendering.picture import Picture
 
     Floats = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ from morse.rendering.distortion import DistortedLens
 from morse.rendering.exposures import averaged, cropped, joined
 from morse.rendering.lights import lamps_of, light_nodes, sky_of
 from morse.rendering.motion import moved
-from morse.rendering.request import CameraRequest, Picture
+from morse.rendering.picture import Picture
+from morse.rendering.request import CameraRequest
 from morse.rendering.shadows import Shadows
 from morse.rendering.spot_shadows import SpotShadows
 from morse.rendering.textures import TextureStore

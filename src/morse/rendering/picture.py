@@ -1,0 +1,36 @@
+"""Images of cameras."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.scene import Node
+
+
+class Picture(NamedTuple):
+    """An image of a camera; its arrays are not shared.
+
+    Attributes:
+        rgb: (H, W, 3) uint8, or None if it was not requested.
+        depth: (H, W) float32, metres along the axis of the camera, 0 without a surface.
+        ids: (H, W) int32, index in `nodes`, -1 without a surface.
+        normals: (H, W, 3) float32, unit normals of the surfaces, towards the camera: X right, Y down, Z forward; 0
+            without a surface; None if they were not requested.
+        nodes: the nodes of the ids.
+        models: (I, 12) float32, mesh to world of each node, 3x4 row by row; zeros for invisible nodes.
+        eye: (3,) float32, position of the camera in the world frame.
+        axes: (3, 3) float32, its right, down and forward axes, in rows.
+    """
+
+    rgb: NDArray[np.uint8] | None
+    depth: NDArray[np.float32]
+    ids: NDArray[np.int32]
+    normals: NDArray[np.float32] | None
+    nodes: list[Node]
+    models: NDArray[np.float32]
+    eye: NDArray[np.float32]
+    axes: NDArray[np.float32]
