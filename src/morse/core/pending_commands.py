@@ -25,13 +25,17 @@ class PendingCommands:
         """Switch to an actuator that replaces the present one and has taken over its input functions."""
         self._commands = Commands(actuator)
 
-    def check(self, message: Any) -> None:
-        """Raise the error that `give` would raise.
+    def fitting(self, message: Any) -> dict[str, Any]:
+        """Return the fields of a message as `put` takes them.
 
         Raises:
-            CommandError: the message does not fit.
+            CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field.
         """
-        self._commands.fitting(message)
+        return self._commands.fitting(message)
+
+    def put(self, fields: dict[str, Any]) -> None:
+        """Set fields that `fitting` has returned, as `give` does."""
+        self._waiting.update(fields)
 
     def give(self, message: Any) -> None:
         """Set fields of the actuator at its next action; of several values for a field the last one is used.
@@ -40,7 +44,7 @@ class PendingCommands:
             CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field; then
                 nothing is taken.
         """
-        self._waiting.update(self._commands.fitting(message))
+        self.put(self.fitting(message))
 
     @property
     def waiting(self) -> dict[str, Any]:

@@ -59,14 +59,15 @@ class ExchangeServices(AbstractObject):
             n: number of ticks.
         """
         wanted = {name: self._component(name) for name in read}
-        inboxes = [(self._inbox(name), command) for name, command in commands.items()]
-        for name, (inbox, command) in zip(commands, inboxes, strict=True):
+        given = []
+        for name, command in commands.items():
+            inbox = self._inbox(name)
             try:
-                inbox.check(command)
+                given.append((inbox, inbox.fitting(command)))
             except CommandError as error:
                 raise MorseRPCInvokationError(f"{short(name)}: {error}") from None
-        for inbox, command in inboxes:
-            inbox.give(command)
+        for inbox, fields in given:  # all of them fit
+            inbox.put(fields)
 
         def answer(outcome: tuple[str, Any]) -> None:
             if outcome[0] == status.SUCCESS:
