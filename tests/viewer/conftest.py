@@ -90,7 +90,9 @@ def open_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..
     tabs: list[Page] = []
     errors: list[str] = []
 
-    def opened(url: str, *, wait: bool = True, width: int = 640, height: int = 420, **options: Any) -> Page:
+    def opened(
+        url: str, *, wait: bool = True, width: int = 640, height: int = 420, few_frames: bool = True, **options: Any
+    ) -> Page:
         size: Any = {"width": width, "height": height}
         if options or tabs:
             contexts.append(browser.new_context(viewport=size, **options))
@@ -100,7 +102,8 @@ def open_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..
             page.set_viewport_size(size)
             tabs.append(page)
         page.set_default_timeout(50_000)  # other programs may take most of the processor
-        page.add_init_script(FEW_FRAMES)
+        if few_frames:
+            page.add_init_script(FEW_FRAMES)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("dialog", lambda dialog: dialog.accept())  # a page that is left during a flight asks
         page.goto(url + ("&" if "?" in url else "?") + "quality=low")

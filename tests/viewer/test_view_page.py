@@ -106,7 +106,7 @@ def test_handles_put_things_somewhere(running, open_page) -> None:
 
 def test_screenshot_film_and_pose_as_code(running, open_page, tmp_path) -> None:
     _, url = running
-    page = open_page(url, permissions=["clipboard-read", "clipboard-write"], **WIDE)
+    page = open_page(url, permissions=["clipboard-read", "clipboard-write"], few_frames=False, **WIDE)
     with page.expect_download() as shot:
         page.keyboard.press("x")
     shot.value.save_as(tmp_path / "view.png")
