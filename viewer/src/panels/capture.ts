@@ -18,7 +18,7 @@ export class Capture {
   }
 
   picture(): void {
-    // the buffer of the last frame can no longer be read
+    this.stage.draw(); // the buffer of the last frame can no longer be read
     this.stage.renderer.domElement.toBlob((blob) => {
       if (blob) save(blob, fileName("view", "png"));
       else this.toasts.show("The browser did not return a picture.", "error");
