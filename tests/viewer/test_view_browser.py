@@ -411,7 +411,7 @@ def test_a_world_that_changes_keeps_the_point_of_view_and_the_selection(running,
 def test_light_and_dark(served, open_page) -> None:
     server, url = served
     server.set_scene(Scene("s", roots=[mesh_node("box", box("b"))]), [])
-    page = open_page(url, width=1000, color_scheme="dark")
+    page = open_page(url, width=1200, color_scheme="dark")
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
     dark = colors(page).mean()
     page.get_by_role("button", name="Light or dark").click()

@@ -279,7 +279,7 @@ def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(served, open_
     page.locator("summary[title=view]").click()
     page.get_by_label("laser rays and hits").check()
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in range(8)})
-    assert page.get_by_text("Rays and cones of 8 of 20 robots").is_visible()
+    assert page.get_by_text("Rays, cones and fields of view of 8 of 20 robots").is_visible()
     select(page, "robot19")
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in (*range(7), 19)})
 
