@@ -23,10 +23,12 @@ class Counter:
         self.paused = False
         self.size = 0
         self.told: list[list[float]] = []
+        self.wall, self.factor, self.cost = 0.0, 1.0, 0.0
         server: Any = SimpleNamespace(send=lambda message: self.told.append(message.times))
-        self.history = Rewinder(self, lambda: self.tick * PERIOD, server)
+        self.history = Rewinder(self, lambda: self.tick * PERIOD, server, lambda: self.wall)
 
     def save(self) -> Any:
+        self.wall += self.cost
         return {"tick": self.tick, "note": self.note, "ballast": np.zeros(self.size, np.uint8)}
 
     def restore(self, state: Any) -> None:
@@ -38,6 +40,7 @@ class Counter:
     def run(self, ticks: int) -> None:
         for _ in range(ticks):
             self.tick += 1
+            self.wall += PERIOD / self.factor
             self.history.keep(paused=self.paused)
 
 
@@ -52,6 +55,18 @@ def test_every_half_second_of_the_last_minute_is_kept(counter: Counter) -> None:
     assert np.diff(times) == pytest.approx(0.5)
     assert 60.0 - 0.5 <= times[-1] - times[0] <= 60.0
     assert times[-1] == pytest.approx(90.0, abs=0.5)
+
+
+def test_a_fast_simulation_is_saved_less_often(counter: Counter) -> None:
+    counter.factor, counter.cost = 200.0, 0.005
+    counter.run(40_000)
+    saved = len(counter.told)
+    assert saved * counter.cost < 0.025 * counter.wall
+    assert np.diff(counter.told[-1])[1:] == pytest.approx(50.0, abs=2.0)
+    assert len(counter.told[-1]) == saved  # all of the last minute on the wall clock
+    counter.paused = True
+    counter.run(3)
+    assert np.diff(counter.told[-1])[-2:] == pytest.approx(PERIOD)
 
 
 def test_a_state_is_gone_back_to_and_forward_again(counter: Counter) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import bisect
+import math
+import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,8 +16,10 @@ if TYPE_CHECKING:
 
     from morse.viewer.server import ViewServer
 
-#: simulated seconds between two saved states while time runs, and for which they are kept
+#: simulated seconds between two saved states while time runs; seconds for which they are kept, simulated and wall-clock
 _EVERY, _SPAN = 0.5, 60.0
+#: largest share of the time that is spent on saving states while time runs
+_SHARE = 0.02
 #: approximate size of all states together, bytes; of larger states fewer are kept
 _MOST_BYTES = 64 * 1024 * 1024
 #: simulated times that differ by less count as equal, s
@@ -42,6 +46,7 @@ class _Kept:
     time: float
     state: Any
     size: int
+    wall: float
 
 
 def _time_of(kept: _Kept) -> float:
@@ -51,13 +56,24 @@ def _time_of(kept: _Kept) -> float:
 class Rewinder:
     """A ring of states: every half second of the last minute, and every single tick.
 
+    A simulation that runs much faster than real time is saved less often, so that its ticks are not slowed.
+
     Args:
         now: simulated seconds.
+        wall: wall-clock seconds.
     """
 
-    def __init__(self, simulation: Restorable, now: Callable[[], float], server: ViewServer) -> None:
+    def __init__(
+        self,
+        simulation: Restorable,
+        now: Callable[[], float],
+        server: ViewServer,
+        wall: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._simulation = simulation
         self._now = now
+        self._wall = wall
+        self._rest_until = -math.inf
         self._server = server
         self._kept: list[_Kept] = []
         self._bytes = 0
@@ -74,19 +90,32 @@ class Rewinder:
         if self._kept and self._kept[-1].time >= now:
             # time continues from an earlier state: the states after it are invalid
             self._cut(bisect.bisect_left(self._kept, now, key=_time_of))
-        if paused or not self._kept or now - self._kept[-1].time >= _EVERY - _ROUNDING:
-            state = self._simulation.save()
-            self._add(_Kept(now, state, size_of(state)))
+        if paused or not self._kept or (now - self._kept[-1].time >= _EVERY - _ROUNDING and self._may_save()):
+            self._save(now)
         self.tell()
+
+    def _may_save(self) -> bool:
+        return self._wall() >= self._rest_until
+
+    def _save(self, now: float) -> None:
+        begin = self._wall()
+        state = self._simulation.save()
+        self._add(_Kept(now, state, size_of(state), begin))
+        end = self._wall()
+        self._rest_until = end + (end - begin) * (1.0 / _SHARE - 1.0)
 
     def _add(self, kept: _Kept) -> None:
         self._kept.append(kept)
         self._bytes += kept.size
         first = 0
-        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._kept[first].time < kept.time - _SPAN):
+        while first < len(self._kept) - 1 and (self._bytes > _MOST_BYTES or self._is_old(self._kept[first], kept)):
             self._bytes -= self._kept[first].size
             first += 1
         del self._kept[:first]
+
+    @staticmethod
+    def _is_old(kept: _Kept, newest: _Kept) -> bool:
+        return kept.time < newest.time - _SPAN and kept.wall < newest.wall - _SPAN
 
     def _cut(self, length: int) -> None:
         del self._kept[length:]
