@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from struct import Struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.kernel.driving.reference import arc, turn_by
-from morse.physics import rigid
+from morse.physics import glide_velocity, rigid
 from morse.physics.command import Command, midway
 from morse.physics.compile import set_damping
 from morse.physics.drag import Drag
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
     from morse.physics.fleet import Fleet
     from morse.physics.gliding import Gliding
     from morse.physics.saved import SavedDrives
-
-#: few numbers of the engine are read and written so in a third of the time that an array takes
-_PLANE, _TWIST, _BYTES = Struct("=2d"), Struct("=6d"), 8
 
 
 class Drives:
@@ -180,15 +176,13 @@ class Drives:
         return bool(self._asleep[self._state.model.body_treeid[slot.body]] >= 0)
 
     def _glide(self, index: int, slot: Slot, command: Command) -> None:
-        """Write the velocity of a robot that glides: the vertical is an axis of the world, all else follows."""
-        a, b, _, d, e, _, g, h, i = self._state.rotations[index]
+        """Write the velocity of a robot that glides."""
         x, y, _ = command.linear
         rate = command.angular[2]
         x, y, c, s = arc(x, y, 0.5 * rate * self._state.period)
         if rate != 0.0 or command.shift:
             self._turn_after.append((slot.dof, c, s, command.shift))
-        rate *= i
-        _TWIST.pack_into(self._qvel, _BYTES * slot.dof, a * x + b * y, d * x + e * y, 0.0, g * rate, h * rate, i * rate)
+        glide_velocity.write(self._qvel, slot.dof, self._state.rotations[index], x, y, rate)
 
     def _drive_body(self, index: int, slot: Slot, command: Command) -> None:
         self._state.is_stirred = True
@@ -239,13 +233,8 @@ class Drives:
 
     def release(self) -> None:
         """Called at the end of a tick: remove the momentum of shifts, and turn velocities to the new heading."""
-        qvel = self._qvel
-        for a, c, s, shift in self._turn_after:
-            if shift:
-                qvel[a], qvel[a + 1], qvel[a + 5] = 0.0, 0.0, 0.0
-            else:
-                vx, vy = _PLANE.unpack_from(qvel, _BYTES * a)
-                _PLANE.pack_into(qvel, _BYTES * a, c * vx - s * vy, s * vx + c * vy)
+        for dof, c, s, shift in self._turn_after:
+            glide_velocity.end(self._qvel, dof, c, s, shift)
         self._turn_after.clear()
         self._commands.clear()
         for fleet in self._fleets:

@@ -8,13 +8,12 @@ the velocity, `GlideSteps` integrates it, and `Drives.release` rotates it to the
 from __future__ import annotations
 
 import math
-from struct import Struct
 from typing import TYPE_CHECKING
 
 import mujoco
 
 from morse.kernel.driving.reference import arc
-from morse.physics import kinematics
+from morse.physics import glide_velocity, kinematics
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from morse.physics.glide import Glide
     from morse.physics.gliding import Gliding
 
-_PLANE, _TWIST, _BYTES = Struct("=2d"), Struct("=6d"), 8
 #: speeds, m/s and rad/s, above which each tick is checked for divergence
 _CALM = 100.0
 _NO_COMMAND = ((), (), None)
@@ -97,15 +95,10 @@ class LoneGlider:
 
     def _drift(self, index: int, dof: int, command: Command) -> None:
         """Write the velocity, integrate it, and rotate it to the new heading."""
-        qvel = self._qvel
-        a, b, _, d, e, _, g, h, i = self._state.rotations[index]
+        qvel, rate = self._qvel, command.angular[2]
         x, y, c, s = self._chord
-        rate = command.angular[2] * i
-        vx, vy = a * x + b * y, d * x + e * y
-        _TWIST.pack_into(qvel, _BYTES * dof, vx, vy, 0.0, g * rate, h * rate, i * rate)
+        glide_velocity.write(qvel, dof, self._state.rotations[index], x, y, rate)
         mujoco.mj_integratePos(self._state.model, self._qpos, qvel, self._period)
         self._data.time += self._period
-        if command.shift:
-            qvel[dof], qvel[dof + 1], qvel[dof + 5] = 0.0, 0.0, 0.0
-        elif command.angular[2] != 0.0:
-            _PLANE.pack_into(qvel, _BYTES * dof, c * vx - s * vy, s * vx + c * vy)
+        if rate != 0.0 or command.shift:
+            glide_velocity.end(qvel, dof, c, s, command.shift)

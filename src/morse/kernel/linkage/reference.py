@@ -59,7 +59,7 @@ class Linkage:
         for geom, owner, mount in zip(all_.geoms.tolist(), all_.owners.tolist(), all_.mounts.tolist(), strict=True):
             placed = composed(all_.poses[owner].tolist(), mount)
             (x, y, z), r = placed[:3], placed[3:]
-            all_.geom_positions[geom], all_.geom_quaternions[geom] = (x, y, z), _quaternion(r)
+            all_.geom_positions[geom], all_.geom_quaternions[geom] = (x, y, z), quaternion(r)
             height, box = up[0] * x + up[1] * y + up[2] * z, all_.geom_boxes[geom].tolist()
             for k in range(3):
                 along = up[0] * r[k] + up[1] * r[k + 3] + up[2] * r[k + 6]
@@ -82,7 +82,7 @@ def composed(outer: Sequence[float], inner: Sequence[float]) -> list[float]:
     ]
 
 
-def _quaternion(r: Sequence[float]) -> tuple[float, float, float, float]:
+def quaternion(r: Sequence[float]) -> tuple[float, float, float, float]:
     """w, x, y, z of a rotation (Shepperd's method: the largest component first)."""
     trace = r[0] + r[4] + r[8]
     if trace > 0.0:
