@@ -41,11 +41,9 @@ class Armature(DynamicJoints):
     Bones with a target follow it as soon as the target is moved, until a joint gets a setpoint. A target is the wanted
     pose of the tip of its bone, with the Y axis along the bone.
 
-    If the joints are dynamic (property ``Dynamic``), motors move them against gravity, contacts and friction. A motor
-    is
-    told a position, a velocity or an effort (property ``Control``): the field of its joint is then in rad, rad/s or
-    N·m,
-    or in m, m/s or N for prismatic joints. Services, trajectories and targets are for motors that are told a position.
+    If the joints are dynamic (property ``Dynamic``), motors move them against gravity, contacts and friction. The
+    motors control position, velocity or effort (property ``Control``): the field of a joint is then in rad, rad/s or
+    N·m, or in m, m/s or N for prismatic joints. Services, trajectories and targets require position control.
     """
 
     _name = "Armature Actuator"
@@ -80,7 +78,7 @@ class Armature(DynamicJoints):
         self._targets = targets_of(obj)
         self._follower = Follower()
         self._target_poses = self._poses()
-        #: setpoints that result from the targets; None while commands set the setpoints
+        #: setpoints computed from the targets; None while commands set the setpoints
         self._led: list[float] | None = None
         self._trajectory: Trajectory | None = None
         #: motion of a target: its name, goal position and rotation in the world, speed in m/s and rad/s
@@ -122,9 +120,9 @@ class Armature(DynamicJoints):
     def trajectory(self, trajectory: dict[str, Any]) -> None:
         """Move the joints along a trajectory; the service ends at the time of the last point.
 
-        Between two points with velocities the trajectory is a polynomial of degree 3; with accelerations as well, of
-        degree 5; otherwise a straight line. It starts at the present joint values, at rest. Points in the past are left
-        out.
+        Between two points with velocities the trajectory is a polynomial of degree 3; with accelerations as well, it is
+        of degree 5; otherwise it is a straight line. It starts at the present joint values, at rest. Points in the past
+        are ignored.
 
         Args:
             trajectory: ``{"starttime": s, "points": [{"positions": [...], "velocities": [...],
@@ -171,10 +169,11 @@ class Armature(DynamicJoints):
         """Set the pose of a target immediately; the bone follows.
 
         Args:
-            name: of the target.
+            name: name of the target.
             translation: x, y, z in the axes of the world, m.
             euler: rotation in the axes of the world, rad; None to keep that of the target.
-            relative: from where the target is now; otherwise from the origin of the world.
+            relative: whether the pose is relative to the present pose of the target; otherwise to the origin of the
+                world.
         """
         goal = self._goal(name, translation, euler, relative)
         if self._trajectory is not None or self._move is not None:
@@ -195,10 +194,11 @@ class Armature(DynamicJoints):
         """Move a target at limited speed; the bone follows. The service ends when the target has arrived.
 
         Args:
-            name: of the target.
+            name: name of the target.
             translation: x, y, z in the axes of the world, m.
             euler: rotation in the axes of the world, rad; None to keep that of the target.
-            relative: from where the target is now; otherwise from the origin of the world.
+            relative: whether the pose is relative to the present pose of the target; otherwise to the origin of the
+                world.
             linear_speed: m/s; None for IKLinearSpeed.
             radial_speed: rad/s; None for IKRotationSpeed.
         """
@@ -214,7 +214,7 @@ class Armature(DynamicJoints):
         """Return the goal pose in the world for the arguments of a service."""
         target = self._targets.get(name)
         if target is None:
-            known = nearest(name, self._targets) or ": the scene script makes them, create_ik_targets(['bone'])"
+            known = nearest(name, self._targets) or ": create them in the scene script with create_ik_targets(['bone'])"
             raise MorseRPCInvokationError(f"{self.name()}: there is no target {shown(name)}{known}")
         position, rotation = target.world_pose()
         turned = None if euler is None else nine(list(Euler(euler).to_matrix()))
@@ -236,14 +236,14 @@ class Armature(DynamicJoints):
         return is_there
 
     def _poses(self) -> list[Any]:
-        """Return the poses of the targets in the frame of the armature."""
+        """Return the present poses of the targets in the frame of the armature."""
         return [target.local_pose() for target in self._targets.values()]
 
     def _seen(self) -> list[Any]:
         return seen_from(self.chain, self._targets.values())
 
     def _are_led(self) -> bool:
-        """Whether the bones follow their targets: a target was moved, and no joint has got a setpoint since then."""
+        """Whether the bones follow their targets: a target was moved, and no joint received a setpoint since then."""
         poses = self._poses()
         if poses != self._target_poses:
             self._target_poses = poses

@@ -23,7 +23,7 @@ class Arucomarker(Actuator):
     """
 
     _name = "ARUCO Marker"
-    _short_desc = "A marker for cameras that can be put somewhere"
+    _short_desc = "A marker for cameras with a controllable pose"
     _builder = BuilderDefaults(model="arucomarker")
 
     add_data("x", 0.0, "float", "To the right", frame="none", **POSITION)

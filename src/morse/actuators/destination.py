@@ -14,7 +14,7 @@ class Destination(Going):
     """
 
     _name = "Destination"
-    _short_desc = "Motion controller which moves the robot on a straight line to a place"
+    _short_desc = "Motion controller which moves the robot on a straight line to a position"
 
     add_property("_tolerance", 0.5, "Tolerance", "float", "Distance at which the robot has arrived", **LENGTH)
     add_property("_speed", 5.0, "Speed", "float", "Speed of the robot", unit="m/s", low=0.0, high=1e4)

@@ -28,7 +28,8 @@ _MOST = 1e6
 class DynamicJoints(JointServices):
     """Joints with masses: gravity and contacts act on them, and motors move them.
 
-    Joints of models in which links have masses are dynamic, those of other models if the script asks for it.
+    Joints of models in which links have masses are dynamic. Joints of other models are dynamic if the script asks for
+    it.
     """
 
     add_property(
@@ -45,9 +46,8 @@ class DynamicJoints(JointServices):
         "",
         "Control",
         "string",
-        "What the motors of dynamic joints are told: a position (rad or m), a velocity (rad/s or m/s) or an effort "
-        "(N·m "
-        "or N). Empty for what the model says, otherwise a position",
+        "Quantity that the motors of dynamic joints control: a position (rad or m), a velocity (rad/s or m/s) or an "
+        "effort (N·m or N). If empty, the quantity that the model declares, otherwise position",
         choices=("", *(str(control) for control in Control)),
     )
 
@@ -72,7 +72,7 @@ class DynamicJoints(JointServices):
 
     @property
     def control(self) -> Control | None:
-        """The control mode of all motors; None if it differs."""
+        """The control mode of all motors; None if the motors have different modes."""
         told = {self._controls.get(name, Control.POSITION) for name in self.joints}
         return told.pop() if len(told) == 1 else None
 
@@ -93,7 +93,7 @@ class DynamicJoints(JointServices):
 
     @property
     def joint_values(self) -> tuple[float, ...]:
-        """The present joint values, rad or m: those that are measured, if the joints are dynamic."""
+        """The present joint values, rad or m; measured values, if the joints are dynamic."""
         return super().joint_values if self._motors is None else tuple(self._motors.positions(self.joints))
 
     @property
@@ -145,14 +145,14 @@ class DynamicJoints(JointServices):
         steps = super()._steps()
         if not self._controls:
             return steps
-        # velocities and efforts are set immediately
+        # velocities and efforts are applied immediately
         return [math.inf if name in self._controls else step for name, step in zip(self.joints, steps, strict=True)]
 
     def _end_if_there(self, awaited: list[str], wanted: list[float]) -> None:
         if self._motors is None:
             super()._end_if_there(awaited, wanted)
             return
-        # a service ends when the joints have arrived, not only their setpoints
+        # a service ends when the joints, and not only their setpoints, have arrived
         told, self._values = self._values, list(self.joint_values)
         super()._end_if_there(awaited, wanted)
         self._values = told

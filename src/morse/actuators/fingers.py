@@ -13,13 +13,13 @@ from morse.scene import Bone, JointKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: parts of the model: the fingers on the left and on the right side
+#: parts of the model: the fingers on the left and the right side
 _NAMES = ("finger1", "finger2")
-#: the hinge in the frame of a finger, which turns about its X axis, m
+#: position of the hinge in the frame of a finger, which turns about its X axis, m
 _HINGE = (0.0, -0.003, 0.056)
-#: the middle of a pad seen from the hinge: outward and ahead, m; half its thickness, m
+#: centre of a pad relative to the hinge: outward and forward, m; half its thickness, m
 _OUT, _AHEAD, _PAD = 0.020, 0.059, 0.0025
-#: where the pads are along the axes of the gripper: half width across, from and to ahead, m
+#: extent of the pads along the axes of the gripper: half width across, start and end forward, m
 _ACROSS, _FROM, _TO = 0.03, 0.08, 0.13
 
 
@@ -29,7 +29,7 @@ class Fingers:
     Models without parts ``finger1`` and ``finger2`` have no fingers that move.
 
     Args:
-        world: the world.
+        world: the world that contains the gripper.
         gripper: the object of the gripper.
     """
 
@@ -59,7 +59,7 @@ class Fingers:
         return [_angle_at(distance) for distance in self._sides(held)]
 
     def _sides(self, held: Any) -> tuple[float, float]:
-        """How far an object reaches to the left and to the right between the pads, m; 0 if it is not there."""
+        """How far an object extends to the left and to the right between the pads, m; 0 if it is not between them."""
         corners = None if held is None else extent(held.node.walk(), held.node)
         if corners is None:
             return 0.0, 0.0
@@ -75,7 +75,7 @@ class Fingers:
 
 
 def _angle_at(distance: float) -> float:
-    """The angle at which the inner side of a pad has a distance from the middle, rad; 0 if it is farther open."""
+    """The angle at which the inner side of a pad has a distance from the centre line, rad; at least 0 (open)."""
     reach = math.hypot(_OUT, _AHEAD)
     sine = (_PAD - _HINGE[1] - 2.0 * _PAD - distance) / reach
     return max(math.atan2(_OUT, _AHEAD) + math.asin(max(sine, -1.0)), 0.0)

@@ -21,11 +21,11 @@ class Gripper(Actuator):
     in the cone.
 
     An object is held as soon as it is grasped. The fingers then close at ``FingerSpeed`` until they meet the held
-    object, if it is between them, or each other. They open when the object is released.
+    object, or each other if the object is not between them. They open when the object is released.
     """
 
     _name = "Gripper"
-    _short_desc = "Takes things that can be grasped and lets them go"
+    _short_desc = "Grasps and releases objects"
     _builder = BuilderDefaults(model="gripper")
 
     add_data("grab", False, "bool", "Grasp the nearest object; False releases it")
@@ -90,7 +90,7 @@ class Gripper(Actuator):
         if self.local_data["grab"]:
             if self.held is None:
                 self.grab()
-                # retried in every tick
+                # tried again in every tick
                 self.local_data["grab"] = True
         elif self._held_name:
             self.release()

@@ -25,21 +25,21 @@ _SIZE: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e4}
 
 
 class Hydrodynamics(Actuator):
-    """Lets water carry, slow down and take away a robot.
+    """Applies buoyancy, drag and the current of water to a robot.
 
-    A box of eight cells approximates the robot. Each cell that is below the surface is pushed up by the weight of the
-    water in its place, rho V g / 8, and slowed down along each axis of the robot by C v |v| / 8, with the speed v of
-    the cell in the water. C = rho c A / 2 is that of the whole robot along an axis: A is the cross-section of the box,
-    and c is 0.2 along X and 1.1 along Y and Z. Turning is damped by the same forces, and a robot at the surface rights
-    itself. The mass of the water that moves along with the robot (the added mass) is left out, and its centre of mass
-    is taken to be the middle of the box. In one tick drag takes away at most half the speed, which robots feel that
-    are very light for their size.
+    A box of eight cells approximates the robot. Each cell below the surface is pushed up by the weight of the water
+    that it displaces, rho V g / 8. Drag on each cell is C v |v| / 8 along each axis of the robot, with the speed v of
+    the cell relative to the water. C = rho c A / 2 is the coefficient of the whole robot along an axis: A is the
+    cross-section of the box, and c is 0.2 along X and 1.1 along Y and Z. The same forces damp rotations, and turn a
+    robot at the surface upright. The mass of the water that moves along with the robot (the added mass) is not
+    modelled, and the centre of mass of the robot is taken to be the centre of the box. In one tick, drag
+    reduces the speed by at most half. This limit only affects robots that are very light for their size.
 
-    The weight of a robot without gravity, such as the Submarine, acts as well: it falls above the water.
+    The weight of a robot without gravity, such as the Submarine, acts as well: above the water the robot falls.
     """
 
     _name = "Hydrodynamics"
-    _short_desc = "Lets water carry, slow down and take away the robot"
+    _short_desc = "Applies buoyancy, drag and the current of water to the robot"
 
     add_data("current", [0.0, 0.0, 0.0], "vec3<float>", "Velocity of the water", frame="world", shape=3, **SPEED)
     add_kind("twist", linear="current", angular=(None, None, None))
@@ -48,19 +48,33 @@ class Hydrodynamics(Actuator):
         math.inf,
         "Surface",
         "float",
-        "Height of the surface; inf: that of the object Water of the world, or water everywhere",
+        "Height of the surface; inf: height of the object Water of the world, or water everywhere if there is none",
         unit="m",
         allow=("inf",),
     )
     add_property(
-        "_density", 1025.0, "Density", "float", "Of the water: 1025 in the sea", unit="kg/m^3", low=0.0, high=1e5
+        "_density",
+        1025.0,
+        "Density",
+        "float",
+        "Density of the water: 1025 in the sea",
+        unit="kg/m^3",
+        low=0.0,
+        high=1e5,
     )
     add_property(
-        "_volume", 0.0, "Volume", "float", "Of the robot; 0: such that it floats", unit="m^3", low=0.0, high=1e9
+        "_volume",
+        0.0,
+        "Volume",
+        "float",
+        "Volume of the robot; 0: chosen so that the robot floats",
+        unit="m^3",
+        low=0.0,
+        high=1e9,
     )
-    add_property("_length", 0.0, "Length", "float", "Of the box; 0: that of the model", **_SIZE)
-    add_property("_width", 0.0, "Width", "float", "Of the box; 0: that of the model", **_SIZE)
-    add_property("_height", 0.0, "Height", "float", "Of the box; 0: that of the model", **_SIZE)
+    add_property("_length", 0.0, "Length", "float", "Length of the box; 0: length of the model", **_SIZE)
+    add_property("_width", 0.0, "Width", "float", "Width of the box; 0: width of the model", **_SIZE)
+    add_property("_height", 0.0, "Height", "float", "Height of the box; 0: height of the model", **_SIZE)
 
     _surface: float
     _density: float
@@ -76,7 +90,7 @@ class Hydrodynamics(Actuator):
         "_hull",
         "_values",
         "_push",
-    )  # of the model, of the world, of the properties
+    )  # values from the model, the world and the properties
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -95,7 +109,7 @@ class Hydrodynamics(Actuator):
         return self._surface if math.isfinite(self._surface) or self._water is None else self._water
 
     def hull(self) -> Hull:
-        """The box, and its drag."""
+        """The box, and its drag coefficients."""
         given = (self._length, self._width, self._height, self._density)
         if self._hull is not None and self._hull[0] == given:
             return self._hull[1]
@@ -110,7 +124,7 @@ class Hydrodynamics(Actuator):
         return hull
 
     def default_action(self) -> None:
-        """Carry, slow down and take away."""
+        """Apply buoyancy, drag and current."""
         robot = self.robot_parent
         body, hull, surface = robot.bge_object, self.hull(), self.surface()
         g = self.context.scene.settings.gravity
@@ -118,11 +132,11 @@ class Hydrodynamics(Actuator):
         carried = self._density * self._volume if self._volume else mass
         (_, _, height), turn = body.world_pose()
         linear, angular = body.velocity()
-        # all in the frame of the body
+        # all vectors are in the frame of the body
         up = turn[6:9]
         values = self._values
         values.depth, values.half = surface - height, hull.size[2] / 2.0
-        # drag takes away at most half the speed of a tick
+        # drag reduces the speed by at most half in a tick
         values.lift, values.most = carried * g / 8.0, 0.5 * mass * self.frequency
         (vx, vy, vz), (cx, cy, cz) = linear, self.local_data["current"]
         values.up[:] = up
@@ -141,7 +155,7 @@ def _limited(parts: Iterable[float]) -> list[float]:
 
 
 def _bounds(body: Any) -> tuple[list[float], list[float]]:
-    """Lower and upper corner of the parts that collide, or of all where none does, in the frame of the body, m."""
+    """Lower and upper corner of the colliding parts, or of all parts if none collides, in the frame of the body, m."""
     parts = list(body.node.walk())
     found = extent([part for part in parts if part.body.collides], body.node) or extent(parts, body.node)
     return ([0.0] * 3, [0.0] * 3) if found is None else (found[0].tolist(), found[1].tolist())

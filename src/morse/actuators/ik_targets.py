@@ -30,15 +30,15 @@ _Pose = tuple["Sequence[float]", "Sequence[float]"]
 class Follower:
     """Moves the tips of bones to their targets, with a few iterations in each tick.
 
-    If the search is stuck, for example at a stretched arm with a target closer to its base, it is restarted from other
-    joint values. The joints only move to solutions that are closer to the targets.
+    If the search is stuck in a local minimum, for example if the arm is stretched and the target is closer to its base,
+    it is restarted from other joint values. The joints only move to solutions that are closer to the targets.
     """
 
     def __init__(self) -> None:
         self._goal: tuple[Any, ...] = ()
         self._trial: list[float] | None = None
         self._attempt = self._ticks = 0
-        #: joint values that cannot be improved
+        #: joint values that could not be improved
         self._settled: list[float] | None = None
 
     def follow(self, chain: Chain, targets: Sequence[Target], values: Sequence[float]) -> list[float]:
@@ -92,8 +92,8 @@ def nearer(here: _Pose, goal: _Pose, way: float, turned: float) -> tuple[_Pose, 
     """Return the next pose on the way to a goal, and whether it is the goal.
 
     Args:
-        way: largest distance, m.
-        turned: largest rotation angle, rad.
+        way: largest distance to move, m.
+        turned: largest angle to rotate, rad.
     """
     missing = [b - a for a, b in zip(here[0], goal[0], strict=True)]
     distance = math.hypot(*missing)

@@ -28,8 +28,8 @@ class JointMotion(Actuator):
         node = obj.node
         if not node.bones:
             raise ValueError(
-                f"'{node.plain_name}' has no bones: an armature is an object of Blender's kind Armature "
-                "whose bones have unlocked axes (Bone > Inverse Kinematics)"
+                f"'{node.plain_name}' has no bones: an armature is an object of the type Armature in Blender whose "
+                "bones have unlocked axes (Bone > Inverse Kinematics)"
             )
         stretch = rigid_frame(node).stretch
         self.chain = Chain(node.bones, sum(float(stretch[i][i]) for i in range(3)) / 3.0)

@@ -58,9 +58,9 @@ class JointServices(JointMotion):
         super().__init__(obj, parent)
         #: speeds from the arguments of services
         self._speeds: dict[str, float] = {}
-        #: speeds and frequency, and the steps that follow from them
+        #: speeds and frequency, and the step per tick computed from them
         self._usual: tuple[tuple[float, ...], list[float]] = (), []
-        #: the joints that a service waits for; None while none does
+        #: the joints that a running service waits for; None if no service waits
         self._awaited: list[str] | None = None
 
     def default_action(self) -> None:
@@ -77,7 +77,7 @@ class JointServices(JointMotion):
             self._end_if_there(self._awaited, wanted)
 
     def _steps(self) -> list[float]:
-        """Return how far each joint moves in this tick at most."""
+        """Return the largest step of each joint in this tick."""
         given = (self._rotation_speed, self._linear_speed, self.frequency)
         if self._speeds or given != self._usual[0]:
             turn, slide, rate = given
@@ -105,7 +105,7 @@ class JointServices(JointMotion):
         super().interrupt()
 
     def _stop(self) -> None:
-        """Cancel the motion that a service has started."""
+        """Cancel the motion that a service started."""
         for name in self._awaited or ():
             self.local_data[name] = self._values[self.joints.index(name)]
         self._awaited, self._speeds = None, {}
@@ -124,7 +124,9 @@ class JointServices(JointMotion):
 
     @service(changes=False)
     def get_dofs(self) -> dict[str, list[int]]:
-        """Return the rotation axes of each joint: joint to three numbers for X, Y and Z of the bone, 1 or 0."""
+        """Return the rotation axes of each joint: the name of the joint, and three numbers, 1 or 0, for X, Y and Z of
+        the bone.
+        """
         return {name: [int(free) for free in self._joint(name)[1].free] for name in self.joints}
 
     @service(changes=False)

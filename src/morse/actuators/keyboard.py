@@ -52,7 +52,7 @@ class Keyboard(Actuator):
 
     @property
     def listening(self) -> bool:
-        """Whether the keys control this robot: it is the robot chosen in the view, or no robot is chosen."""
+        """Whether the keys control this robot: it is selected in the view, or no robot is selected."""
         return self.context.controls.robot in (None, self.robot_parent.name())
 
     @service(changes=False)

@@ -123,7 +123,7 @@ class LedArray(Actuator):
     # -- showing ---------------------------------------------------------------------------
 
     def _wrong_shape(self, shape: tuple[int, ...]) -> str:
-        return f"a picture of these lights has the shape {(self.rows, self.columns, 3)}, not {tuple(shape)}"
+        return f"a pattern for these lights has the shape {(self.rows, self.columns, 3)}, not {tuple(shape)}"
 
     def _picture(self) -> Any:
         picture = self.local_data["colours"]
@@ -131,7 +131,7 @@ class LedArray(Actuator):
             self._warned = False
             self._shown = np.asarray(picture)
         elif not self._warned:
-            logger.warning("%s: %s; the last one stays", self.name(), self._wrong_shape(np.shape(picture)))
+            logger.warning("%s: %s; the last pattern stays", self.name(), self._wrong_shape(np.shape(picture)))
             self._warned = True
         return self._shown
 

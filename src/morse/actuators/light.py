@@ -26,8 +26,10 @@ class Light(Actuator):
     add_data("emit", True, "bool", "Whether the light is on; initially the property emit")
     add_kind("switch", on="emit")
     add_property("_emit", True, "emit", "bool", "Whether the light is on at the start")
-    add_property("_distance", 10.0, "distance", "float", "Distance at which the intensity is half", unit="m", low=0.0)
-    add_property("_color", "(0,0,0)", "color", "string", "Red, green, blue, 0 to 1; (0,0,0) leaves it white")
+    add_property(
+        "_distance", 10.0, "distance", "float", "Distance at which the intensity has fallen to half", unit="m", low=0.0
+    )
+    add_property("_color", "(0,0,0)", "color", "string", "Red, green, blue, 0 to 1; (0,0,0) stands for white")
     add_property("_size", math.pi / 2.0, "size", "float", "Angle of the cone", unit="rad", low=0.0, high=math.pi)
     add_property("_energy", 1.0, "energy", "float", "Brightness relative to a normal lamp", low=0.0)
 
@@ -49,7 +51,7 @@ class Light(Actuator):
         self._shine()
 
     def _shine(self) -> None:
-        """Give the lamp the properties that the actuator has now."""
+        """Copy the present properties of the actuator to the lamp."""
         self._shown = self._looks()
         if self._lamp is None or self._lamp.node.light is None:
             return
@@ -63,7 +65,7 @@ class Light(Actuator):
         return float(self._distance), self._color, float(self._size), float(self._energy)
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Restore a state, and the light that belongs to it."""
+        """Restore a state, and the state of the lamp."""
         super().set_state(state)
         self._shine()
 

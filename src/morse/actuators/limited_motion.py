@@ -74,7 +74,10 @@ class LimitedMotion(Actuator):
 
     @service
     def set_property(self, name: str, value: Any) -> None:
-        """Change a property while the simulation runs; speeds without a previous limit continue from the command."""
+        """Change a property while the simulation runs.
+
+        If there was no limit before, the speeds continue from the command.
+        """
         were = self.is_limited()
         super().set_property(name, value)
         if self.is_limited() and not were:

@@ -86,7 +86,7 @@ class Orientation(Actuator):
         place, now = obj.world_pose()
         if max(map(abs, map(sub, wanted, now))) > _ALIKE:
             obj.set_pose(place, wanted)
-        # a robot that does not turn is left alone, so that it can rest
+        # a robot that does not turn is not driven, so that it can come to rest
         if any(obj.velocity()[1]):
             obj.set_velocity(None, (0.0, 0.0, 0.0))
 

@@ -26,7 +26,7 @@ class PTU(Actuator):
     """
 
     _name = "Pan-Tilt Unit"
-    _short_desc = "Motion controller which turns what it carries to the sides, up and down"
+    _short_desc = "Motion controller which pans and tilts the objects attached to it"
     _builder = BuilderDefaults(model="ptu", properties={"Tolerance": 0.01})
 
     add_data("pan", 0.0, "float", "About the Z axis, positive to the left", frame="joint", **ANGLE)

@@ -11,15 +11,15 @@ from morse.helpers.components import add_data, add_kind, add_property
 class QuadrotorDynamicControl(Actuator):
     """Applies the thrust F and the torques tx, ty, tz that result from the speeds w1..w4 of four rotors.
 
-    F = b (w1^2 + w2^2 + w3^2 + w4^2), tz = d (-w1^2 + w2^2 - w3^2 + w4^2), and with ``+`` (rotors behind, right, ahead,
-    left) tx = b l (-w2^2 + w4^2), ty = b l (w1^2 - w3^2); with ``x`` tx = b l (w1^2 - w2^2 - w3^2 + w4^2) / sqrt(2),
-    ty = b l (-w1^2 - w2^2 + w3^2 + w4^2) / sqrt(2) (rotors ahead left, ahead right, behind right, behind left); b is
-    the ThrustFactor, d the DragFactor, l the Lever.
+    F = b (w1^2 + w2^2 + w3^2 + w4^2), tz = d (-w1^2 + w2^2 - w3^2 + w4^2). With the configuration ``+`` (rotors behind,
+    right, ahead, left) tx = b l (-w2^2 + w4^2), ty = b l (w1^2 - w3^2). With ``x`` (rotors ahead left, ahead right,
+    behind right, behind left) tx = b l (w1^2 - w2^2 - w3^2 + w4^2) / sqrt(2), ty = b l (-w1^2 - w2^2 + w3^2 + w4^2) /
+    sqrt(2). b is the ThrustFactor, d the DragFactor, l the Lever.
     """
 
     _name = "Quadrotor dynamic control"
     _short_desc = "Motion controller using the speeds of the rotors of a quadrotor"
-    _source = "thrust and drag of a rotor grow with the square of its speed (momentum theory)"
+    _source = "thrust and drag of a rotor are proportional to the square of its speed (momentum theory)"
 
     add_data("engines", [0.0, 0.0, 0.0, 0.0], "list", "Speed of each rotor", unit="rad/s", shape=4, low=-1e5, high=1e5)
     add_property("_thrust_factor", 9.169e-6, "ThrustFactor", "float", "Thrust of a rotor", unit="N·s^2", low=0.0)

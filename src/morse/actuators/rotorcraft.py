@@ -22,7 +22,7 @@ class Rotorcraft(Actuator):
 
         I (kp e + kd de/dt) s
 
-    with its moment of inertia I about that axis, the error e of its angle, and a share s of the thrust.
+    with the moment of inertia I about that axis, the error e of its angle, and the factor s, a share of the thrust.
     """
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
@@ -57,7 +57,7 @@ class Rotorcraft(Actuator):
 
 
 def _limited(value: float, most: float) -> float:
-    """Limit a force or torque to the range of the physics, because clients may set any gains."""
+    """Limit a force or torque to the range of the physics engine, because clients may set any gains."""
     return 0.0 if math.isnan(value) else max(-most, min(value, most))
 
 
@@ -104,7 +104,7 @@ class BankingRotorcraft(Rotorcraft):
         self._centre: _Three = next(centres, (0.0, 0.0, 0.0))
 
     def _velocity_of_mass(self) -> _Three:
-        """Velocity of the centre of mass in the world, m/s; that of the origin varies with the bank angle."""
+        """Velocity of the centre of mass in the world, m/s; the velocity of the origin varies with the bank angle."""
         body = self.robot_parent.bge_object
         (vx, vy, vz), (wx, wy, wz) = body.velocity()
         r, (a, b, c) = body.world_pose()[1], self._centre
@@ -126,7 +126,7 @@ class BankingRotorcraft(Rotorcraft):
         roll_wanted = min(max(s * command_x - c * command_y, -most), most)
         pitch_wanted = min(max(c * command_x + s * command_y, -most), most)
         carrying = self.robot_parent.bge_object.mass * GRAVITY
-        # the thrust is increased with the bank angle to keep the height, up to that for the largest bank angle
+        # the thrust is increased with the bank angle to keep the height, up to the thrust for the largest bank angle
         upright = max(math.cos(most) ** 2, math.cos(roll) * math.cos(pitch))
         thrust = max(carrying / upright + climb, 0.0)
         errors = (roll_wanted - roll, pitch_wanted - pitch, math.remainder(yaw_wanted - yaw, 2.0 * math.pi))

@@ -30,13 +30,13 @@ class RotorcraftVelocity(BankingRotorcraft):
         "tolerance",
         0.2,
         "float",
-        "Tolerance of the speed; kept for scripts of 1.4, without effect",
+        "Tolerance of the speed; exists for scripts of 1.4, without effect",
         unit="m/s",
         low=0.0,
     )
-    add_property("_v_dgain", 2.0, "VerticalDgain", "float", "Kept for scripts of 1.4, without effect", low=0.0)
+    add_property("_v_dgain", 2.0, "VerticalDgain", "float", "Exists for scripts of 1.4, without effect", low=0.0)
     add_property("_yaw_dgain", 8.0, "YawDgain", "float", "Derivative gain of the yaw", unit="1/s", low=0.0)
-    add_property("_max_velocity", 2.0, "MaxVelocity", "float", "Kept for scripts of 1.4, without effect", unit="m/s")
+    add_property("_max_velocity", 2.0, "MaxVelocity", "float", "Exists for scripts of 1.4, without effect", unit="m/s")
     add_kind("twist", linear=("vx", "vy", "vz"), angular=(None, None, "vyaw"))
 
     def __init__(self, obj: Any, parent: Any = None) -> None:

@@ -21,7 +21,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
     """
 
     _name = "Rotorcraft waypoint motion controller"
-    _short_desc = "Motion controller using force and torque to fly a rotorcraft to a place"
+    _short_desc = "Motion controller using force and torque to fly a rotorcraft to a position"
 
     add_data("x", 0.0, "float", "X of the goal; initially that of the robot", frame="world", **POSITION)
     add_data("y", 0.0, "float", "Y of the goal; initially that of the robot", frame="world", **POSITION)
@@ -54,7 +54,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
         super().__init__(obj, parent)
         self._aim_here()
         self._marked: tuple[float, float, float] | None = None
-        #: position at which a motion was cancelled, which does not count as an arrival
+        #: position at which a motion was cancelled; being there does not count as an arrival
         self._called_off: tuple[float, float, float] | None = None
 
     def _aim_here(self) -> None:

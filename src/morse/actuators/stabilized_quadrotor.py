@@ -19,7 +19,7 @@ _HEIGHT_GAIN, _CLIMB_GAIN = 9.0, 4.2
 
 
 class StabilizedQuadrotor(Holding):
-    """Moves a quadrotor with autopilot: attitude and height follow the command, and the position results from them.
+    """Moves a quadrotor with autopilot: attitude and height follow the command, and the position is computed from them.
 
     Pitch and roll follow by a second-order filter of 10 rad/s with a damping of 0.7. ``psi_c`` acts as a yaw rate: the
     input of the filter is psi - psi_c, so that the yaw changes by -psi_c 10 / 1.4 rad/s. The acceleration is 10 + 9

@@ -18,7 +18,7 @@ class Teleport(Holding):
     """
 
     _name = "Teleport"
-    _short_desc = "Motion controller which changes instantly the pose of the robot"
+    _short_desc = "Motion controller which instantly changes the pose of the robot"
 
     add_data("x", 0.0, "float", "X; initially that of the robot", frame="world", **POSITION)
     add_data("y", 0.0, "float", "Y; initially that of the robot", frame="world", **POSITION)

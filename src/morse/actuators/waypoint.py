@@ -37,7 +37,7 @@ class Waypoint(Going):
     """
 
     _name = "Waypoint"
-    _short_desc = "Motion controller which drives the robot to a place"
+    _short_desc = "Motion controller which drives the robot to a position"
 
     not_state = ("radars",)
 
@@ -55,7 +55,7 @@ class Waypoint(Going):
         low=0.0,
         high=math.pi,
     )
-    add_property("_speed", 1.0, "Speed", "float", "Speed until a command sets another speed", **_SPEED)
+    add_property("_speed", 1.0, "Speed", "float", "Speed until a command sets it", **_SPEED)
     add_property("_target", "", "Target", "string", "Name of an object that is moved to the goal")
     add_property(
         "_ignore",
@@ -77,7 +77,7 @@ class Waypoint(Going):
         super().__init__(obj, parent)
         self.local_data["speed"] = float(self._speed)
         self._speed_before_stop = float(self._speed)
-        #: position at which a motion was cancelled, which does not count as an arrival
+        #: position at which a motion was cancelled; being there does not count as an arrival
         self._called_off: tuple[float, float, float] | None = None
         #: +1 to pass an obstacle on the left, -1 on the right, 0 without obstacle
         self._side = 0.0
@@ -104,7 +104,7 @@ class Waypoint(Going):
         Args:
             x: metres.
             y: metres.
-            z: metres; counts only with ``FreeZ``.
+            z: metres; used only with ``FreeZ``.
             tolerance: metres.
             speed: m/s.
 
@@ -124,7 +124,7 @@ class Waypoint(Going):
         Args:
             x: metres.
             y: metres.
-            z: metres; counts only with ``FreeZ``.
+            z: metres; used only with ``FreeZ``.
             tolerance: metres.
             speed: m/s.
         """

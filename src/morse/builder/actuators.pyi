@@ -43,13 +43,13 @@ __all__ = [
 ]
 
 class Arucomarker(ActuatorCreator):
-    """A marker for cameras that can be put somewhere"""
+    """A marker for cameras with a controllable pose"""
     def properties(
         self, *, xoffset: float = ..., yoffset: float = ..., zoffset: float = ..., **kwargs: Any
     ) -> None: ...
 
 class Destination(ActuatorCreator):
-    """Motion controller which moves the robot on a straight line to a place"""
+    """Motion controller which moves the robot on a straight line to a position"""
     def properties(
         self,
         *,
@@ -74,13 +74,13 @@ class ForceTorque(ActuatorCreator):
     def properties(self, *, RobotFrame: bool = ..., **kwargs: Any) -> None: ...
 
 class Gripper(ActuatorCreator):
-    """Takes things that can be grasped and lets them go"""
+    """Grasps and releases objects"""
     def properties(
         self, *, Angle: float = ..., Distance: float = ..., FingerSpeed: float = ..., **kwargs: Any
     ) -> None: ...
 
 class Hydrodynamics(ActuatorCreator):
-    """Lets water carry, slow down and take away the robot"""
+    """Applies buoyancy, drag and the current of water to the robot"""
     def properties(
         self,
         *,
@@ -205,7 +205,7 @@ class RotorcraftVelocity(ActuatorCreator):
     ) -> None: ...
 
 class RotorcraftWaypoint(ActuatorCreator):
-    """Motion controller using force and torque to fly a rotorcraft to a place"""
+    """Motion controller using force and torque to fly a rotorcraft to a position"""
     def properties(
         self,
         *,
@@ -230,10 +230,10 @@ class SteerForce(ActuatorCreator):
     """Motion controller using steering, engine force and brakes of a car"""
 
 class Teleport(ActuatorCreator):
-    """Motion controller which changes instantly the pose of the robot"""
+    """Motion controller which instantly changes the pose of the robot"""
 
 class Waypoint(ActuatorCreator):
-    """Motion controller which drives the robot to a place"""
+    """Motion controller which drives the robot to a position"""
     def properties(
         self,
         *,
