@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import socket
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -271,9 +270,8 @@ def test_a_client_that_asks_without_reading_is_disconnected(
     wait_until(lambda: bench.streams._binary.connected == 1)
     (client,) = bench.streams._binary.clients
     client.transport.high_water = 1000
-    deaf.socket.settimeout(0.2)
-    deaf.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    with pytest.raises((ConnectionError, TimeoutError)):
+    deaf.socket.settimeout(60.0)
+    with pytest.raises(ConnectionError):
         deaf.socket.sendall(b"subscribe nothing.at.all\n" * 1_000_000)
     wait_until(lambda: bench.streams._binary.connected == 0)
     assert "makes requests without reading" in caplog.text
