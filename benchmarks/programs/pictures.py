@@ -58,7 +58,8 @@ def export(path: Path) -> None:
     """Write all triangles in the world frame, one mesh for each instance, and their colours."""
     renderer = Renderer(_world())
     renderer.serve([_request(renderer, 8, 8, False)])
-    poses, drawing = renderer.contents.poses(), renderer.contents.drawing
+    contents = renderer.contents
+    poses, drawing = contents.poses(contents.frames()), contents.drawing
     arrays: dict[str, Any] = {}
     shown = 0
     for instance, node in enumerate(renderer.contents.nodes):

@@ -35,5 +35,7 @@ def together(work: Callable[[], object], pieces: int) -> None:
     workers = min(count(), pieces)
     waiting = [_pool(count() - 1).submit(work) for _ in range(workers - 1)]
     work()
+    # no piece is left: threads that are busy with other work need not begin
     for future in waiting:
-        future.result()
+        if not future.cancel():
+            future.result()

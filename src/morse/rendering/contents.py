@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -50,12 +50,30 @@ class MeshStore:
         return self._known[key][1]
 
 
+class Frames(NamedTuple):
+    """The poses of the groups of a world at a tick.
+
+    Attributes:
+        positions, rotations: (K, 3) m and (K, 3, 3), frames of the groups in the world.
+        offsets: (I, 3, 4) mesh to group.
+        visible: (I,) whether each instance is visible.
+        velocities: (K, 3) m/s and (K, 3) rad/s, world axes; None if they are not needed.
+    """
+
+    positions: NDArray[np.float64]
+    rotations: NDArray[np.float64]
+    offsets: NDArray[np.float64]
+    visible: NDArray[np.bool_]
+    velocities: tuple[NDArray[np.float64], NDArray[np.float64]] | None
+
+
 class Contents:
     """The instances of meshes in a world.
 
     Attributes:
         drawing: their triangles and surfaces.
         nodes: the node of each instance; the id image contains their indices.
+        names: the names of the nodes.
         moving: (P,) whether each part of the drawing may move.
         placed: (I, 3, 4) mesh to world, at the poses of the scene.
     """
@@ -68,6 +86,7 @@ class Contents:
         self._chunks: list[Clusters] = []
         self._counts = [0, 0, 0]
         self.nodes = [n for n in world.scene.nodes() if n.mesh is not None and len(n.mesh.triangles)]
+        self.names = [node.name for node in self.nodes]
         self._objects = [world.object_of(node) for node in self.nodes]
         self._groups = np.array([obj.slot for obj in self._objects], dtype=np.intp)
         self._shown = np.array([is_shown(node, True) for node in self.nodes], dtype=bool)
@@ -133,21 +152,33 @@ class Contents:
 
     # -- poses -----------------------------------------------------------------------------
 
-    def poses(self, time: float = 0.0) -> Poses:
-        """Return the poses of all instances; invisible instances get zeros.
+    def frames(self, *, moving: bool = False) -> Frames:
+        """Return the present poses of the groups; later changes of the world do not affect them.
 
         Args:
-            time: s, relative to the present; the velocities are assumed to be constant.
+            moving: include the velocities.
         """
         world = self._world
         self._follow()
         positions, rotations = world.slot_poses()
+        visible = np.fromiter((obj.visible for obj in self._objects), bool, len(self._objects))
+        velocities = self._velocities(len(positions)) if moving else None
+        return Frames(positions.copy(), rotations.copy(), self._offsets, self._shown & visible, velocities)
+
+    def poses(self, frames: Frames, time: float = 0.0) -> Poses:
+        """Return the poses of all instances; invisible instances get zeros.
+
+        Args:
+            frames: the poses of the groups; with velocities if ``time`` is not 0.
+            time: s, relative to the time of ``frames``; the velocities are assumed to be constant.
+        """
+        positions, rotations = frames.positions, frames.rotations
         if time:
-            positions, rotations = moved(positions, rotations, *self._velocities(len(positions)), time)
-        model = rotations[self._groups] @ self._offsets
+            assert frames.velocities is not None
+            positions, rotations = moved(positions, rotations, *frames.velocities, time)
+        model = rotations[self._groups] @ frames.offsets
         model[:, :, 3] += positions[self._groups]
-        seen = self._shown & np.fromiter((obj.visible for obj in self._objects), bool, len(self._objects))
-        seen &= (np.abs(model) < 1e7).all(axis=(1, 2))
+        seen = frames.visible & (np.abs(model) < 1e7).all(axis=(1, 2))
         model[~seen] = 0.0
         linear = model[:, :, :3]
         # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
@@ -179,6 +210,9 @@ class Contents:
         self._settle(self._displaced)
 
     def _settle(self, numbers: range | list[int]) -> None:
+        if numbers:
+            # `Frames` of earlier ticks keep their offsets
+            self._offsets = self._offsets.copy()
         for number in numbers:
             position, rotation = self._objects[number].offset
             self._offsets[number, :, :3] = np.reshape(rotation, (3, 3)) @ self._stretches[number]

@@ -33,7 +33,7 @@ class Moment(NamedTuple):
 
 def moment_of(picture: Picture) -> Moment:
     """The moment of an image."""
-    return Moment([node.name for node in picture.nodes], picture.models, picture.eye, picture.axes)
+    return Moment(list(picture.names), picture.models, picture.eye, picture.axes)
 
 
 def optical_flow(picture: Picture, lens: Lens, before: Moment) -> NDArray[np.float32]:
@@ -74,10 +74,10 @@ def _product(matrix: Floats, vectors: Floats) -> Floats:
 
 def _moves(picture: Picture, before: Moment) -> tuple[Floats, NDArray[np.bool_]]:
     """(I, 3, 4) present poses of nodes to their former poses, in the world frame; and whether each node existed."""
-    if not picture.nodes:
+    if not picture.names:
         return np.zeros((1, 3, 4)), np.ones(1, bool)
     numbers = {name: number for number, name in enumerate(before.names)}
-    order = np.array([numbers.get(node.name, -1) for node in picture.nodes])
+    order = np.array([numbers.get(name, -1) for name in picture.names])
     was = np.concatenate([before.models, np.zeros((1, 12), np.float32)])[order].reshape(-1, 3, 4).astype(np.float64)
     now = picture.models.reshape(-1, 3, 4).astype(np.float64)
     # rows of the cofactors, divided by the determinant: the columns of the inverse

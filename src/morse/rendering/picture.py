@@ -20,7 +20,8 @@ class Picture(NamedTuple):
         ids: (H, W) int32, index in `nodes`, -1 without a surface.
         normals: (H, W, 3) float32, unit normals of the surfaces, towards the camera: X right, Y down, Z forward; 0
             without a surface; None if they were not requested.
-        nodes: the nodes of the ids.
+        nodes: the nodes of the ids; empty for an image from a saved state.
+        names: the names of the nodes.
         models: (I, 12) float32, mesh to world of each node, 3x4 row by row; zeros for invisible nodes.
         eye: (3,) float32, position of the camera in the world frame.
         axes: (3, 3) float32, its right, down and forward axes, in rows.
@@ -31,6 +32,7 @@ class Picture(NamedTuple):
     ids: NDArray[np.int32]
     normals: NDArray[np.float32] | None
     nodes: list[Node]
+    names: list[str]
     models: NDArray[np.float32]
     eye: NDArray[np.float32]
     axes: NDArray[np.float32]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from morse.rendering.beside import Shot
     from morse.rendering.lens import Lens
     from morse.rendering.motion import Motion
     from morse.rendering.picture import Picture
@@ -31,7 +32,8 @@ class CameraRequest:
         exposure: factor of the light.
         motion: when the rows are exposed; None for an image of the present instant.
         wanted: returns whether an image is requested now.
-        picture: the last image; None before the first.
+        beside: whether images are rendered in a thread while the simulation goes on; `picture` waits for them.
+        shot: the last image, which may still be rendered; None before the first.
     """
 
     def __init__(
@@ -41,4 +43,10 @@ class CameraRequest:
         self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted
         self.exposure = 1.0
         self.motion: Motion | None = None
-        self.picture: Picture | None = None
+        self.beside = False
+        self.shot: Shot | None = None
+
+    @property
+    def picture(self) -> Picture | None:
+        """The last image; None before the first."""
+        return None if self.shot is None else self.shot.picture()

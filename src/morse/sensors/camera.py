@@ -201,7 +201,7 @@ class Camera(Sensor):
         if self._made_of != self._lens_properties():
             self._look()
             self.request.lens = self.lens
-            self.request.picture, self._taken = None, -1
+            self.request.shot, self._taken = None, -1
         if self._taken == self.clock.tick:
             return
         picture = self.request.picture
@@ -211,7 +211,7 @@ class Camera(Sensor):
         if picture is None:
             return
         self.take(picture)
-        self.request.picture, self._taken = None, self.clock.tick
+        self.request.shot, self._taken = None, self.clock.tick
         if self._left > 0:
             self._left -= 1
             if self._left == 0 and self.on_completion is not None:

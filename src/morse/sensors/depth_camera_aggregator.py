@@ -73,7 +73,7 @@ class DepthCameraAggregator(CameraUnit):
         joined = [np.zeros((0, 3), np.float32)]
         for camera in cameras:
             here, own = camera.bge_object.world_pose()
-            if camera.request.picture is not None:
+            if camera.request.shot is not None:
                 # rendered in this tick, although the action of the camera comes later
                 camera.measure()
             points = camera.local_data["points"].astype(np.float64)

@@ -1,0 +1,127 @@
+"""What the images of a tick show, independent of later changes of cameras and world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from morse.kernel.drawing.arrays import CAMERA
+from morse.rendering.distortion import DistortedLens
+from morse.rendering.motion import moved
+from morse.rendering.warp import Drawn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing import Pictures
+    from morse.rendering.lens import Lens
+    from morse.rendering.motion import Motion
+    from morse.rendering.request import CameraRequest, Placed
+
+
+class Order(NamedTuple):
+    """An image to be rendered.
+
+    Attributes:
+        lens, color, normals, exposure, motion: see `CameraRequest`.
+        position: (3,) m, of the camera.
+        rotation: (3, 3) camera to world.
+        velocity: (1, 3) m/s and (1, 3) rad/s, world axes; None if the image shows one instant only.
+    """
+
+    lens: Lens
+    color: bool
+    normals: bool
+    exposure: float
+    motion: Motion | None
+    position: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    velocity: tuple[NDArray[np.float64], NDArray[np.float64]] | None
+
+    def pose(self, time: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return position (3,) and rotation (3, 3) at a time relative to the tick, s, at constant velocity."""
+        if not time or self.velocity is None:
+            return self.position, self.rotation
+        places, turns = moved(self.position[None], self.rotation[None], *self.velocity, time)
+        return places[0], turns[0]
+
+
+def order_of(request: CameraRequest) -> Order:
+    """Return the image that a camera requests at its present pose."""
+    position, rotation = request.obj.world_pose()
+    return Order(
+        request.lens,
+        request.color,
+        request.normals,
+        request.exposure,
+        request.motion,
+        np.array(position, np.float64),
+        np.reshape(np.array(rotation, np.float64), (3, 3)),
+        None if request.motion is None else _velocity(request.obj),
+    )
+
+
+def _velocity(obj: Placed) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    velocity = getattr(obj, "velocity", None)
+    if velocity is None:
+        return None
+    linear, angular = (np.nan_to_num(np.array([part], np.float64)) for part in velocity())
+    return linear, angular
+
+
+class View(NamedTuple):
+    """An undistorted image for an order.
+
+    Attributes:
+        lens: its lens.
+        turn: (3, 3) its axes in the frame of the camera, in columns.
+    """
+
+    lens: Lens
+    turn: NDArray[np.float64]
+
+
+_STRAIGHT = np.eye(3)
+
+
+def views_of(order: Order) -> list[View]:
+    """Return the undistorted images from which the image of an order is sampled."""
+    lens = order.lens
+    if isinstance(lens, DistortedLens):
+        return [View(flat.lens, flat.turn) for flat in lens.warp.flats]
+    return [View(lens, _STRAIGHT)]
+
+
+def pixels_of(order: Order) -> int:
+    """Return the number of pixels of the undistorted images of an order."""
+    return sum(view.lens.width * view.lens.height for view in views_of(order))
+
+
+def cameras_of(orders: Sequence[Order], time: float) -> NDArray[Any]:
+    """Return the undistorted images of orders, (K,) `CAMERA`, at a time relative to the tick."""
+    views = [(order, view) for order in orders for view in views_of(order)]
+    cameras = np.zeros(len(views), CAMERA)
+    for row, (order, view) in zip(cameras, views, strict=True):
+        position, rotation = order.pose(time)
+        for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
+            row[name] = getattr(view.lens, name)
+        # the rotations of undistorted images permute axes, so that these products are exact
+        row["axes"] = (rotation @ view.turn).T.ravel()
+        row["eye"], row["color"], row["exposure"] = position, order.color, order.exposure
+        row["normals"] = order.normals
+    return cameras
+
+
+def cut(made: Pictures, row: Any) -> Drawn:
+    """Return one of the rendered images."""
+    shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
+    part = slice(first, first + shape[0] * shape[1])
+    return Drawn(
+        made.rgb[part].reshape(*shape, 3) if row["color"] else None,
+        made.depth[part].reshape(shape),
+        made.ids[part].reshape(shape),
+        made.normals[part].reshape(*shape, 3) if row["normals"] else None,
+    )

@@ -1,0 +1,161 @@
+"""The contents and lamps of a world, and the images that are rendered from them."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from morse.kernel.drawing import Light, drawer
+from morse.rendering.contents import Contents
+from morse.rendering.distortion import DistortedLens
+from morse.rendering.exposures import averaged, cropped, joined
+from morse.rendering.lights import lamps_of, light_nodes, sky_of
+from morse.rendering.orders import cameras_of, cut, pixels_of, views_of
+from morse.rendering.picture import Picture
+from morse.rendering.shadows import Shadows
+from morse.rendering.spot_shadows import SpotShadows
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.drawing import Poses
+    from morse.physics import World
+    from morse.rendering.contents import Frames, MeshStore
+    from morse.rendering.lights import Lamps
+    from morse.rendering.motion import Motion
+    from morse.rendering.orders import Order
+    from morse.rendering.textures import TextureStore
+
+#: maximum number of pixels per call, so that many large cameras do not exhaust the memory
+_MOST_PIXELS = 1 << 25
+
+
+class Instant(NamedTuple):
+    """A tick, as far as images show it; later changes of the world do not affect it.
+
+    Attributes:
+        frames: the poses of the objects.
+        lamps: the lamps; None if no image has colours.
+        sky: (20,) float32, see `morse.kernel.drawing.Light`; None if no image has colours.
+    """
+
+    frames: Frames
+    lamps: Lamps | None
+    sky: NDArray[np.float32] | None
+
+
+class Stage:
+    """The objects, colours and lamps of a world, from which images are rendered until they change.
+
+    `note` reads the world. `draw` does not, and may be called from any thread.
+
+    Args:
+        samples: number of samples of each pixel.
+
+    Attributes:
+        contents: the objects.
+    """
+
+    def __init__(self, world: World, meshes: MeshStore, textures: TextureStore, samples: int) -> None:
+        self._world, self._samples = world, samples
+        self._arrangement, self._repaints = world.arrangement, world.repaints
+        self.contents = Contents(world, meshes, textures)
+        self._colors = [node.color for node in self.contents.nodes]
+        self._drawer = drawer(self.contents.drawing)
+        self._light_nodes = light_nodes(world.scene)
+        lamps, sunny, _ = lamps_of(self._light_nodes, world)
+        self._light = Light(lamps, sky_of(world.scene.settings.view, sunny), np.zeros(16, np.float32), None)
+        self._shadows: Shadows | None = None
+        self._spot_shadows = SpotShadows()
+        #: the kernel and the shadow maps serve one call at a time
+        self._lock = Lock()
+
+    def is_current(self) -> bool:
+        """Whether no object was added or removed, and no colour has changed."""
+        world = self._world
+        if self._arrangement != world.arrangement:
+            return False
+        if self._repaints != world.repaints:
+            # changes of visibility are repaints as well
+            self._repaints = world.repaints
+            return self._colors == [node.color for node in self.contents.nodes]
+        return True
+
+    def note(self, orders: Sequence[Order]) -> Instant:
+        """Return the present tick, as far as images show it."""
+        frames = self.contents.frames(moving=any(order.motion is not None for order in orders))
+        if not any(order.color for order in orders):
+            return Instant(frames, None, None)
+        lamps = lamps_of(self._light_nodes, self._world)
+        return Instant(frames, lamps, sky_of(self._world.scene.settings.view, lamps.sunny))
+
+    def draw(self, instant: Instant, orders: Sequence[Order]) -> list[Picture]:
+        """Render the images of a tick; the images do not depend on those rendered before."""
+        with self._lock:
+            made: dict[int, Picture] = {}
+            batch: list[int] = []
+            pixels = 0
+            for number, order in enumerate(orders):
+                if order.motion is not None:
+                    made[number] = self._over_time(instant, order, order.motion)
+                    continue
+                own = pixels_of(order)
+                if batch and pixels + own > _MOST_PIXELS:
+                    made.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+                    batch, pixels = [], 0
+                batch.append(number)
+                pixels += own
+            if batch:
+                made.update(zip(batch, self._at(instant, [orders[n] for n in batch]), strict=True))
+            return [made[number] for number in range(len(orders))]
+
+    def _over_time(self, instant: Instant, order: Order, motion: Motion) -> Picture:
+        """Render an image with motion blur or rolling shutter."""
+        bands = []
+        for band in motion.bands(order.lens.height):
+            part = order._replace(lens=cropped(order.lens, band.first, band.last))
+            bands.append(averaged([self._at(instant, [part], time)[0] for time in band.times]))
+        return joined(bands)
+
+    def _at(self, instant: Instant, orders: Sequence[Order], time: float = 0.0) -> list[Picture]:
+        """Render images that show one instant, at a time relative to the tick."""
+        contents = self.contents
+        poses = contents.poses(instant.frames, time)
+        cameras = cameras_of(orders, time)
+        light = self._light
+        if cameras["color"].any():
+            light = self._lit(instant, poses)
+        drawn = self._drawer.draw(cameras, poses, light, self._samples)
+        rows = iter(cameras)
+        made = []
+        for order in orders:
+            flats = [cut(drawn, next(rows)) for _ in views_of(order)]
+            whole = order.lens.warp.gather(flats) if isinstance(order.lens, DistortedLens) else flats[0]
+            position, rotation = order.pose(time)
+            made.append(
+                Picture(
+                    *whole,
+                    contents.nodes,
+                    contents.names,
+                    poses.models,
+                    position.astype(np.float32),
+                    rotation.astype(np.float32).T.copy(),
+                )
+            )
+        return made
+
+    def _lit(self, instant: Instant, poses: Poses) -> Light:
+        """The lamps of a tick, with the shadows of the sun and of a spot lamp."""
+        lamps, sky = instant.lamps, instant.sky
+        assert lamps is not None
+        assert sky is not None
+        if self._shadows is None or not np.array_equal(self._shadows.sunny, lamps.sunny):
+            self._shadows = Shadows(self.contents, self._drawer, lamps.sunny, self._light)
+        self._shadows.light = self._shadows.light._replace(lamps=lamps.lamps, sky=sky)
+        light = self._spot_shadows.update(self._shadows.light, lamps.spot, poses, self._drawer)
+        self._shadows.update(poses)
+        return light
