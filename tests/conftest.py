@@ -4,6 +4,7 @@ import contextlib
 import importlib.util
 import os
 import signal
+import tempfile
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,6 +70,14 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 # each worker of pytest-xdist has ports of its own
 if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
     os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * (int(worker[2:]) % 100))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give all workers one cache of collision shapes, which is empty at first."""
+    if not worker:
+        folder = tempfile.TemporaryDirectory(prefix="morse-tests-cache-", ignore_cleanup_errors=True)
+        os.environ["MORSE_CACHE"] = folder.name
+        config.add_cleanup(folder.cleanup)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -13,7 +13,8 @@ from morse.scene import BodySettings, Bounds, CollisionShape, Mesh, Node, NodeKi
 
 @pytest.fixture
 def computed(monkeypatch):
-    """The bounds of each mesh whose shapes are computed; the cache is empty at first."""
+    """The bounds of each mesh whose shapes are computed: no result of before, and no disk cache."""
+    monkeypatch.setenv("MORSE_CACHE", "off")
     made = []
     compute = collision._parts
     monkeypatch.setattr(collision, "_EARLIER", KnownShapes())

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.assets import kept_shapes
 from morse.assets.known_shapes import KnownShapes, content
 from morse.assets.shapes import ConvexPart, Primitive, convex_parts, detect_primitive, fit_bounds, thickened
 from morse.scene import Bounds, CollisionShape, PhysicsType, ShapeKind
@@ -65,8 +66,13 @@ def _shapes_of_mesh(
     key = content(mesh), stretch, bounds
     found = _EARLIER.get(key)
     if found is None:
-        parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds)
-        found = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
+        simple = bounds in _FITTED
+        found = None if simple else kept_shapes.get(key)
+        if found is None:
+            parts, warnings = _parts(mesh, np.reshape(stretch, (3, 3)), bounds)
+            found = tuple(_made_solid(part).to_shape() for part in parts), tuple(warnings)
+            if not simple:
+                kept_shapes.put(key, found)
         _EARLIER.put(key, found)
     return found
 

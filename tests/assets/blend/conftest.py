@@ -29,7 +29,6 @@ def scene_path(request: pytest.FixtureRequest) -> Path:
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """No cache of an earlier run, and no Blender in the environment."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "cache"))
+    monkeypatch.setenv("MORSE_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv("MORSE_BLENDER", raising=False)
     return tmp_path / "cache"

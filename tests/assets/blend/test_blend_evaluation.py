@@ -33,7 +33,7 @@ def unevaluated_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def evaluated(unevaluated_scene: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Node]:
     """The nodes of that scene, evaluated by Blender."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("MORSE_CACHE", str(tmp_path_factory.mktemp("cache")))
         library = read_blend(unevaluated_scene)
     assert library.warnings == []
     return {node.name: node for node in library.nodes()}
@@ -88,7 +88,7 @@ def test_constraints(evaluated: dict[str, Node]) -> None:
 @pytest.mark.blender
 def test_results_are_kept(unevaluated_scene: Path, own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = read_blend(unevaluated_scene)
-    (kept,) = (own_cache / "morse" / "blend").iterdir()
+    (kept,) = (own_cache / "blend").iterdir()
 
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("Blender was run again")
@@ -99,7 +99,7 @@ def test_results_are_kept(unevaluated_scene: Path, own_cache: Path, monkeypatch:
         assert (one.mesh is None) == (other.mesh is None)
         assert one.mesh is None or np.array_equal(one.mesh.vertices, other.mesh.vertices)
     monkeypatch.undo()
-    monkeypatch.setenv("XDG_CACHE_HOME", str(own_cache))
+    monkeypatch.setenv("MORSE_CACHE", str(own_cache))
     kept.write_bytes(b"rubbish")
     assert read_blend(unevaluated_scene).warnings == []
     assert kept.stat().st_size > 1000
@@ -168,6 +168,6 @@ def test_the_program_can_be_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 @needs_scripts
 def test_a_cache_that_cannot_be_written_costs_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").touch()
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setenv("MORSE_CACHE", str(tmp_path / "file"))
     body = "import numpy; numpy.savez(result, **{'0_matrix': numpy.eye(4)})"
     assert read_blend(mirrored(tmp_path), blender=program(tmp_path, body)).warnings == []

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import zipfile
 from pathlib import Path
@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from morse.assets.blend.errors import Damage
+from morse.assets.cache import Cache
 
 Arrays = dict[str, NDArray[np.generic]]
 
 #: timeout for Blender, s
 TIME_LIMIT = 120.0
 _SCRIPT = Path(__file__).with_name("blend_export.py")
-#: maximum number of cached results
-_MAX_CACHED = 64
+_CACHE = Cache("blend", most=64)
 _MAX_RESULT = 1 << 30
 
 
@@ -40,19 +40,18 @@ def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
     Raises:
         Damage: Blender failed; with the reason.
     """
-    kept = _cache_folder() / f"{_key(path, names, blender)}.npz"
-    try:
-        if kept.is_file():
-            return _load(kept.read_bytes())
-    except (OSError, Damage):
+    key = _key(path, names, blender)
+    kept = _CACHE.get(key, _MAX_RESULT)
+    if kept is not None:
         # a cached result that cannot be read is computed again
-        pass
+        with contextlib.suppress(Damage):
+            return _load(kept)
     with tempfile.TemporaryDirectory(prefix="morse-blend-") as folder:
         result = Path(folder, "result.npz")
         _run(path, names, blender, result)
         data = result.read_bytes()
     arrays = _load(data)
-    _keep(kept, data)
+    _CACHE.put(key, data)
     return arrays
 
 
@@ -118,28 +117,3 @@ def _key(path: Path, names: list[str], blender: str) -> str:
     ):
         digest.update(hashlib.blake2b(part).digest())
     return digest.hexdigest()
-
-
-def _cache_folder() -> Path:
-    """Return the cache directory of this system."""
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "morse" / "blend"
-
-
-def _keep(kept: Path, data: bytes) -> None:
-    """Store a result in the cache; errors are ignored, and the result is then computed again next time."""
-    try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
-            file.write(data)
-        os.replace(file.name, kept)
-        oldest = sorted(kept.parent.glob("*.npz"), key=lambda entry: entry.stat().st_mtime)
-        for entry in oldest[:-_MAX_CACHED]:
-            entry.unlink(missing_ok=True)
-    except OSError:
-        return

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.assets.blend.blender import Arrays, evaluate, find_blender
 from morse.assets.blend.errors import Damage
 from morse.assets.blend.meshes import build
 from morse.assets.blend.polygons import gather
@@ -19,6 +18,7 @@ from morse.scene import NodeKind
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from morse.assets.blend.blender import Arrays
     from morse.assets.blend.file import BlendFile
     from morse.assets.blend.objects import Objects
     from morse.scene import Material, Mesh, Node
@@ -32,6 +32,9 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
     wanted = {address: need for address in objects.nodes if any(need := needs(objects.records[address]))}
     if not wanted:
         return
+    # imported only for files that need Blender
+    from morse.assets.blend.blender import evaluate, find_blender
+
     nodes = [objects.nodes[address] for address in wanted]
     program = find_blender(blender)
     if program is None:
