@@ -139,8 +139,9 @@ class Poller(threading.Thread):
         try:
             while not self._stopping:
                 with self._turn:
-                    # a guest that arrived in the meantime has found no thread to wake up
-                    if not self._has_guest():
+                    # A guest that arrived in the meantime has found no thread to wake up. A guest that had the turn
+                    # may have obeyed the command to stop, which nobody repeats
+                    if not self._stopping and not self._has_guest():
                         self._round(None)
                 self._stand_back()
         finally:

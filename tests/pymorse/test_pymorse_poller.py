@@ -29,3 +29,23 @@ def test_a_guest_whom_the_system_lets_wait_is_served_all_the_same(
     assert not guest.is_alive()
     poller.syncstop(5.0)
     assert not poller.is_alive()
+
+
+class _Turn:
+    """A turn for which the thread has to wait until a guest has obeyed the command to stop."""
+
+    def __init__(self, poller: Poller) -> None:
+        self._poller = poller
+
+    def __enter__(self) -> None:
+        self._poller._stopping = True
+
+    def __exit__(self, *_: object) -> None: ...
+
+
+def test_the_thread_ends_if_a_guest_was_told_to_stop() -> None:
+    poller = Poller()
+    poller._turn = _Turn(poller)  # type: ignore[assignment]
+    poller.start()
+    poller.join(60.0)
+    assert not poller.is_alive()
