@@ -53,8 +53,9 @@ _LONG = {
     "test_benchmarks", "test_mavlink", "test_asset_build", "test_blend_evaluation", "test_view_rereading",
 }  # fmt: skip
 
-#: the first port of the services of a worker's simulations, and the distance to those of the next worker
-_FIRST_PORT, _PORTS = 20_000, 200
+#: the first port of the services of a worker's simulations, the distance to those of the next worker, and how many such
+#: sets of ports there are below the ports that the system gives to clients
+_FIRST_PORT, _PORTS, _SETS_OF_PORTS = 20_000, 200, 60
 
 # other programs that take the processor are not a reason to fail; `pytest --hypothesis-profile nightly` tries all
 settings.register_profile("everyday", deadline=None, max_examples=25)
@@ -67,9 +68,11 @@ if settings.get_current_profile_name() != "nightly":
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# each worker of pytest-xdist has ports of its own
-if (worker := os.environ.get("PYTEST_XDIST_WORKER", "")).startswith("gw"):
-    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * (int(worker[2:]) % 100))
+# Each worker of pytest-xdist has ports of its own, and so has each of several runs on one machine
+if not os.environ.get("MORSE_SOCKET_PORT"):
+    _run = int(os.environ.get("PYTEST_XDIST_TESTRUNUID", f"{os.getpid():x}"), 16)
+    _worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:] or 0)
+    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * ((_run + _worker) % _SETS_OF_PORTS))
 
 
 def pytest_configure(config: pytest.Config) -> None:

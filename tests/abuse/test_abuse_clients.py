@@ -25,7 +25,7 @@ simu = Morse("127.0.0.1", {port})
 while True:
     for robot in (simu.anna, simu.bert):
         robot.motion.publish({{"v": 0.1, "w": 0.2}})
-        robot.pose.get(timeout=5)
+        robot.pose.get(timeout=60)
         simu.time()
 """
 
@@ -68,7 +68,7 @@ def come_and_go(victim: Victim, times: int) -> None:
 
 def settled(footprint: Footprint, descriptors: int) -> int:
     """The number of descriptors, as soon as it is back at the former number, or after a timeout."""
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while footprint.descriptors > descriptors and time.monotonic() < deadline:
         time.sleep(0.01)
     return footprint.descriptors

@@ -139,5 +139,5 @@ def test_a_paused_simulation_ends_when_it_is_told_to(start: Start, paused: bool)
     if paused:
         Line(process.port).call("simulation", "pause")
     process._process.terminate()
-    assert process._process.wait(20.0) == 0
+    assert process._process.wait(60.0) == 0
     assert "EXITING SIMULATION" in process.log.read_text()

@@ -47,7 +47,7 @@ def harass_the_view(start: Start, connections: int) -> None:
     with Witness(victim.port, victim.streams["anna.pose"]):
         harass(int(url[1]), connections)
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-        assert opener.open(url[0], timeout=20).status == 200
+        assert opener.open(url[0], timeout=60.0).status == 200
     process.stop()
 
 

@@ -32,7 +32,7 @@ def test_a_page_of_another_origin_drives_nobody_and_ends_nothing(victim: Victim)
             headers={"Origin": "http://example.org", "Content-Type": "text/plain"},
         )
         with pytest.raises((OSError, http.client.HTTPException)):
-            opener.open(request, timeout=20)
+            opener.open(request, timeout=60.0)
     services = Line(victim.port)
     services.call("time", "sleep", 1.0)
     after = services.call("anna.pose", "get_local_data")
@@ -109,7 +109,7 @@ def test_steps_end_with_who_asked_for_them(start: Start) -> None:
 @pytest.mark.parametrize("scale", [0.001, 0.01])
 def test_services_are_answered_however_slowly_time_goes(start: Start, scale: float) -> None:
     process = start(SCENE, "--headless", "--speed", str(scale))
-    services = Line(process.port, timeout=10.0)
+    services = Line(process.port, timeout=60.0)
     for _ in range(5):
         assert services.call("simulation", "list_robots") == ["anna", "bert"]
     services.send(b"1 time set_time_scale [1e-9]\n")

@@ -63,12 +63,12 @@ def test_what_was_begun_goes_on(tmp_path, monkeypatch, robot, height, actuator, 
     path.write_text(SCENE.format(robot=robot, height=height, actuator=actuator))
     with morse.load(path, sockets=True) as sim:
         component = sim.context.component("robot.motion")
-        with socket.create_connection(("127.0.0.1", port(sim)), timeout=10) as client:
+        with socket.create_connection(("127.0.0.1", port(sim)), timeout=60) as client:
             client.sendall(f"1 robot.motion {service} {json.dumps(arguments)}\n".encode())
             tick_until(sim, lambda: component.running_service == service)
         tick_until(sim, lambda: component.running_service is None and arrived(component))
         # the next client gets an answer
-        with socket.create_connection(("127.0.0.1", port(sim)), timeout=10) as client:
+        with socket.create_connection(("127.0.0.1", port(sim)), timeout=60) as client:
             client.sendall(b"2 robot.motion get_properties []\n")
             client.setblocking(False)
             heard = bytearray()

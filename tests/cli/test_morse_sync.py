@@ -33,7 +33,7 @@ def test_a_period_that_cannot_be_met_is_run_without_sleep() -> None:
 @pytest.fixture
 def server() -> Iterator[socket.socket]:
     with socket.create_server(("127.0.0.1", 0)) as listening:
-        listening.settimeout(10)
+        listening.settimeout(60)
         yield listening
 
 
@@ -55,7 +55,7 @@ def receive(connection: socket.socket, count: int) -> bytes:
 def test_it_sends_sync_once_a_period_and_obeys(server: socket.socket) -> None:
     process = start(server.getsockname()[1], "-p", "0.02")
     connection, _ = server.accept()
-    connection.settimeout(10)
+    connection.settimeout(60)
     assert receive(connection, 4) == b"sync"
     begin = time.monotonic()
     assert receive(connection, 4 * 20) == b"sync" * 20
@@ -64,7 +64,7 @@ def test_it_sends_sync_once_a_period_and_obeys(server: socket.socket) -> None:
     process.stdin.write("faster\nset_period x\nset_period 0.001\n")
     process.stdin.flush()
     assert receive(connection, 4 * 100) == b"sync" * 100
-    _, err = process.communicate("quit\n", timeout=10)
+    _, err = process.communicate("quit\n", timeout=60)
     assert process.returncode == 0
     assert "'faster' is not a command" in err
     assert "'x' is not a number of seconds" in err
@@ -74,10 +74,10 @@ def test_it_sends_sync_once_a_period_and_obeys(server: socket.socket) -> None:
 def test_it_ends_with_the_simulation(server: socket.socket) -> None:
     process = start(server.getsockname()[1], "-p", "0.01", "-d")
     connection, _ = server.accept()
-    connection.settimeout(10)
+    connection.settimeout(60)
     receive(connection, 4)
     connection.close()
-    _, err = process.communicate(timeout=10)
+    _, err = process.communicate(timeout=60)
     assert process.returncode == 0
     assert "the simulation has ended" in err
     assert "period 0.0" in err

@@ -98,7 +98,7 @@ def test_the_transcript_of_the_socket(simulate, template: Path):
 
     simu = simulate(template)
     (transcript,) = [block.text for block in blocks("text") if block.page == DOCS / "socket.md"]
-    with socket.create_connection(("127.0.0.1", simu.port), timeout=20) as connection:
+    with socket.create_connection(("127.0.0.1", simu.port), timeout=60) as connection:
         replies = connection.makefile(encoding="utf-8")
         for line in transcript.splitlines():
             way, _, text = line.partition(" ")
@@ -155,15 +155,15 @@ def test_a_service_that_takes_its_time(simulate, tmp_path: Path):
     assert not opening.done()
     assert door.get_angle().result() == pytest.approx(20 * 0.5 / 60)
     simu.rpc("simulation", "step", 10)
-    assert opening.result(10) == pytest.approx(0.2)
+    assert opening.result(60) == pytest.approx(0.2)
     first, second = door.open_to(1.0), door.open_to(0.0)
     with pytest.raises(MorseServicePreempted):
-        first.result(10)
+        first.result(60)
     second.cancel()
     with pytest.raises(MorseServicePreempted):
-        second.result(10)
+        second.result(60)
     with pytest.raises(MorseServiceFailed):
-        door.open_to("wide").result(10)
+        door.open_to("wide").result(60)
 
 
 def test_random_numbers_follow_from_the_seed(simulate, tmp_path: Path):

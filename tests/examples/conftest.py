@@ -30,5 +30,5 @@ def run(monkeypatch):
     yield start
     for simulation, thread in started:
         simulation.stop()
-        thread.join(30.0)
+        thread.join(60.0)
         simulation.close()

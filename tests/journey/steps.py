@@ -47,7 +47,7 @@ class Running:
             self._queue.put(line.rstrip("\n"))
         self._queue.put(None)
 
-    def until(self, text: str, limit: float = 30.0) -> str:
+    def until(self, text: str, limit: float = 60.0) -> str:
         """Read the log up to a line that contains ``text``."""
         end = time.monotonic() + limit
         while True:
@@ -74,7 +74,7 @@ class Running:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGINT)
             self.until("EXITING SIMULATION")
-        assert self.process.wait(10) == 0
+        assert self.process.wait(60) == 0
 
 
 class Person:

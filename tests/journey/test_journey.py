@@ -36,7 +36,7 @@ def client(person, name, file="keyboard_ctrl.py"):
     """Start a client program of the tutorial in a terminal."""
     script = person.project / "scripts" / file
     script.write_text(block(name))
-    return pexpect.spawn(sys.executable, [str(script)], cwd=str(person.folder), encoding="utf-8", timeout=20)
+    return pexpect.spawn(sys.executable, [str(script)], cwd=str(person.folder), encoding="utf-8", timeout=60)
 
 
 def press(terminal, keys, prompt):
@@ -55,7 +55,7 @@ def test_chapter_two_create_and_drive_morsy(person, page):
     with pymorse.Morse() as simu:
         start = simu.robot.pose.get()
         assert (start["x"], start["y"]) == pytest.approx((1.0, 0.0), abs=1e-3)
-        wait_for(lambda: page.evaluate(SHOWN), "the world in the page", 30)
+        wait_for(lambda: page.evaluate(SHOWN), "the world in the page")
         page.keyboard.down("ArrowUp")
         before = wait_for(lambda: (p := simu.robot.pose.get())["x"] < -7.0 and p, "Morsy to reach the board")
         assert math.atan2(before["y"], before["x"] - 1.0) == pytest.approx(3.5 - 2 * math.pi, abs=0.1)
@@ -196,7 +196,7 @@ def test_chapter_four_the_eyes_move(person, page, tmp_path):
     (person.project / "default.py").write_text(block("default.py") + FACING_THE_CAMERA)
     simulation = person.runs("--view-port", "0", "ranger_sim")
     page.goto(simulation.url)
-    wait_for(lambda: page.evaluate(SHOWN), "the world in the page", 30)
+    wait_for(lambda: page.evaluate(SHOWN), "the world in the page")
     with pymorse.Morse() as simu:
         # the defaults of the actuator
         wait_for(lambda: abs(angle_of(simu, "left_eye") - 0.1) < 1e-3, "the left eye")

@@ -30,7 +30,7 @@ PUBLISHER = "morse.middleware.socket_datastream.SocketPublisher"
 READER = "morse.middleware.socket_datastream.SocketReader"
 
 
-def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
+def wait_until(condition: Callable[[], Any], timeout: float = 60.0) -> Any:
     """The first true value of ``condition()``; fails after ``timeout`` seconds."""
     deadline = time.monotonic() + timeout
     while not (result := condition()):
@@ -169,7 +169,7 @@ class Bench:
         self.context.clock.advance()
         self.streams.flush()
 
-    def tick_until(self, condition: Callable[[], Any], timeout: float = 5.0) -> Any:
+    def tick_until(self, condition: Callable[[], Any], timeout: float = 60.0) -> Any:
         def ticked() -> Any:
             self.tick()
             return condition()
@@ -209,7 +209,7 @@ class Peer:
     """A raw client."""
 
     def __init__(self, port: int) -> None:
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=5)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
         self.received = b""
         self.ended = False
 

@@ -26,7 +26,7 @@ simu = pymorse.Morse("127.0.0.1", int(sys.argv[1]))
 try:
     assert simu.robots == ["robot1"]
     assert simu.streams() == ["robot1.pose", "robot1.motion"]
-    assert simu.robot1.pose.get(timeout=5)["temperature"] == 20.5
+    assert simu.robot1.pose.get(timeout=60)["temperature"] == 20.5
     seen = []
     simu.robot1.pose.subscribe(seen.append)
     simu.robot1.motion.publish({"v": 1.5})
@@ -38,7 +38,7 @@ try:
         pass
     going.cancel()
     try:
-        going.result(5)
+        going.result(60)
         raise AssertionError("not cancelled")
     except pymorse.MorseServicePreempted:
         pass
@@ -52,7 +52,7 @@ try:
         raise AssertionError("not refused")
     except pymorse.MorseServiceFailed:
         pass
-    simu.robot1.pose.get(timeout=5)
+    simu.robot1.pose.get(timeout=60)
     assert seen
 finally:
     simu.close(wait_publishers=False)  # its close() fails on Python 3.8 and later
@@ -89,7 +89,7 @@ def ticking() -> Iterator[Bench]:
     thread.start()
     yield bench
     bench.stopping = True
-    thread.join(5)
+    thread.join(60)
     bench.close()
 
 

@@ -45,7 +45,7 @@ def ticking() -> Iterator[Bench]:
     thread.start()
     yield bench
     bench.stopping = True
-    thread.join(5)
+    thread.join(60)
     bench.close()
 
 
@@ -60,25 +60,25 @@ def test_a_session(ticking: Bench) -> None:
     with Morse("127.0.0.1", ticking.requests.port) as simu:
         assert simu.robots == ["robot1"]
         assert set(simu.robot1) == {"pose", "motion", "ros", "mute"}
-        pose = simu.robot1.pose.get(timeout=5)
+        pose = simu.robot1.pose.get(timeout=60)
         assert pose["temperature"] == 20.5
-        assert simu.robot1.pose.get(timeout=5)["timestamp"] > pose["timestamp"]
+        assert simu.robot1.pose.get(timeout=60)["timestamp"] > pose["timestamp"]
         simu.robot1.motion.publish({"v": 1.5})
         motion = ticking.components[1]
         wait_until(lambda: motion.local_data["v"] == 1.5)
         assert simu.robot1.motion.echo({"a": [1, None, "ü"]}) == {"a": [1, None, "ü"]}
-        assert simu.robot1.motion.echo(0).result(5) is None
+        assert simu.robot1.motion.echo(0).result(60) is None
         assert simu.robot1.motion.add(1) == 3
         with pytest.raises(TypeError, match="wrong # of parameters"):
-            simu.robot1.motion.goto(1).result(5)
+            simu.robot1.motion.goto(1).result(60)
         with pytest.raises(MorseServiceFailed, match="some parameters are expected"):
-            simu.robot1.motion.goto().result(5)
+            simu.robot1.motion.goto().result(60)
         with pytest.raises(MorseServiceFailed, match="not today"):
-            simu.robot1.motion.refuse().result(5)
+            simu.robot1.motion.refuse().result(60)
         going = simu.robot1.motion.goto(1, 2, 3)
         going.cancel()
         with pytest.raises(MorseServicePreempted):
-            going.result(5)
+            going.result(60)
         with pytest.raises(AttributeError, match="no stream on the socket"):
             simu.robot1.ros.get()
 
@@ -130,7 +130,7 @@ def stepping() -> Iterator[Bench]:
     thread.start()
     yield bench
     bench.stopping = True
-    thread.join(5)
+    thread.join(60)
     bench.close()
 
 

@@ -51,7 +51,7 @@ def running(paced: Bench) -> Iterator[Callable[[], int]]:
     yield ticks
     ended = True
     paced.stopping = True
-    thread.join(5)
+    thread.join(60)
     assert not thread.is_alive()
 
 
@@ -109,7 +109,7 @@ def test_the_simulation_can_end_while_it_waits(paced: Bench, sync_port: int) -> 
     thread = threading.Thread(target=tick)
     thread.start()
     paced.stopping = True
-    thread.join(5)
+    thread.join(60)
     assert not thread.is_alive()
     client.close()
 

@@ -16,7 +16,7 @@ REQUEST_MANAGER = "morse.middleware.socket_request_manager.SocketRequestManager"
 STREAM_MANAGER = "morse.middleware.socket_datastream.SocketDatastreamManager"
 
 
-def wait_until(condition: Callable[[], Any], timeout: float = 5.0) -> Any:
+def wait_until(condition: Callable[[], Any], timeout: float = 60.0) -> Any:
     """The first true value of ``condition()``; fails after ``timeout`` seconds."""
     deadline = time.monotonic() + timeout
     while not (result := condition()):

@@ -42,7 +42,7 @@ def running() -> Iterator[Simulation]:
     thread.start()
     yield simulation
     simulation.stop()
-    thread.join(10)
+    thread.join(60)
     simulation.close()
 
 
@@ -97,7 +97,7 @@ def test_a_slow_callback_gets_the_latest_message_only(simu: Morse) -> None:
 
     def slow(message: dict[str, float]) -> None:
         times.append(message["timestamp"])
-        go_on.wait(5)
+        go_on.wait(60)
 
     simu.robot.pose.subscribe(slow, latest=True)
     simu.step()
@@ -178,7 +178,7 @@ def test_what_is_not_a_frame_ends_the_connection(answer: bytes, said: str, caplo
                 peer.sendall(answer)
                 wait_until(lambda: not connection.is_up())
                 with pytest.raises(ConnectionError, match="closed the stream"):
-                    stream.get(5)
+                    stream.get(60)
         assert said in caplog.text
     finally:
         poller.syncstop(5)

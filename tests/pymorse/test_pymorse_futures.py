@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import concurrent.futures
 import threading
-import time
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -56,7 +55,7 @@ def test_a_failing_callback_is_reported(
 
 
 def test_futures_work_with_the_standard_library(simu: Morse) -> None:
-    done, _ = concurrent.futures.wait([simu.call("n", "two"), simu.call("n", "three")], timeout=5)
+    done, _ = concurrent.futures.wait([simu.call("n", "two"), simu.call("n", "three")], timeout=60)
     assert sorted(future.result() for future in done) == [2, 3]
 
 
@@ -64,7 +63,7 @@ def test_more_calls_than_worker_threads_run_at_the_same_time(simulation: Scripte
     calls = [simu.call("n", "never") for _ in range(50)]
     wait_until(lambda: len(simulation.rpc.lines) == 53)
     simulation.rpc.send(b"".join(b"%d SUCCESS %d\n" % (n + 3, n + 1) for n in reversed(range(50))))
-    assert [call.result(5) for call in calls] == list(range(1, 51))
+    assert [call.result(60) for call in calls] == list(range(1, 51))
 
 
 def test_waiting_for_an_answer_can_be_limited(simu: Morse) -> None:
@@ -72,14 +71,15 @@ def test_waiting_for_an_answer_can_be_limited(simu: Morse) -> None:
         simu.rpc_t(0.02, "n", "never")
     assert isinstance(caught.value, RuntimeError)
     assert isinstance(caught.value, TimeoutError)
-    start = time.monotonic()
-    simu.close()
-    assert time.monotonic() - start < 5, "nobody waits for that answer any more"
+    closing = threading.Thread(target=simu.close)
+    closing.start()
+    closing.join(60)
+    assert not closing.is_alive(), "nobody waits for that answer any more"
 
 
 def test_the_exception_can_be_asked_for(simu: Morse) -> None:
-    assert simu.call("n", "two").exception(5) is None
-    assert isinstance(simu.call("n", "bad").exception(5), MorseServiceFailed)
+    assert simu.call("n", "two").exception(60) is None
+    assert isinstance(simu.call("n", "bad").exception(60), MorseServiceFailed)
     with pytest.raises(TimeoutError):
         simu.call("n", "never").exception(0.01)
 
@@ -95,7 +95,7 @@ def test_calls_from_many_threads_get_their_own_answers(simulation: ScriptedSimul
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(20)
+        thread.join(60)
     assert not wrong
     assert not any(thread.is_alive() for thread in threads)
     assert len(simulation.rpc.lines) == 3 + 400
@@ -110,7 +110,7 @@ def test_an_answer_that_comes_after_others_were_waited_for_is_noticed(
     for _ in range(20):
         assert simu.rpc("n", "two") == 2
     simulation.rpc.send(b"3 SUCCESS 7\n")
-    wait_until(lambda: ended == [7], 2.0)
+    wait_until(lambda: ended == [7])
 
 
 def test_closing_frees_a_thread_that_waits(simu: Morse) -> None:
@@ -128,5 +128,5 @@ def test_closing_frees_a_thread_that_waits(simu: Morse) -> None:
     wait_until(lambda: len(simu._services.pending()) == 3)
     simu.close(cancel_async_services=True)
     for thread in waiting:
-        thread.join(5)
+        thread.join(60)
     assert [type(error) for error in raised] == [ConnectionError] * 3

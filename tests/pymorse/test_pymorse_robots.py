@@ -63,7 +63,7 @@ def test_components_carry_components(simu: Morse) -> None:
 
 
 def test_services_of_robots_and_components_are_methods(simu: Morse) -> None:
-    assert simu.robot.wag().result(5) == "wagged"
+    assert simu.robot.wag().result(60) == "wagged"
     assert simu.robot.motion.go_to() == 1
 
 

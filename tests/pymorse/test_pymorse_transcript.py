@@ -26,7 +26,7 @@ def test_a_session_as_it_goes_over_the_wire(simulation: ScriptedSimulation) -> N
     assert simu.rpc("simulation", "list_robots") == ["robot1"]
     assert simu.streams() == ["robot1.pose", "robot1.motion"]
     assert simu.rpc("simulation", "get_all_stream_ports") == {"robot1.pose": 60000, "robot1.motion": 60001}
-    assert simu.robot1.motion.goto(2.5, 1.0, 0.0).result(5) == "Arrived"
+    assert simu.robot1.motion.goto(2.5, 1.0, 0.0).result(60) == "Arrived"
     assert simu.time() == 1795248708.0686975
     simu.sleep(0.1)
     simu.activate("robot1.pose")
@@ -81,7 +81,7 @@ def test_cancelling_names_the_request_and_the_answer_is_its_own(simulation: Scri
         assert not going.done()
         simulation.rpc.send(b"3 PREEMPTED\n")
         with pytest.raises(MorseServicePreempted):
-            going.result(5)
+            going.result(60)
         assert going.cancelled()
         assert not going.cancel()
     assert simulation.rpc.lines.count(b"3 cancel\n") == 1
@@ -95,7 +95,7 @@ def test_a_request_can_be_cancelled_by_its_number(simulation: ScriptedSimulation
         simu.cancel(going)
         wait_until(lambda: simulation.rpc.lines[-2:] == [b"3 cancel\n", b"3 cancel\n"])
         simulation.rpc.send(b"3 PREEMPTED\n")
-        assert isinstance(going.exception(5), MorseServicePreempted)
+        assert isinstance(going.exception(60), MorseServicePreempted)
 
 
 def test_failures_raise_what_1_4_raised(simulation: ScriptedSimulation) -> None:
@@ -108,20 +108,20 @@ def test_failures_raise_what_1_4_raised(simulation: ScriptedSimulation) -> None:
     }
     with Morse("127.0.0.1", simulation.port) as simu:
         with pytest.raises(TypeError, match="wrong # of parameters for service"):
-            simu.robot1.motion.goto(1).result(5)
+            simu.robot1.motion.goto(1).result(60)
         with pytest.raises(MorseServiceFailed, match=r"^The request nope has not been registered"):
             simu.rpc("robot1.motion", "nope")
         with pytest.raises(MorseServiceFailed) as failed:
             simu.get_stream_port("robot1.x")
         assert str(failed.value) == "Stream unavailable for component robot1.x"
         with pytest.raises(MorseServicePreempted):
-            simu.robot1.motion.stop().result(5)
+            simu.robot1.motion.stop().result(60)
 
 
 def test_a_result_that_is_false_is_not_on_the_wire(simulation: ScriptedSimulation) -> None:
     simulation.replies |= {"robot1.motion stop": "SUCCESS", "time now": "SUCCESS", "simulation list_streams": "SUCCESS"}
     with Morse("127.0.0.1", simulation.port) as simu:
-        assert simu.robot1.motion.stop().result(5) is None
+        assert simu.robot1.motion.stop().result(60) is None
         assert simu.time() == 0.0
         assert simu.streams() == []
 

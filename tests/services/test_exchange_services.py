@@ -74,7 +74,7 @@ def test_what_does_not_fit_is_refused_and_no_time_passes(
 
 
 def test_any_client_can_do_it_in_one_line(process: SimulationProcess, simu: Morse) -> None:
-    with socket.create_connection(("127.0.0.1", process.port), timeout=10) as wire, wire.makefile("rb") as lines:
+    with socket.create_connection(("127.0.0.1", process.port), timeout=60) as wire, wire.makefile("rb") as lines:
         wire.sendall(b'1 simulation exchange [{"robot.motion": {"v": 0.0}}, ["robot.pose", "robot.motion"]]\n')
         number, status, value = lines.readline().split(b" ", 2)
     assert (number, status) == (b"1", b"SUCCESS")

@@ -37,7 +37,7 @@ class Wire:
     """A raw connection for lines."""
 
     def __init__(self, port: int) -> None:
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=10)
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._lines = self.socket.makefile("rb")
 
@@ -56,7 +56,7 @@ class Wire:
                 received += data
         except BlockingIOError:
             pass
-        self.socket.settimeout(10)
+        self.socket.settimeout(60)
         return received
 
 
@@ -158,7 +158,7 @@ def test_a_pause_ends_the_steps(simu: Morse) -> None:
     steps = simu.call("simulation", "step", 10_000_000)
     simu.pause()
     with pytest.raises(MorseServicePreempted):
-        steps.result(10)
+        steps.result(60)
     now = simu.time()
     assert simu.time() == now < 1e5
 
@@ -168,7 +168,7 @@ def test_steps_can_be_cancelled(simu: Morse) -> None:
     assert simu.time() >= 0.0  # it runs
     steps.cancel()
     with pytest.raises(MorseServicePreempted):
-        steps.result(10)
+        steps.result(60)
     now = simu.time()
     assert simu.time() == now
 
@@ -179,7 +179,7 @@ def test_a_new_beginning_ends_the_steps(simu: Morse) -> None:
         assert not steps.done()
     simu.reset(seed=1)
     with pytest.raises(MorseServicePreempted):
-        steps.result(10)
+        steps.result(60)
     assert simu.time() == 0.0
 
 

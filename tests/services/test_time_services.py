@@ -55,25 +55,25 @@ def test_sleeping_ends_in_the_tick_that_is_due(simu: Morse) -> None:
     assert not nap.done()
     # alarms are triggered at the beginning of the next tick
     simu.step(1)
-    assert nap.result(5) is None
+    assert nap.result(60) is None
     simu.step(29)
     assert not night.done()
     simu.step(1)
-    assert night.result(5) is None
+    assert night.result(60) is None
 
 
 def test_sleepers_are_woken_by_a_new_beginning(simu: Morse) -> None:
     nap = simu.call("time", "sleep", 0.5)
     simu.rpc("simulation", "reset")
     with pytest.raises(MorseServicePreempted):
-        nap.result(5)
+        nap.result(60)
 
 
 def test_a_sleeper_can_be_cancelled(simu: Morse) -> None:
     nap = simu.call("time", "sleep", 0.5)
     nap.cancel()
     with pytest.raises(MorseServicePreempted):
-        nap.result(5)
+        nap.result(60)
 
 
 def test_the_time_scale(simu: Morse) -> None:

@@ -57,7 +57,7 @@ class Running:
 
     def join(self) -> None:
         """Wait until it ends."""
-        self._thread.join(20.0)
+        self._thread.join(60.0)
         assert not self._thread.is_alive()
 
     def close(self) -> None:

@@ -449,10 +449,10 @@ def test_a_run_in_another_thread_is_not_disturbed_and_ends_when_it_is_closed() -
         sim.robot.pose.subscribe(lambda _: begun.set())
         thread = threading.Thread(target=run)
         thread.start()
-        assert begun.wait(20)
+        assert begun.wait(60)
         with pytest.raises(RuntimeError, match="another thread"):
             sim.step()
-    thread.join(20)
+    thread.join(60)
     assert not thread.is_alive()
     assert not failures
 

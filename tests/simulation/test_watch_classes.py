@@ -150,7 +150,7 @@ def test_who_listens_hears_the_new_class_and_nothing_twice(run: Simulation, proj
 def test_a_client_stays_connected(run: Simulation, project: Project) -> None:
     (manager,) = run.context.services.request_managers().values()
     _, (_, port) = manager.on_incoming_request("simulation", "get_stream_port", ["robot.counter"])
-    with socket.create_connection(("127.0.0.1", port), timeout=10.0) as connection:
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as connection:
         lines = connection.makefile("rb")
         until(run, lambda: select.select([connection], [], [], 0.0)[0])
         edited(run, project, by=1000)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DATA = Path(morse.__file__).parent / "data"
 #: timeout, wall-clock seconds
-LIMIT = 30.0
+LIMIT = 60.0
 
 
 class Project:

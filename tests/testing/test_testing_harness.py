@@ -236,7 +236,7 @@ def test_the_fixture_runs_a_function_and_a_file(simulate: Callable[..., Morse], 
     second = simulate(script, "--seed", "5")
     assert first.port != second.port
     assert first.robots == ["robot"]
-    assert first.robot.pose.get(5)["z"] == pytest.approx(0.10, abs=0.01)
+    assert first.robot.pose.get(60)["z"] == pytest.approx(0.10, abs=0.01)
     assert len(second.robots) == 2
     assert second.rpc("simulation", "get_seed") == 5
 

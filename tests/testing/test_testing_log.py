@@ -23,7 +23,7 @@ def test_lines_are_followed_as_they_are_written(tmp_path: Path) -> None:
             writing.write(text)
             writing.flush()
         ended.set()
-        thread.join(5)
+        thread.join(60)
     assert seen == ["one\n", "two\n", "three"]
 
 
@@ -33,7 +33,7 @@ def watch(tmp_path: Path, text: str) -> tuple[LogWatch, list[str]]:
     errors: list[str] = []
     made = LogWatch(path, lambda: True, errors.append)
     made.start()
-    made.join(5)
+    made.join(60)
     assert made.over
     return made, errors
 

@@ -120,7 +120,7 @@ def test_nothing_is_left_of_a_command_that_was_killed(tmp_path: Path, number: in
     with subprocess.Popen(command, env={**os.environ, "TMPDIR": str(folder)}, stdout=subprocess.DEVNULL) as process:
         child = int(_wait(lambda: told.exists() and told.read_text().endswith(".") and told.read_text())[:-1])
         os.kill(process.pid, number)
-        process.wait(30)
+        process.wait(60)
     _wait(lambda: not _lives(child))
     assert list(folder.iterdir()) == []
 

@@ -28,6 +28,15 @@ FEW_FRAMES = """
     window.cancelAnimationFrame = clearTimeout.bind(window);
 })();
 """
+#: toasts vanish after a few seconds, in which a loaded machine may not look at the page: `view_pages.toasts`
+KEPT_TOASTS = """
+window.toasts = [];
+new MutationObserver((changes) => {
+    for (const change of changes)
+        for (const node of change.addedNodes)
+            if (node.classList?.contains("toast")) toasts.push({ kind: node.className, text: node.innerText });
+}).observe(document, { childList: true, subtree: true });
+"""
 
 
 @pytest.fixture
@@ -101,7 +110,8 @@ def open_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..
             page = profile.new_page()
             page.set_viewport_size(size)
             tabs.append(page)
-        page.set_default_timeout(50_000)  # other programs may take most of the processor
+        page.set_default_timeout(60_000)  # other programs may take most of the processor
+        page.add_init_script(KEPT_TOASTS)
         if few_frames:
             page.add_init_script(FEW_FRAMES)
         page.on("pageerror", lambda error: errors.append(str(error)))

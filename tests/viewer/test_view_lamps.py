@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import until
+from view_pages import toasts, until
 from view_worlds import mesh_node, plane
 
 from morse.scene import Light, Material, Node, NodeKind, Scene
@@ -62,7 +62,8 @@ def test_of_too_many_lamps_those_that_light_the_view_are_kept(served, open_page)
     scene.settings.view.camera_location = (0.0, -4.0, 4.0)
     server.set_scene(scene, [])
     page = open_page(url)
-    toast = page.locator(".toast").inner_text()
+    until(lambda: toasts(page))
+    (toast,) = toasts(page)
     assert toast.startswith("3 lamps are not shown: far")
     assert "near" not in toast
     assert "sky" not in toast

@@ -52,5 +52,5 @@ def test_the_page_runs_within_a_frame(running, make_server, open_page) -> None:
     page = open_page(url)
     page.evaluate("""html => { document.body.innerHTML = html }""", frame(url + "?quality=low", 300)._repr_html_())
     framed = page.frame_locator("iframe")
-    framed.locator('[data-name="robot0"]').wait_for(state="attached", timeout=20_000)
-    framed.locator("canvas").first.wait_for(timeout=20_000)
+    framed.locator('[data-name="robot0"]').wait_for(state="attached", timeout=60_000)
+    framed.locator("canvas").first.wait_for(timeout=60_000)

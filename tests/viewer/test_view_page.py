@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from PIL import Image
-from view_pages import until
+from view_pages import toasts, until
 from view_worlds import playground
 
 from morse.viewer.page_messages import Drag, DragEnd, Teleport
@@ -152,7 +152,7 @@ def test_messages_are_listed_and_errors_pop_up(running, open_page) -> None:
     until(lambda: lines.count() == 3)
     assert lines.first.inner_text().split() == ["1.50", "robot0", "wheels", "are", "on"]
     assert lines.nth(1).locator("span").inner_text() == "<img src=x onerror=alert(1)>"
-    until(lambda: page.locator(".toast.error").inner_text() == "wheels came off")
+    until(lambda: toasts(page, "error") == ["wheels came off"])
     mark = page.locator('[data-name="robot0.lidar"] .mark.error')
     until(lambda: mark.is_visible())
     assert page.locator('[data-name="robot0"] .mark').count() == 0
@@ -167,7 +167,7 @@ def test_a_page_that_is_loaded_again_reads_the_log_without_news(running, open_pa
     driver.server.send(Log("error", "wheels came off", "robot0.lidar", 2.5))
     page = open_page(url, **WIDE)
     until(lambda: page.locator('[data-name="robot0.lidar"] .mark.error').count() == 1)
-    assert page.locator(".toast").count() == 0
+    assert toasts(page) == []
     assert page.evaluate("document.querySelectorAll('.log p').length") == 1
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from view_pages import until
+from view_pages import toasts, until
 
 from morse.recording.recording import Recording
 from morse.viewer.page_messages import CallService
@@ -66,7 +66,7 @@ class TestPage:
         page.get_by_role("button", name="Record the run").click()
         refusal = "/full/recording.mcap cannot be written: No space left on device"
         driver.server.send(Answer(self.call(driver, 1).request, False, error=refusal))
-        until(lambda: refusal in page.locator(".toast.error").inner_text())
+        until(lambda: refusal in "".join(toasts(page, "error")))
 
     def test_a_recording_of_the_command_line_has_no_button_to_stop_it(self, running, open_page) -> None:
         driver, url = running

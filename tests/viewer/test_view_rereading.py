@@ -55,7 +55,7 @@ class Edited:
         """The position of the robot, requested over the last port in the log."""
         ports = re.findall(r"services are on port (\d+)", self.log())
         with Morse("127.0.0.1", int(ports[-1])) as simu:
-            return float(getattr(simu, robot).pose.get(timeout=20.0)["x"])
+            return float(getattr(simu, robot).pose.get(timeout=60.0)["x"])
 
 
 @pytest.fixture

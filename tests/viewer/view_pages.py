@@ -22,8 +22,10 @@ from morse.viewer.snapshot import HEADER, POSES
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from playwright.sync_api import Page
 
-def until(condition: Callable[[], Any], what: str = "", limit: float = 50.0) -> Any:
+
+def until(condition: Callable[[], Any], what: str = "", limit: float = 60.0) -> Any:
     """Wait until a condition holds, and return its value."""
     end = time.monotonic() + limit
     while True:
@@ -33,6 +35,12 @@ def until(condition: Callable[[], Any], what: str = "", limit: float = 50.0) -> 
         if time.monotonic() > end:
             raise AssertionError(f"not within {limit} s: {what or condition}")
         time.sleep(0.01)
+
+
+def toasts(page: Page, kind: str = "toast") -> list[str]:
+    """The short messages that a page has shown so far, also those that have vanished."""
+    told = page.evaluate("toasts")
+    return [toast["text"] for toast in told if kind in toast["kind"].split()]
 
 
 class Client:
@@ -60,7 +68,7 @@ class Client:
         """Send a message."""
         self.socket.send(json.dumps({"type": kind, **fields}))
 
-    def receive(self, timeout: float = 10.0) -> None:
+    def receive(self, timeout: float = 60.0) -> None:
         """Receive one frame."""
         frame = self.socket.recv(timeout=timeout)
         if isinstance(frame, str):
@@ -73,7 +81,7 @@ class Client:
 
     def expect(self, kind: str, **fields: Any) -> dict[str, Any]:
         """Wait for a message, and discard those before it."""
-        end = time.monotonic() + 10.0
+        end = time.monotonic() + 60.0
         while time.monotonic() < end:
             while self.messages:
                 message = self.messages.pop(0)
@@ -113,7 +121,7 @@ def fetch(url: str, headers: dict[str, str] | None = None) -> tuple[int, dict[st
     """Status, headers and body of a plain HTTP request."""
     request = urllib.request.Request(url, headers=headers or {})
     try:
-        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=10) as answer:
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as answer:
             return answer.status, dict(answer.headers), answer.read()
     except urllib.error.HTTPError as error:
         return error.code, dict(error.headers), error.read()

@@ -95,7 +95,7 @@ class CircleDriver:
 
     def __exit__(self, *_: object) -> None:
         self._stop.set()
-        self._thread.join(5)
+        self._thread.join(60)
 
     def poses(self) -> np.ndarray:
         """Robots on circles around the origin, with rotating heads."""

@@ -58,7 +58,7 @@ def free_port() -> int:
 def _answers(uri: str) -> bool:
     call = xmlrpc.client.dumps(("test",), "getPid").encode()
     try:
-        with urllib.request.urlopen(urllib.request.Request(uri, call), timeout=2.0) as reply:
+        with urllib.request.urlopen(urllib.request.Request(uri, call), timeout=20.0) as reply:
             return reply.status == 200  # type: ignore[no-any-return]
     except OSError:
         return False

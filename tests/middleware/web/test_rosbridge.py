@@ -163,7 +163,7 @@ def test_a_throttled_subscription_gets_one_message_in_its_time(start: Callable[.
     seen = []
     while not seen or seen[-1].get("id") != "end":
         sim.step()
-        seen.append(json.loads(client.socket.recv(timeout=20)))
+        seen.append(json.loads(client.socket.recv(timeout=60)))
     assert [message["op"] for message in seen] == ["service_response"]
     client.socket.close()
 
