@@ -77,7 +77,7 @@ if not os.environ.get("MORSE_SOCKET_PORT"):
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give all workers one cache of collision shapes, which is empty at first."""
-    if not worker:
+    if "PYTEST_XDIST_WORKER" not in os.environ:
         folder = tempfile.TemporaryDirectory(prefix="morse-tests-cache-", ignore_cleanup_errors=True)
         os.environ["MORSE_CACHE"] = folder.name
         config.add_cleanup(folder.cleanup)
