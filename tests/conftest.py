@@ -68,16 +68,18 @@ if settings.get_current_profile_name() != "nightly":
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Each worker of pytest-xdist has ports of its own, and so has each of several runs on one machine
-if not os.environ.get("MORSE_SOCKET_PORT"):
-    _run = int(os.environ.get("PYTEST_XDIST_TESTRUNUID", f"{os.getpid():x}"), 16)
-    _worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:] or 0)
-    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * ((_run + _worker) % _SETS_OF_PORTS))
+# Each worker of pytest-xdist has ports of its own, and so has each of several runs on one machine. A worker inherits
+# the port of the process that has started it, and ignores it
+_worker = os.environ.get("PYTEST_XDIST_WORKER", "")
+if _worker or not os.environ.get("MORSE_SOCKET_PORT"):
+    _run = int(os.environ["PYTEST_XDIST_TESTRUNUID"], 16) if _worker else os.getpid()
+    _set = (_run + int(_worker.removeprefix("gw") or 0)) % _SETS_OF_PORTS
+    os.environ["MORSE_SOCKET_PORT"] = str(_FIRST_PORT + _PORTS * _set)
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give all workers one cache of collision shapes, which is empty at first."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
+    if not _worker:
         folder = tempfile.TemporaryDirectory(prefix="morse-tests-cache-", ignore_cleanup_errors=True)
         os.environ["MORSE_CACHE"] = folder.name
         config.add_cleanup(folder.cleanup)
