@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from morse.actuators.dynamic_joints import DynamicJoints
 from morse.actuators.ik_targets import Follower, nearer, seen_from, targets_of
@@ -18,15 +18,6 @@ from morse.helpers.components import add_kind, add_property, each
 from morse.helpers.joint_trajectory import Trajectory, points_of
 from morse.mathutils import Euler
 from morse.mathutils.rotations import nine, product
-from morse.scene import Control
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-
-def _is_told(control: Control) -> Callable[[Any], bool]:
-    return lambda component: component.control is control
-
 
 _TurnRate = Annotated[float, Range(0.0, 1e4, "rad/s")]
 
@@ -42,8 +33,9 @@ class Armature(DynamicJoints):
     pose of the tip of its bone, with the Y axis along the bone.
 
     If the joints are dynamic (property ``Dynamic``), motors move them against gravity, contacts and friction. The
-    motors control position, velocity or effort (property ``Control``): the field of a joint is then in rad, rad/s or
-    N·m, or in m, m/s or N for prismatic joints. Services, trajectories and targets require position control.
+    motors control position, velocity or effort (property ``Control``, service ``set_control``): the field of a joint is
+    then in rad, rad/s or N·m, or in m, m/s or N for prismatic joints. Services for motions, trajectories and targets
+    require position control.
     """
 
     _name = "Armature Actuator"
@@ -51,9 +43,13 @@ class Armature(DynamicJoints):
     _builder = BuilderDefaults()
     _products = (BuilderDefaults("KukaLWR", doc="A KUKA LWR arm with seven revolute joints"),)
 
-    add_kind("joints", names=each("joints"), position=each("joints"), when=_is_told(Control.POSITION))
-    add_kind("joints", names=each("joints"), velocity=each("joints"), when=_is_told(Control.VELOCITY))
-    add_kind("joints", names=each("joints"), effort=each("joints"), when=_is_told(Control.EFFORT))
+    add_kind(
+        "joints",
+        names=each("joints"),
+        position=each("joints", among="position_joints"),
+        velocity=each("joints", among="velocity_joints"),
+        effort=each("joints", among="effort_joints"),
+    )
     add_property(
         "_ik_rotation_speed",
         0.5,
@@ -90,7 +86,7 @@ class Armature(DynamicJoints):
             self._go_along(self._trajectory)
             return
         has_arrived = self._move is not None and self._move_target(*self._move)
-        if self._targets and self._are_led():
+        if self._targets and not self._controls and self._are_led():
             self._led = self._follower.follow(self.chain, self._seen(), self._values)
             self._move_to(self._led)
             self.local_data.update(zip(self.joints, self._led, strict=True))
@@ -133,6 +129,7 @@ class Armature(DynamicJoints):
             given, points = points_of(trajectory, self.joints)
         except ValueError as error:
             raise MorseRPCInvokationError(f"{self.name()}: {error}") from None
+        self._demand_positions()
         now = self.clock.time
         start = now if given is None else given
         late = max(now - start, 0.0)
@@ -212,6 +209,7 @@ class Armature(DynamicJoints):
         self, name: str, translation: list[float], euler: list[float] | None, relative: bool
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the goal pose in the world for the arguments of a service."""
+        self._demand_positions()
         target = self._targets.get(name)
         if target is None:
             known = nearest(name, self._targets) or ": create them in the scene script with create_ik_targets(['bone'])"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from morse.actuators.joint_services import JointServices
 from morse.core.declarations import DataField
@@ -51,7 +51,9 @@ class DynamicJoints(JointServices):
         choices=("", *(str(control) for control in Control)),
     )
 
-    not_state: ClassVar[tuple[str, ...]] = ("_motors", "_controls")
+    _control: str
+
+    not_state: ClassVar[tuple[str, ...]] = ("_motors",)
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         self._motors: Any = None
@@ -64,6 +66,24 @@ class DynamicJoints(JointServices):
             for number, name in enumerate(self.joints):
                 if name in self._controls:
                     self.local_data[name] = self._values[number] = 0.0
+
+    def _named(self, control: Control) -> tuple[str, ...]:
+        return tuple(name for name in self.joints if self._controls.get(name, Control.POSITION) is control)
+
+    @property
+    def position_joints(self) -> tuple[str, ...]:
+        """The joints whose motors control a position; all, if the joints are not dynamic."""
+        return self._named(Control.POSITION)
+
+    @property
+    def velocity_joints(self) -> tuple[str, ...]:
+        """The joints whose motors control a velocity."""
+        return self._named(Control.VELOCITY)
+
+    @property
+    def effort_joints(self) -> tuple[str, ...]:
+        """The joints whose motors control an effort."""
+        return self._named(Control.EFFORT)
 
     @property
     def is_dynamic(self) -> bool:
@@ -112,6 +132,63 @@ class DynamicJoints(JointServices):
         if self._motors is None:
             return {}
         return {name: str(self._controls.get(name, Control.POSITION)) for name in self.joints}
+
+    @service
+    def set_control(self, control: Literal["position", "velocity", "effort"], joints: list[str] | None = None) -> None:
+        """Change the control mode of motors of dynamic joints.
+
+        A motor that controls a position then holds the present one; the setpoint of any other motor becomes 0. Motions
+        of these joints that services have started are ended.
+
+        Args:
+            control: ``position``, ``velocity`` or ``effort``.
+            joints: names of joints; None for all.
+        """
+        chosen = list(self.joints if joints is None else joints)
+        for name in chosen:
+            self._joint(name)
+        self._set_controls(dict.fromkeys(chosen, Control(control)))
+
+    @service
+    def set_property(self, name: str, value: Any) -> None:
+        """Change a property while the simulation runs; ``Control`` changes the control mode of all motors."""
+        before = self._control
+        super().set_property(name, value)
+        if self._control != before:
+            wanted, self._control = self._control, before
+            in_model = controls_of(self.bge_object.node)
+            self._set_controls({joint: Control(wanted or in_model[joint]) for joint in self.joints})
+            self._control = wanted
+
+    def _set_controls(self, controls: dict[str, Control]) -> None:
+        numbers = {name: number for number, name in enumerate(self.joints)}
+        if self._motors is None:
+            raise MorseRPCInvokationError(
+                f"{self.name()}: its joints are not dynamic and have no motors: "
+                "set the property Dynamic to True in the script"
+            )
+        self._take_over(list(controls))
+        present, values = self.joint_values, list(self._values)
+        for name, control in controls.items():
+            number = numbers[name]
+            if control is Control.POSITION:
+                self._controls.pop(name, None)
+            else:
+                self._controls[name] = control
+            setpoint = present[number] if control is Control.POSITION else 0.0
+            self.local_data[name] = values[number] = setpoint
+            self._motors.set_control(name, control, setpoint)
+        self._values = values
+        self._control = str(self.control or "")
+
+    def _demand_positions(self) -> None:
+        """Refuse a motion of all joints while motors control something else."""
+        if self._controls:
+            name, control = next(iter(self._controls.items()))
+            raise MorseRPCInvokationError(
+                f"{self.name()}: the motor of '{name}' is controlled by {control}, not by position: "
+                "call set_control('position')"
+            )
 
     # -- motion ----------------------------------------------------------------------------
 
@@ -162,6 +239,6 @@ class DynamicJoints(JointServices):
             if name in self._controls:
                 raise MorseRPCInvokationError(
                     f"{self.name()}: the motor of '{name}' is controlled by {self._controls[name]}, not by position: "
-                    f"send the field '{name}' of a message, or set the property Control to 'position' in the script"
+                    f"send the field '{name}' of a message, or call set_control('position', ['{name}'])"
                 )
         return super()._checked(values, kind)

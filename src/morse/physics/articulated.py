@@ -10,7 +10,7 @@ import numpy as np
 
 from morse.physics.inertia import mass_of, moved_inertia
 from morse.physics.layout import Motion
-from morse.physics.motors import Load, drive, weight
+from morse.physics.motors import Load, Motor, weight
 from morse.physics.poses import as_array, relative_pose
 from morse.scene import Articulation, JointDynamics, JointKind, controls_of
 from morse.scene.bone_frames import start_frames, start_value
@@ -41,8 +41,8 @@ class JointSlot:
         qpos: address of its value, rad or m.
         dof: address of its velocity.
         actuator: id of its motor; -1 for a joint that follows another.
-        start: initial command of its motor.
-        is_servo: whether its motor controls a position.
+        start: its initial value.
+        motor: None for a joint that follows another.
     """
 
     armature: Node
@@ -51,7 +51,7 @@ class JointSlot:
     dof: int = -1
     actuator: int = -1
     start: float = 0.0
-    is_servo: bool = False
+    motor: Motor | None = None
 
 
 @dataclass(eq=False, slots=True)
@@ -139,7 +139,6 @@ class Articulated:
         base, turned = np.array(outer.position), as_array(outer.rotation)
         origin, rotation = np.array(pose.position), as_array(pose.rotation)
         found = []
-        controls = controls_of(armature)
         for index in frame.joints:
             bone = bones[index]
             place, axes = frames[index]
@@ -165,8 +164,7 @@ class Articulated:
             joint.limited = limit.limited and bone.leader < 0 and low <= high
             joint.range = [low, high] if low < high else [low - 1e-6, low + 1e-6]
             slot = JointSlot(armature, bone.name)
-            slot.is_servo = controls[bone.name] == "position"
-            slot.start = value if slot.is_servo else 0.0
+            slot.start = value
             made = _Made(frame, bone, slot, joint, anchor, limit)
             self._made.append(made)
             self._groups[frame].joints.append(made)
@@ -194,7 +192,8 @@ class Articulated:
             motor = self._spec.add_actuator(
                 name=made.joint.name, target=made.joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT
             )
-            drive(motor, made.joint, made.limit, controls_of(armature)[made.bone.name], loads[made.slot], step)
+            made.slot.motor = Motor(made.limit, loads[made.slot], step)
+            made.slot.motor.add_to(motor, made.joint, controls_of(armature)[made.bone.name])
         for root in {_root(frame): None for frame in self._groups if frame.motion is Motion.JOINT}:
             self._keep_apart(root)
 

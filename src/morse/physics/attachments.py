@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from morse.physics.saved import SavedAttachments
 
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
+_AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Attachments:
@@ -29,7 +30,8 @@ class Attachments:
         self._state = state
         self._bodies = bodies
         self._held: dict[int, tuple[Posed, _Pose]] = {}
-        self._suspended: dict[int, _Pose] = {}
+        #: position, rotation and quaternion
+        self._suspended: dict[int, tuple[Sequence[float], Sequence[float], Sequence[float]]] = {}
 
     def reset(self) -> None:
         """Release all slots, after the model was reset to its compiled values."""
@@ -51,7 +53,7 @@ class Attachments:
             ],
             "suspended": [
                 {"slot": names[index], "position": tuple(position), "rotation": tuple(rotation)}
-                for index, (position, rotation) in self._suspended.items()
+                for index, (position, rotation, _) in self._suspended.items()
             ],
         }
 
@@ -66,7 +68,7 @@ class Attachments:
         for entry in state.held:
             self._held[named[entry.slot]] = (objects[entry.holder], (entry.position, entry.rotation))
         for kept in state.suspended:
-            self._suspended[named[kept.slot]] = (kept.position, kept.rotation)
+            self._suspended[named[kept.slot]] = _kept(kept.position, kept.rotation)
 
     def hold(self, index: int, holder: Posed) -> None:
         """Attach a slot to an object at its present relative pose; it does not collide while it is attached."""
@@ -90,7 +92,7 @@ class Attachments:
         """Keep a slot at its present pose, independent of the forces on it."""
         if index not in self._suspended:
             state = self._state
-            self._suspended[index] = (state.positions[index], state.rotations[index])
+            self._suspended[index] = _kept(state.positions[index], state.rotations[index])
 
     def resume(self, index: int) -> None:
         """Resume the dynamics of a slot."""
@@ -109,25 +111,40 @@ class Attachments:
         """Update the pose of a suspended slot that was moved."""
         if index in self._suspended:
             state = self._state
-            self._suspended[index] = (state.positions[index], state.rotations[index])
+            self._suspended[index] = (state.positions[index], state.rotations[index], state.quaternions[index])
 
     def before_step(self) -> None:
         """Called at the beginning of a tick."""
-        if self._held or self._suspended:
-            self._place()
+        bodies = self._bodies
+        for index in self._suspended:
+            # it is at its pose: the end of the last tick and `moved` put it there
+            bodies.set_velocity(index, *_AT_REST)
+        if self._held:
+            self._place_held()
 
     def after_step(self) -> None:
-        """Called at the end of a tick, when the holders have moved."""
+        """Called at the end of a tick, when the holders have moved; the poses of all slots are computed afterwards."""
         if not self._held and not self._suspended:
             return
-        sync(self._state)
-        self._place()
-
-    def _place(self) -> None:
         bodies = self._bodies
-        for index, (position, rotation) in self._suspended.items():
+        if not self._held:
+            for index, (position, rotation, turned) in self._suspended.items():
+                bodies.put_back(index, position, rotation, turned)
+            return
+        sync(self._state)
+        for index, (position, rotation, _) in self._suspended.items():
             bodies.place(index, position, rotation)
-            bodies.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            bodies.set_velocity(index, *_AT_REST)
+        self._place_held()
+
+    def _place_held(self) -> None:
+        bodies = self._bodies
         for index, (holder, (offset, turned)) in self._held.items():
             bodies.place(index, *rigid.compose(*holder.world_pose(), offset, turned))
-            bodies.set_velocity(index, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            bodies.set_velocity(index, *_AT_REST)
+
+
+def _kept(
+    position: Sequence[float], rotation: Sequence[float]
+) -> tuple[Sequence[float], Sequence[float], Sequence[float]]:
+    return position, rotation, rigid.quaternion(rotation)

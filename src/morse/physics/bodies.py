@@ -35,7 +35,7 @@ class Bodies:
         self._state = state
         self._gliding = gliding
         # views that stay: the engine makes a new one at each access, which takes longer than its use
-        self._qvel = state.data.qvel
+        self._qpos, self._qvel = state.data.qpos, state.data.qvel
         self._applied = cast("memoryview[float]", memoryview(state.data.xfrc_applied.reshape(-1)))
         self.masses = cast("memoryview[float]", memoryview(state.model.body_mass))
         self.moved_shapes = MovedShapes(state)
@@ -70,6 +70,31 @@ class Bodies:
             state.touched.add(other)
             state.positions[other] = data.xpos[state.slots[other].body].tolist()
             state.rotations[other] = data.xmat[state.slots[other].body].tolist()
+
+    def put_back(
+        self, index: int, position: Sequence[float], rotation: Sequence[float], turned: Sequence[float]
+    ) -> None:
+        """Set the pose of a slot again after the engine has moved it; slots below it follow with the next sync.
+
+        Args:
+            turned: the rotation as a quaternion w, x, y, z.
+        """
+        state = self._state
+        slot = state.slots[index]
+        if slot.frame.motion in (Motion.HINGE, Motion.JOINT):
+            return
+        if slot.qpos >= 0:
+            state.is_stirred = True
+            self._gliding.unsettle(index)
+            self._qpos[slot.qpos : slot.qpos + 7] = (*position, *turned)
+            self._qvel[slot.dof : slot.dof + 6] = 0.0
+        elif slot.mocap >= 0:
+            state.is_stirred = True
+            state.data.mocap_pos[slot.mocap] = position
+            state.data.mocap_quat[slot.mocap] = turned
+        else:
+            return
+        state.positions[index], state.rotations[index], state.quaternions[index] = position, rotation, turned
 
     def _settle_fixed(self, index: int) -> None:
         self._gliding.leave_all()

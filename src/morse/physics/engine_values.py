@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.kinematics import contact_pairs
+from morse.physics.motors import ARRAYS
 from morse.physics.sleep import check_asleep, set_asleep
 from morse.physics.weightless import count_weightless
 
@@ -23,6 +24,7 @@ CHANGED_WHILE_RUNNING = (
     "body_quat",
     "body_gravcomp",
     "dof_damping",
+    *ARRAYS,
     "geom_pos",
     "geom_quat",
     "geom_condim",
@@ -86,6 +88,8 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
             raise ValueError(
                 f"'{name}' is {here.dtype} {here.shape} here, but {values.dtype} {values.shape} in the state"
             )
+    if (saved.model["dof_armature"] < 0.0).any() or (saved.model["dof_M0"] < 0.0).any():
+        raise ValueError("the inertia of a joint is negative")
     if not np.isin(saved.model["geom_condim"], (1, 3, 4, 6)).all():
         raise ValueError("a contact has 1, 3, 4 or 6 dimensions")
     pairs = saved.contacts

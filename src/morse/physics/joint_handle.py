@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from morse.physics import motors
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.physics.articulated import JointSlot
     from morse.physics.engine_state import EngineState
-    from morse.scene import Node
+    from morse.scene import Control, Node
 
 
 class JointHandle:
@@ -52,11 +54,21 @@ class JointHandle:
         self._motors = np.array([slot.actuator for slot in found], dtype=np.intp)
 
     def tell(self, names: Sequence[str], values: Sequence[float]) -> None:
-        """Set the control mode of motors: positions, velocities or efforts, see `morse.scene.Control`."""
+        """Set the commands of motors: positions, velocities or efforts, see `morse.scene.Control`."""
         self._take(names)
         if not self._all:
             values = [value for value, there in zip(values, self._present, strict=True) if there]
         self._state.data.ctrl[self._motors] = values
+
+    def set_control(self, name: str, control: Control, command: float) -> None:
+        """Change the control mode of a motor, and its command."""
+        state, slot = self._state, self._slots.get(name)
+        if slot is None or slot.motor is None:
+            return
+        arrays = {array: getattr(state.model, array) for array in motors.ARRAYS}
+        motors.write(arrays, slot.actuator, slot.dof, slot.motor.setting(control))
+        state.data.ctrl[slot.actuator] = command
+        state.is_stirred = True
 
     def positions(self, names: Sequence[str]) -> list[float]:
         """Return the measured positions."""

@@ -27,6 +27,7 @@ additional damping k h / 2, with which its motion is stable for any k: the step 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
@@ -34,6 +35,11 @@ import mujoco
 from morse.scene import Control
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.scene import JointDynamics
 
 #: natural frequency of a motor for positions, rad/s
@@ -49,6 +55,9 @@ _UPRIGHT = 10.0
 #: k h^2 / I, above which a spring is too stiff for the time step
 _STIFF = 0.25
 _GRAVITY = 9.81
+
+#: the arrays of a model of the engine that contain the settings of motors
+ARRAYS = ("actuator_gainprm", "actuator_biasprm", "dof_armature", "dof_M0")
 
 
 class Load(NamedTuple):
@@ -70,30 +79,49 @@ class Load(NamedTuple):
     slides: bool
 
 
-def drive(motor: Any, joint: Any, dynamics: JointDynamics, control: Control, load: Load, step: float) -> None:
-    """Set up a motor of the engine.
+class Setting(NamedTuple):
+    """What the engine knows of a motor: effort = gain * command - stiffness * q - damping * q'.
 
-    Args:
-        motor: an actuator of a `mujoco.MjSpec`.
-        joint: its joint.
+    Attributes:
+        rotor: its moment of inertia, as the joint sees it, kg m^2 (mass, kg).
+    """
+
+    gain: float
+    stiffness: float
+    damping: float
+    rotor: float
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """The motor of a joint, in any control mode.
+
+    Attributes:
+        dynamics: limits, and gains of the file.
+        load: of the joint.
         step: of the engine, s.
     """
-    own = dynamics.control is control or (dynamics.control is None and control is Control.POSITION)
-    gain = dynamics.gain if own else None
-    inertia = max(load.inertia, 1e-6)
-    motor.dyntype, motor.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED
-    motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-    if control is Control.EFFORT:
-        motor.gainprm[0], motor.biastype = 1.0, mujoco.mjtBias.mjBIAS_NONE
-    elif control is Control.VELOCITY:
-        if gain is None and math.isfinite(dynamics.effort):
-            gain = max(inertia / step, dynamics.effort / _LAG[load.slides])
-            joint.armature = max(dynamics.inertia, gain * step - inertia)
-        elif gain is None:
-            joint.armature = max(dynamics.inertia, inertia)
-            gain = _GRIP * max(inertia, load.body) / step
-        motor.gainprm[0], motor.biasprm[2] = gain, -gain
-    else:
+
+    dynamics: JointDynamics
+    load: Load
+    step: float
+
+    def setting(self, control: Control) -> Setting:
+        """Return the setting for a control mode."""
+        dynamics, load, step = self.dynamics, self.load, self.step
+        own = dynamics.control is control or (dynamics.control is None and control is Control.POSITION)
+        gain = dynamics.gain if own else None
+        inertia, rotor = max(load.inertia, 1e-6), dynamics.inertia
+        if control is Control.EFFORT:
+            return Setting(1.0, 0.0, 0.0, rotor)
+        if control is Control.VELOCITY:
+            if gain is None and math.isfinite(dynamics.effort):
+                gain = max(inertia / step, dynamics.effort / _LAG[load.slides])
+                rotor = max(rotor, gain * step - inertia)
+            elif gain is None:
+                rotor = max(rotor, inertia)
+                gain = _GRIP * max(inertia, load.body) / step
+            return Setting(gain, 0.0, gain, rotor)
         slowing = dynamics.slowing if own else None
         if gain is None:
             gain = max(inertia * _FREQUENCY**2, load.moment / _SAG[load.slides])
@@ -101,14 +129,39 @@ def drive(motor: Any, joint: Any, dynamics: JointDynamics, control: Control, loa
             leg = _UPRIGHT * load.tilt
             gain, usual = max(gain, leg), max(usual, 2.0 * math.sqrt(leg * load.body))
             slowing = usual if slowing is None else slowing
-            joint.armature = max(dynamics.inertia, 0.5 * usual * step)
+            rotor = max(rotor, 0.5 * usual * step)
         elif slowing is None:
             slowing = 2.0 * math.sqrt(gain * inertia)
-        if gain * step * step > _STIFF * (joint.armature + inertia):
+        if gain * step * step > _STIFF * (rotor + inertia):
             slowing += 0.5 * gain * step
-        motor.gainprm[0], motor.biasprm[1], motor.biasprm[2] = gain, -gain, -slowing
-    if math.isfinite(dynamics.effort):
-        motor.forcelimited, motor.forcerange = True, [-dynamics.effort, dynamics.effort]
+        return Setting(gain, gain, slowing, rotor)
+
+    def add_to(self, actuator: Any, joint: Any, control: Control) -> None:
+        """Set up an actuator of a `mujoco.MjSpec` at a joint."""
+        setting = self.setting(control)
+        actuator.dyntype, actuator.gaintype = mujoco.mjtDyn.mjDYN_NONE, mujoco.mjtGain.mjGAIN_FIXED
+        actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+        actuator.gainprm[0] = setting.gain
+        actuator.biasprm[1], actuator.biasprm[2] = -setting.stiffness, -setting.damping
+        joint.armature = setting.rotor
+        if math.isfinite(self.dynamics.effort):
+            actuator.forcelimited, actuator.forcerange = True, [-self.dynamics.effort, self.dynamics.effort]
+
+
+def write(arrays: Mapping[str, NDArray[np.float64]], actuator: int, dof: int, setting: Setting) -> None:
+    """Write a setting into arrays of a model; the names are those of MuJoCo."""
+    arrays["actuator_gainprm"][actuator, 0] = setting.gain
+    arrays["actuator_biasprm"][actuator, 1:3] = -setting.stiffness, -setting.damping
+    # the engine takes the inertia of a joint that no other joint moves from here
+    arrays["dof_M0"][dof] += setting.rotor - arrays["dof_armature"][dof]
+    arrays["dof_armature"][dof] = setting.rotor
+
+
+def control_of(bias: NDArray[np.float64]) -> Control:
+    """Return the control mode of a motor, given its row of ``actuator_biasprm``."""
+    if bias[1]:
+        return Control.POSITION
+    return Control.VELOCITY if bias[2] else Control.EFFORT
 
 
 def weight(mass: float, reach: float) -> float:

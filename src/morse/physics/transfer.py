@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from morse.physics import engine_values, saved
+from morse.physics import engine_values, motors, saved
 from morse.physics.layout import Motion
 from morse.physics.nearby import boxes_of, trees_near
 from morse.physics.sleep import WIDE_AWAKE
@@ -98,6 +98,7 @@ class Transfer:
         for a, b in self._kept:
             name = b.frame.node.name
             self._carry_motion(a, b)
+            self._carry_controls(a, b, model)
             if b.body < 0:
                 continue
             if name in loose:
@@ -132,6 +133,15 @@ class Transfer:
                 new.ctrl[joint.actuator] = old.ctrl[before[joint.name].actuator]
         if b.body >= 0:
             new.xfrc_applied[b.body] = old.xfrc_applied[a.body]
+
+    def _carry_controls(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]]) -> None:
+        """Transfer the control modes of the motors of a slot."""
+        before = {joint.name: joint for joint in a.joints if joint.motor is not None}
+        for joint in b.joints:
+            if joint.motor is None or joint.name not in before:
+                continue
+            control = motors.control_of(self._old.model.actuator_biasprm[before[joint.name].actuator])
+            motors.write(model, joint.actuator, joint.dof, joint.motor.setting(control))
 
     def _carry_shapes(self, a: Slot, b: Slot, model: dict[str, NDArray[Any]], names: Sequence[str]) -> None:
         """Transfer changes of the shapes of a slot by drives, gliding and explicit calls."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import mujoco
 
-from morse.physics import kinematics, saved
+from morse.physics import kinematics, motors, saved
 from morse.physics.attachments import Attachments
 from morse.physics.bodies import Bodies
 from morse.physics.compile import compile_scene
@@ -35,6 +35,7 @@ from morse.physics.snapshot import Snapshots, VelocitySnapshots
 from morse.physics.touching import Touching
 from morse.physics.traction import Traction
 from morse.physics.transfer import Transfer
+from morse.scene import Control
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -236,9 +237,10 @@ class World(ObjectWorld):
     # -- time ------------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Reset all objects to the scene, at rest."""
+        """Reset all objects to the scene, at rest; motors keep their control modes."""
         for name, values in self._pristine.items():
-            getattr(self.model, name)[:] = values
+            if name not in motors.ARRAYS:
+                getattr(self.model, name)[:] = values
         self.bodies.moved_shapes.reset()
         mujoco.mj_resetData(self.model, self.data)
         self._hold_joints()
@@ -264,7 +266,8 @@ class World(ObjectWorld):
         for joints in self.joints.values():
             for joint in joints.values():
                 if joint.actuator >= 0:
-                    self.data.ctrl[joint.actuator] = joint.start
+                    holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
+                    self.data.ctrl[joint.actuator] = joint.start if holds else 0.0
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""

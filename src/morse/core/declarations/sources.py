@@ -47,9 +47,11 @@ class Each(NamedTuple):
 
     Attributes:
         attribute: the name of the attribute, which holds a sequence of names of fields.
+        among: the name of an attribute with those of them that the slot concerns at present; empty for all.
     """
 
     attribute: str
+    among: str = ""
 
 
 class Mapped(NamedTuple):
@@ -84,9 +86,15 @@ def scaled(field: str, factor: float) -> Scaled:
     return Scaled(field, factor)
 
 
-def each(attribute: str) -> Each:
-    """The fields whose names an attribute of the component lists, side by side; as words, these names."""
-    return Each(attribute)
+def each(attribute: str, among: str = "") -> Each:
+    """The fields whose names an attribute of the component lists, side by side; as words, these names.
+
+    Args:
+        attribute: name of the attribute.
+        among: name of an attribute with those of the fields that the slot concerns at present, which may change. The
+            others are NaN in messages, and commands do not set them.
+    """
+    return Each(attribute, among)
 
 
 def mapped(field: str, **words: str) -> Mapped:

@@ -13,7 +13,7 @@ from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
-from morse.core.kinds.sources import as_slot, source_of
+from morse.core.kinds.sources import Among, as_slot, source_of
 from morse.core.kinds.table import GENERAL
 from morse.core.kinds.turning import TURNABLE, turned
 from morse.core.quoting import shown
@@ -66,8 +66,9 @@ class BoundKind:
         declared = fields_of_component(component)
         for name, given in use.slots.items():
             slot = self.kind.slots[name]
+            among = ""
             if isinstance(given, Each):
-                given = tuple(getattr(component, given.attribute))
+                among, given = given.among, tuple(getattr(component, given.attribute))
             if slot.optional and _names(given) - fields.keys() and _names(given) <= declared.keys():
                 continue  # another level has the field
             try:
@@ -76,7 +77,7 @@ class BoundKind:
                 findings.append(f"{component.name()}: slot '{name}' of kind '{use.kind}': {error}")
                 continue
             if source is not None:
-                self._sources.append((slot, source))
+                self._sources.append((slot, Among(source, component, among) if among else source))
         if findings:
             raise KindError(findings)
         used = {name for _, source in self._sources for name in source.fields}
@@ -105,8 +106,10 @@ class BoundKind:
         return turns
 
     def has(self, slot: str) -> bool:
-        """Whether the component has fields for a slot, or declared noise for a covariance slot."""
-        return slot in self._covariances or any(known.name == slot for known, _ in self._sources)
+        """Whether the component has fields for a slot at present, or declared noise for a covariance slot."""
+        return slot in self._covariances or any(
+            known.name == slot and source.is_present for known, source in self._sources
+        )
 
     def gather(self) -> Message:
         """Return the message with the present values of the fields."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations.sources import Euler, Mapped, Prop, Scaled
@@ -12,7 +13,7 @@ from morse.core.quoting import shown
 from morse.core.units import UnitError, conversion
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from morse.core.declarations import DataField
     from morse.core.kinds.kind import Slot
@@ -31,8 +32,13 @@ class Source:
     fields: tuple[str | None, ...] = ()
     frame = ""
 
+    @property
+    def is_present(self) -> bool:
+        """Whether the source has a value at present."""
+        return True
+
     def get(self, component: Any) -> Any:
-        """The value, in the unit of the slot."""
+        """The value, in the unit of the slot; None if it has none at present."""
         raise NotImplementedError
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
@@ -129,6 +135,47 @@ class Stack(Source):
             elif number:
                 lost.append(index)
         return f"item {', '.join(map(str, lost))} has no effect" if lost else None
+
+
+class Among(Source):
+    """Several numbers, of which the slot concerns some at present.
+
+    Args:
+        stack: all numbers.
+        component: it names the fields that the slot concerns in an attribute.
+        attribute: the name of the attribute.
+    """
+
+    def __init__(self, stack: Source, component: Any, attribute: str) -> None:
+        self.fields, self.frame = stack.fields, stack.frame
+        self._stack, self._component, self._attribute = stack, component, attribute
+
+    def _chosen(self) -> Collection[str | None]:
+        chosen: Collection[str | None] = getattr(self._component, self._attribute)
+        return chosen
+
+    @property
+    def is_present(self) -> bool:
+        """Whether the slot concerns any of the fields."""
+        return bool(self._chosen())
+
+    def get(self, component: Any) -> Any:
+        """The numbers, NaN for fields that the slot does not concern; None if it concerns none."""
+        if not self.is_present:
+            return None
+        chosen, values = self._chosen(), self._stack.get(component)
+        return [value if name in chosen else math.nan for name, value in zip(self.fields, values, strict=True)]
+
+    def put(self, value: Any, fields: dict[str, Any]) -> str | None:
+        """Write the numbers of the fields that the slot concerns; NaN stands for no command."""
+        chosen, given = self._chosen(), dict[str, Any]()
+        remark = self._stack.put(value, given)
+        set_now = {name: number for name, number in given.items() if name in chosen and number == number}
+        fields.update(set_now)
+        lost = [name for name, number in given.items() if name not in chosen and number and number == number]
+        if lost:
+            return f"{', '.join(lost)}: another control mode; the value has no effect"
+        return remark
 
 
 class FromEuler(Source):
