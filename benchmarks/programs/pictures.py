@@ -1,12 +1,14 @@
 """Images of the sandbox in MORSE.
 
 ``draw`` renders them as fast as possible; ``export FILE`` writes the triangles for another renderer; ``first`` captures
-the first image after loading; ``share`` compares a simulation with a camera at 30 Hz with one without.
+the first image after loading; ``share`` compares a simulation with a camera at 30 Hz with one without; ``beside``
+compares a camera with a delay of one frame, whose images are rendered while the simulation goes on, with one without.
 """
 
 from __future__ import annotations
 
 import argparse
+import statistics
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 _CHUNK = 10
 _WARM = 3
+#: delays of the camera, s
+_DELAYS = {"at once": 0.0, "beside": 1 / 30}
 
 
 class Tripod:
@@ -100,6 +104,31 @@ def share(secs: float) -> None:
     stopwatch.report(share=costs[0] - costs[1], processor_share=costs[0] - costs[1], without=costs[1])
 
 
+def beside(others: int, chunks: int) -> None:
+    """The time of ticks with a camera at 30 Hz, without delay and with a delay of one frame, in turns."""
+    simulations = {name: prepare("pictures", delay=delay, others=others) for name, delay in _DELAYS.items()}
+    spent: dict[str, list[stopwatch.Cost]] = {name: [] for name in simulations}
+    own: dict[str, list[float]] = {name: [] for name in simulations}
+    for chunk in range(chunks + 1):
+        for name, simulation in simulations.items():
+            wall, processor, thread = time.perf_counter(), time.process_time(), time.thread_time()
+            for _ in range(work.TICK // 2):
+                simulation.tick()
+            if not chunk:
+                continue  # the first images take longer
+            own[name].append(time.thread_time() - thread)
+            spent[name].append(stopwatch.Cost(time.perf_counter() - wall, time.process_time() - processor))
+    wall = {name: statistics.median(cost.wall for cost in costs) for name, costs in spent.items()}
+    processor = {name: statistics.median(cost.processor for cost in costs) for name, costs in spent.items()}
+    thread = {name: statistics.median(times) for name, times in own.items()}
+    stopwatch.report(
+        faster=wall["at once"] / wall["beside"],
+        processor_ratio=processor["beside"] / processor["at once"],
+        thread_share=thread["beside"] / thread["at once"],
+        tick_ms={name: 1e3 * value / (work.TICK // 2) for name, value in wall.items()},
+    )
+
+
 def _world() -> Any:
     simulation = prepare("pictures", rate=0)
     simulation.tick()
@@ -114,18 +143,21 @@ def _request(renderer: Renderer, width: int, height: int, color: bool) -> Camera
 def main() -> None:
     """Run the measurement that the first argument names."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("what", choices=["draw", "export", "first", "share"])
+    parser.add_argument("what", choices=["draw", "export", "first", "share", "beside"])
     parser.add_argument("file", nargs="?")
     parser.add_argument("--width", type=int, default=640)
     parser.add_argument("--cameras", type=int, default=1)
     parser.add_argument("--samples", type=int, default=5)
     parser.add_argument("--secs", type=float, default=2.0)
+    parser.add_argument("--others", type=int, default=0)
     parser.add_argument("--no-color", action="store_true")
     given = parser.parse_args()
     if given.what == "draw":
         draw(given.width, given.width * 3 // 4, given.cameras, given.samples, not given.no_color)
     elif given.what == "export":
         export(given.file)
+    elif given.what == "beside":
+        beside(given.others, max(3, round(2 * given.secs)))
     elif given.what == "first":
         first()
     else:

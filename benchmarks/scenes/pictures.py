@@ -1,4 +1,7 @@
-"""The world of the tutorial, and a robot with a camera; argument ``rate``, Hz, 0 for no camera."""
+"""The world of the tutorial, and a robot with a camera.
+
+Arguments: ``rate``, Hz, 0 for no camera; ``delay`` of the camera, s; ``others``, number of robots with laser scanners.
+"""
 
 import sys
 
@@ -13,6 +16,12 @@ if rate:
     camera.translate(x=0.6, z=1.2)
     camera.properties(cam_width=320, cam_height=240, cam_focal=25.0)
     camera.frequency(rate)
+    camera.delay(float(arguments.get("delay", 0.0)))
     robot.append(camera)
+
+for number in range(int(arguments.get("others", 0))):
+    other = ATRV(f"other{number}")
+    other.translate(-4.0 + 1.5 * (number % 6), 4.0 + 1.5 * (number // 6), 0.2)
+    other.append(Sick())
 
 env = Environment("sandbox")

@@ -46,10 +46,19 @@ def pictures(plan: Plan) -> Iterator[Result]:
         yield Result("W2", "four cameras, of four times one", four / one / 4, "x", at_most(1.0), {}, {"morse": four})
         share = _own(plan, "share", "--secs", str(plan.seconds(2.0))).median(plan.clock("share"))
         yield Result("W2", "a camera at 30 Hz, 320 x 240, of real time", 100 * share, "% of a core", at_most(15.0))
+        for others in (0,) if plan.quick else (0, 12):
+            yield _beside_time(plan, others)
         first = _own(plan, "first").median(plan.clock("s"))
         yield Result("W2", "first picture after loading the sandbox", first, "s", at_most(0.5))
     except TrialFailed as error:
         yield failure("W2", "pictures", str(error))
+
+
+def _beside_time(plan: Plan, others: int) -> Result:
+    trial = _own(plan, "beside", "--secs", str(plan.seconds(5.0)), "--others", str(others))
+    ticks = f"ticks with {others} scanners" if others else "ticks"
+    details = {key: trial.median(key) for key in ("thread_share", "processor_ratio")}
+    return Result("W2", f"{ticks}, delay of one frame, of no delay", trial.median("faster"), "x", details=details)
 
 
 def _own(plan: Plan, *words: str) -> Trial:

@@ -22,12 +22,13 @@ class Realism:
     measurements does not integrate the noise.
 
     Attributes:
+        sensor: the sensor.
         phase: time of the first measurement after the start, s.
         delay: time from a measurement until its data are published, s.
     """
 
     def __init__(self, sensor: Sensor, model: RealismModel) -> None:
-        self._sensor = sensor
+        self.sensor = sensor
         self.phase, self.delay = model.phase, model.delay
         random = sensor.context.random
         fields: dict[str, NoiseModel] = {}
@@ -50,18 +51,14 @@ class Realism:
 
     def act(self) -> None:
         """Do one measurement like `Sensor.action`, with errors and delay."""
-        sensor = self._sensor
+        sensor = self.sensor
         data = sensor.local_data
         shown = copied(data) if self.delay else dict(data)
         data.update(self._truth)
         sensor.sensor_setup()
         sensor.default_action()
         self._truth = {name: copied(data[name]) for name in (data if self.delay else self._noises)}
-        self._add_noise(shown)
-        if sensor._reports:
-            sensor.report()
-        for modifier in sensor.output_modifiers:
-            modifier.modify()
+        self._change(shown, sensor.clock.time)
         if not self.delay:
             self._publish()
             return
@@ -69,19 +66,29 @@ class Realism:
         data.clear()
         data.update(shown)
 
-    def _add_noise(self, shown: dict[str, Any]) -> None:
-        now = self._sensor.clock.time
-        passed = 0.0 if self._last is None else now - self._last
-        self._last = now
+    def _change(self, shown: dict[str, Any], time: float) -> None:
+        """Add noise to a measurement, complete its fields, and apply the modifiers.
+
+        Args:
+            shown: the previous values of the fields with noise.
+            time: of the measurement, s.
+        """
+        sensor = self.sensor
+        passed = 0.0 if self._last is None else time - self._last
+        self._last = time
         for name, noise in self._noises.items():
             noise.pass_time(passed)
-            self._sensor.add_noise(name, noise, shown[name])
+            sensor.add_noise(name, noise, shown[name])
+        if sensor._reports:
+            sensor.report()
+        for modifier in sensor.output_modifiers:
+            modifier.modify()
 
     def release(self) -> None:
         """Publish the measurements whose delay has passed; called every tick."""
-        now = self._sensor.clock.time + 1e-9
+        now = self.sensor.clock.time + 1e-9
         while self._waiting and self._waiting[0][0] <= now:
-            data = self._sensor.local_data
+            data = self.sensor.local_data
             data.clear()
             data.update(self._waiting.popleft()[1])
             self._publish()
@@ -104,8 +111,8 @@ class Realism:
             noise.set_state(state["noises"][name])
 
     def _publish(self) -> None:
-        for publish in self._sensor.output_functions:
-            publish(self._sensor)
+        for publish in self.sensor.output_functions:
+            publish(self.sensor)
 
 
 def copied(value: Any) -> Any:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from morse.core.noise import Noise
     from morse.core.realism import Realism
     from morse.core.watched_space import WatchedSpace
+    from morse.scene.realism import RealismModel
 
 
 class Sensor(Object):
@@ -83,6 +84,12 @@ class Sensor(Object):
             modifier.modify()
         for publish in self.output_functions:
             publish(self)
+
+    def make_realism(self, model: RealismModel) -> Realism:
+        """Return the delay and the noise that the script declares."""
+        from morse.core.realism import Realism
+
+        return Realism(self, model)
 
     # -- noise -----------------------------------------------------------------------------
 

@@ -13,12 +13,17 @@ from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
 from morse.core.validation.arguments import Range
 from morse.helpers.components import add_property
+from morse.sensors.delayed_pictures import DelayedPictures, Exposure
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from morse.core.realism import Realism
     from morse.core.watched_space import WatchedSpace
     from morse.rendering import CameraRequest, Lens, Picture
+    from morse.scene.realism import RealismModel
 
 logger = logging.getLogger(__name__)
 
@@ -33,6 +38,8 @@ _OF_LENS = (
     "lens_model",
     "distortion",
 )
+#: methods whose override determines what an image depends on
+_OF_AN_IMAGE = {"take", "measure", "develop", "default_action", "action", "sensor_setup"}
 #: declaration of the field ``intrinsic_matrix``
 INTRINSIC: dict[str, Any] = {
     "default_value": [[0.0] * 3] * 3,
@@ -65,6 +72,10 @@ class Camera(Sensor):
         capturing: whether it captures images at present.
         color: whether its images contain colours, not only depth.
         normals: whether its images contain normals.
+        uses: the fields of `morse.rendering.Picture` that `take` uses, if it depends on the image, ``noted`` and the
+            camera alone: images with a delay are then rendered while the simulation goes on. None if `take` reads the
+            world. Subclasses with a `take` of their own have to set it again.
+        noted: the result of `note` at the tick of the image that `take` is called with.
     """
 
     add_property("image_width", 256, "cam_width", "integer", "Width of the image", unit="px", low=1, high=8192)
@@ -100,7 +111,9 @@ class Camera(Sensor):
 
     color = True
     normals = False
-    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens")
+    uses: ClassVar[tuple[str, ...] | None] = None
+    noted: Any = None
+    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted")
 
     image_width: int
     image_height: int
@@ -112,6 +125,11 @@ class Camera(Sensor):
     distortion: str
     vertical_flip: bool
     capturing: bool
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "uses" not in vars(cls) and not _OF_AN_IMAGE.isdisjoint(vars(cls)):
+            cls.uses = None
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -138,7 +156,7 @@ class Camera(Sensor):
         Raises:
             ValueError: the properties are not valid for a lens.
         """
-        self._made_of = self._lens_properties()
+        self._made_of = self._lens_of = self._lens_properties()
         self.lens = self._make_lens()
         if "intrinsic_matrix" in self.local_data:
             self.local_data["intrinsic_matrix"] = self.lens.matrix
@@ -190,35 +208,90 @@ class Camera(Sensor):
 
     def measure(self) -> None:
         """Capture an image, if one is due."""
-        if self._left == 0:
-            # all requested images were captured
-            self._left, self.capturing = -1, False
-            if self.on_completion is not None and self.running_service == "capture":
-                self.completed(SUCCESS)
-            return
-        if not self.capturing:
-            return
-        if self._made_of != self._lens_properties():
-            self._look()
-            self.request.lens = self.lens
-            self.request.shot, self._taken = None, -1
-        if self._taken == self.clock.tick:
-            return
-        picture = self.request.picture
-        if picture is None:
-            self.request.server.serve([self.request])
-            picture = self.request.picture
-        if picture is None:
-            return
-        self.take(picture)
-        self.request.shot, self._taken = None, self.clock.tick
+        exposure = self.expose()
+        if exposure is not None:
+            self.develop(exposure)
+
+    def expose(self) -> Exposure | None:
+        """Return the image of the present tick, which may still be rendered; None if no image is due."""
+        if not self._is_due():
+            return None
+        request = self.request
+        if request.shot is None:
+            request.server.serve([request])
+        shot, request.shot = request.shot, None
+        if shot is None:
+            return None
+        self._taken = self.clock.tick
         if self._left > 0:
             self._left -= 1
-            if self._left == 0 and self.on_completion is not None:
-                self.completed(SUCCESS)
+        exposure = Exposure(self.clock.time, shot, self.note())
+        self.exposed()
+        return exposure
+
+    def _is_due(self) -> bool:
+        if self._left == 0:
+            # all requested images were captured
+            if not self.under_way:
+                self._left, self.capturing = -1, False
+                if self.on_completion is not None and self.running_service == "capture":
+                    self.completed(SUCCESS)
+            return False
+        if not self.capturing:
+            return False
+        if self.has_other_lens():
+            self.drop_under_way()
+            self._made_of, self._taken = self._lens_properties(), -1
+        self._follow_properties()
+        return self._taken != self.clock.tick
+
+    def _follow_properties(self) -> None:
+        """Create the lens again if its properties have changed, or were restored."""
+        if self._lens_of != self._lens_properties():
+            self._look()
+            self.request.lens, self.request.shot = self.lens, None
+
+    def develop(self, exposure: Exposure) -> None:
+        """Fill ``local_data`` from an image, and end `capture` with its last image."""
+        self._follow_properties()
+        self.noted = exposure.noted
+        self.take(exposure.picture())
+        if self._left == 0 and not self.under_way and self.on_completion is not None:
+            self.completed(SUCCESS)
 
     def take(self, picture: Picture) -> None:
         """Fill ``local_data`` from an image."""
+
+    def note(self) -> Any:
+        """Return what `take` needs to know of the world at the tick of an image, as plain data; see ``noted``."""
+        return None
+
+    def exposed(self) -> None:
+        """Called after each image, at its tick."""
+
+    # -- delay -----------------------------------------------------------------------------
+
+    def make_realism(self, model: RealismModel) -> Realism:
+        """Return the delay and the noise; with a delay, images are rendered while the simulation goes on."""
+        if model.delay and self.uses is not None:
+            return DelayedPictures(self, model)
+        return super().make_realism(model)
+
+    @property
+    def under_way(self) -> Sequence[Exposure]:
+        """The images whose delay has not passed."""
+        return self.realism.exposures if isinstance(self.realism, DelayedPictures) else ()
+
+    def has_other_lens(self) -> bool:
+        """Whether properties of the lens have changed since the last image."""
+        return self._made_of != self._lens_properties()
+
+    def drop_under_way(self) -> None:
+        """Drop the images that were taken with another lens; `capture` takes others instead."""
+        if isinstance(self.realism, DelayedPictures):
+            dropped = self.realism.drop()
+            if self._left >= 0:
+                self._left += dropped
 
     def ordered(self, rows: NDArray[Any]) -> NDArray[Any]:
         """Return the rows of an image, whose top row is first, in the order given by ``Vertical_Flip``."""

@@ -50,6 +50,7 @@ class AbstractDepthCamera(Camera):
     )
 
     color = False
+    uses = ("depth",)
     depth_noise: float
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
@@ -110,6 +111,7 @@ class DepthCamera(AbstractDepthCamera):
     add_kind("cloud", points=_points)
     add_kind("camera_info", **CAMERA_INFO)
 
+    uses = ("depth",)
     keep_list: str | None
     keep_resolution: bool
 
@@ -177,9 +179,8 @@ class DepthCameraRotationZ(DepthCamera):
 
     _rotation: float
 
-    def take(self, picture: Picture) -> None:
-        """Store the points, and rotate."""
-        super().take(picture)
+    def exposed(self) -> None:
+        """Rotate."""
         # Y is down
         self.bge_object.applyRotation((0.0, -self._rotation, 0.0), True)
 
@@ -213,6 +214,8 @@ class DepthVideoCamera(AbstractDepthCamera):
 
     add_kind("image", pixels=_depths, encoding="32FC1", unit="m")
     add_kind("camera_info", **CAMERA_INFO)
+
+    uses = ("depth",)
 
     def take(self, picture: Picture) -> None:
         """Store the depths, which are infinite beyond the far plane."""
@@ -248,6 +251,8 @@ class RawImage(AbstractDepthCamera):
 
     add_kind("image", pixels=_depths, encoding="32FC1", unit="1")
     add_kind("camera_info", **CAMERA_INFO)
+
+    uses = ("depth",)
 
     def take(self, picture: Picture) -> None:
         """Convert the depths into Z buffer values."""

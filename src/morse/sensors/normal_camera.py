@@ -55,6 +55,7 @@ class NormalCamera(Camera):
 
     color = False
     normals = True
+    uses = ("normals",)
 
     def take(self, picture: Picture) -> None:
         """Store the normals."""

@@ -54,6 +54,7 @@ class OpticalFlowCamera(Camera):
     add_kind("camera_info", **CAMERA_INFO)
 
     color = False
+    uses = ("depth", "ids", "names", "models", "eye", "axes")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)

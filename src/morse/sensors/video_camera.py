@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.rendering import Picture
+    from morse.sensors.delayed_pictures import Exposure
 
 
 #: the code of 18 % of the light, the grey of photographers; codes follow the light by about this power
@@ -135,6 +136,7 @@ class VideoCamera(Camera):
     add_kind("image", pixels=_pixels, encoding="rgba8")
     add_kind("camera_info", **CAMERA_INFO)
 
+    uses = ("rgb",)
     exposure: float
     auto_exposure: bool
     full_well: float
@@ -153,6 +155,8 @@ class VideoCamera(Camera):
         self._adjusted = 0.0
 
     def _wants(self) -> bool:
+        for exposure in self.under_way:
+            self._meter(exposure)
         # it may have been set while the simulation runs
         self.request.exposure = math.exp2(self.exposure + (self._adjusted if self.auto_exposure else 0.0))
         self.request.motion = None
@@ -162,12 +166,24 @@ class VideoCamera(Camera):
             self.request.motion = Motion(self.exposure_time, self.readout_time, self.motion_steps)
         return super()._wants()
 
+    def develop(self, exposure: Exposure) -> None:
+        """Adjust the exposure of the next image, and store this one."""
+        self._meter(exposure)
+        super().develop(exposure)
+
+    def _meter(self, exposure: Exposure) -> None:
+        """Adjust the exposure by the light of an image, once."""
+        if not self.auto_exposure or exposure.is_metered:
+            return
+        exposure.is_metered = True
+        rgb = exposure.picture().rgb
+        assert rgb is not None
+        self._adjust(int(rgb.sum(dtype=np.int64)) / rgb.size)
+
     def take(self, picture: Picture) -> None:
         """Store the image, with opaque alpha."""
         rgb = picture.rgb
         assert rgb is not None
-        if self.auto_exposure:
-            self._adjust(int(rgb.sum(dtype=np.int64)) / rgb.size)
         if self.full_well or self.read_noise or self.stuck_pixels:
             from morse.rendering.pixel_noise import Chip, exposed
 

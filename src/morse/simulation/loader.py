@@ -10,7 +10,6 @@ from morse.core.classpath import load_class
 from morse.core.declarations import levels
 from morse.core.exceptions import MorseError
 from morse.core.kinds import findings_of
-from morse.core.realism import Realism
 from morse.core.robot import Robot
 from morse.middleware.registry import needs_network
 from morse.scene.realism import RealismModel
@@ -115,7 +114,7 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
         component = cls(obj, robot)
         realism = declaration.options.get("realism")
         if isinstance(realism, RealismModel):
-            component.realism = Realism(component, realism)
+            component.realism = component.make_realism(realism)
         return component
     except MorseError as error:
         raise LoadError(f"{_where(declaration)}: {error}") from None

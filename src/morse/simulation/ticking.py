@@ -165,7 +165,10 @@ class Ticker:
     def _sense(self) -> None:
         self._act(self._sensors.due(self._due))
         for realism in self._delayed:
-            realism.release()
+            try:
+                realism.release()
+            except Exception as error:
+                self._switch_off(realism.sensor, error)
 
     def _show(self) -> None:
         for observer in self.observers:

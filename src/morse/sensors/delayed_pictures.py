@@ -1,0 +1,147 @@
+"""Images that are rendered while the simulation goes on, until the delay of their camera has passed."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from morse.core.realism import Realism, copied
+from morse.core.state import StateError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from morse.rendering import Picture
+    from morse.rendering.beside import Shot
+    from morse.scene.realism import RealismModel
+    from morse.sensors.camera import Camera
+
+#: types of the arrays of an image, and numbers of their axes
+_ARRAYS = {
+    "rgb": (np.uint8, 3),
+    "depth": (np.float32, 2),
+    "ids": (np.int32, 2),
+    "normals": (np.float32, 3),
+    "models": (np.float32, 2),
+    "eye": (np.float32, 1),
+    "axes": (np.float32, 2),
+}
+
+
+class Exposure:
+    """An image of a tick, which may still be rendered.
+
+    Attributes:
+        time: simulated time of the image, s.
+        noted: what `Camera.take` needs to know of the world at this time.
+        is_metered: whether an automatic exposure has been adjusted by this image.
+    """
+
+    def __init__(self, time: float, shot: Shot, noted: Any = None, *, is_metered: bool = False) -> None:
+        self.time, self.noted, self.is_metered = time, noted, is_metered
+        self._shot = shot
+
+    def picture(self) -> Picture:
+        """Return the image, and wait until it is complete."""
+        return self._shot.picture()
+
+    def get_state(self, uses: Sequence[str]) -> dict[str, Any]:
+        """Return the complete image, with some of its fields, as plain data."""
+        picture = self.picture()
+        return {
+            "time": self.time,
+            "noted": copied(self.noted),
+            "is_metered": self.is_metered,
+            "picture": {name: copied(getattr(picture, name)) for name in uses},
+        }
+
+    @classmethod
+    def from_state(cls, state: dict[str, Any], uses: Sequence[str]) -> Exposure:
+        """Restore an image with some of its fields.
+
+        Raises:
+            StateError: the state is not that of an image.
+        """
+        from morse.rendering import Picture
+        from morse.rendering.beside import Finished
+
+        if set(state["picture"]) != set(uses):
+            raise StateError("the saved state is damaged: an image lacks fields")
+        fields: dict[str, Any] = {"rgb": None, "normals": None, "nodes": [], "names": []}
+        for name, (kind, axes) in _ARRAYS.items():
+            found = state["picture"].get(name)
+            if found is None:
+                fields.setdefault(name, np.zeros((0,) * axes, kind))
+                continue
+            if not isinstance(found, np.ndarray) or found.dtype != kind or found.ndim != axes:
+                raise StateError(f"the saved state is damaged: '{name}' of an image has another type or shape")
+            fields[name] = found.copy()
+        fields["names"] = [str(name) for name in state["picture"].get("names", [])]
+        made = Picture(**fields)
+        return cls(float(state["time"]), Finished(made), state["noted"], is_metered=bool(state["is_metered"]))
+
+
+class DelayedPictures(Realism):
+    """Delay and noise of a camera.
+
+    An image is rendered in a thread from the poses of its tick. When its delay has passed, the simulation waits until
+    the image is complete, and publishes it. The data of the camera therefore do not depend on how fast the thread is.
+
+    Attributes:
+        exposures: the images whose delay has not passed, in the order of their ticks.
+    """
+
+    def __init__(self, camera: Camera, model: RealismModel) -> None:
+        super().__init__(camera, model)
+        self._camera = camera
+        camera.request.beside = True
+        self._truth = {name: copied(camera.local_data[name]) for name in self._noises}
+        self.exposures: deque[Exposure] = deque()
+
+    @property
+    def _uses(self) -> Sequence[str]:
+        assert self._camera.uses is not None
+        return self._camera.uses
+
+    def act(self) -> None:
+        """Begin an image, if one is due."""
+        camera = self._camera
+        camera.position_3d.update(camera.bge_object)
+        exposure = camera.expose()
+        if exposure is not None:
+            self.exposures.append(exposure)
+
+    def release(self) -> None:
+        """Publish the images whose delay has passed; called every tick."""
+        camera = self._camera
+        now = camera.clock.time + 1e-9
+        while self.exposures and self.exposures[0].time + self.delay <= now:
+            if camera.has_other_lens():
+                # the next image has another size
+                camera.drop_under_way()
+                return
+            exposure, data = self.exposures.popleft(), camera.local_data
+            shown = {name: data[name] for name in self._noises}
+            data.update(self._truth)
+            data["timestamp"] = exposure.time
+            camera.develop(exposure)
+            self._truth = {name: copied(data[name]) for name in self._noises}
+            self._change(shown, exposure.time)
+            self._publish()
+
+    def drop(self) -> int:
+        """Forget all images that were not published; return their number."""
+        dropped = len(self.exposures)
+        self.exposures.clear()
+        return dropped
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the state, with all images that are under way, which are completed first."""
+        return {**super().get_state(), "exposures": [exposure.get_state(self._uses) for exposure in self.exposures]}
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Restore a state that `get_state` returned."""
+        super().set_state(state)
+        self.exposures = deque(Exposure.from_state(one, self._uses) for one in state["exposures"])
