@@ -306,7 +306,7 @@ def test_services_of_the_simulation(env: Environment) -> None:
     env.add_service("my_sim.requests.Manager")
     assert scene().simulation_managers == [SERVICES, "my_sim.requests.Manager"]
     with pytest.raises(MorseMiddlewareError, match="not part of this installation"):
-        env.add_service("yarp_json")
+        env.add_service("pocolibs")
 
 
 def test_multinode(env: Environment) -> None:

@@ -145,7 +145,7 @@ def test_formulas_name_their_source(pages: dict[str, str]):
 
 #: features of MORSE 1.4 that are not available; remove an entry when it becomes available
 MISSING = {"HumanPosture", "MocapControl", "BarePR2", "BasePR2", "Human", "LocalizedPR2", "NavPR2"}
-MISSING_MIDDLEWARES = {"hla", "mavlink", "pocolibs", "pprzlink", "ros", "yarp", "yarp_json", "text"}
+MISSING_MIDDLEWARES = {"hla", "mavlink", "pocolibs", "pprzlink", "ros", "text"}
 
 
 def test_the_coverage_of_1_4_is_told(pages: dict[str, str], library):

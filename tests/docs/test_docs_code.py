@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 # tests/middleware runs the examples that need another program
 ELSEWHERE = {
-    DOCS / f"{name}.md" for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "moos", "mavlink")
+    DOCS / f"{name}.md"
+    for name in ("ros1", "ros2", "text-files", "rosbridge", "foxglove", "mqtt", "moos", "yarp", "mavlink")
 }
 SCENES = [
     block

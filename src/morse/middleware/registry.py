@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
 #: middlewares that scripts may name although this installation does not have them, and their alternatives
 _OTHER_NAMES = {
-    "yarp": "rosbridge or mqtt",
-    "yarp_json": "rosbridge or mqtt",
     "pocolibs": "ros2",
     "hla": "socket",
     "pprzlink": "mavlink",

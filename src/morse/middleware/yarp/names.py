@@ -1,0 +1,82 @@
+"""The name server of YARP, which knows the address of each port; it may be temporarily unavailable.
+
+Source: www.yarp.it, "The YARP name server": requests and answers are lines of text.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+from typing import NamedTuple
+
+#: wall-clock seconds for an answer
+_TIMEOUT = 5.0
+_LONGEST = 1 << 16
+_REGISTRATION = re.compile(r"registration name (\S+) ip (\S+) port (\d+) type (\S+)")
+
+
+class Address(NamedTuple):
+    """Where a port listens.
+
+    Attributes:
+        host: name or address of a machine.
+        port: number of its TCP port.
+    """
+
+    host: str
+    port: int
+
+
+class NameServer:
+    """Asks a name server; all methods are coroutines of the network loop.
+
+    Args:
+        host: name or address of its machine.
+        port: number of its TCP port.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        self.address = Address(host, port)
+
+    async def register(self, name: str, address: Address) -> Address | None:
+        """Enter the address of a port; returns the address that the server has entered."""
+        return await self._address(f"register {name} tcp {address.host} {address.port}", name)
+
+    async def query(self, name: str) -> Address | None:
+        """The address of a port; None if it is not registered."""
+        return await self._address(f"query {name}", name)
+
+    async def unregister(self, name: str) -> None:
+        """Remove a port."""
+        await self._ask(f"unregister {name}")
+
+    async def _address(self, request: str, name: str) -> Address | None:
+        found = _REGISTRATION.search(await self._ask(request))
+        if found is None or found[1] != name or int(found[3]) == 0:
+            return None
+        return Address(found[2], int(found[3]))
+
+    async def _ask(self, request: str) -> str:
+        """The answer to a request.
+
+        Raises:
+            OSError: the server cannot be reached, or does not answer in time.
+        """
+        try:
+            async with asyncio.timeout(_TIMEOUT):
+                reader, writer = await asyncio.open_connection(*self.address, limit=_LONGEST)
+                try:
+                    writer.write(f"NAME_SERVER {request}\n".encode())
+                    lines = []
+                    while line := await reader.readline():
+                        lines.append(line.decode("utf-8", "replace"))
+                        if line.startswith(b"***") or len(lines) > _LONGEST:
+                            break
+                    return "".join(lines)
+                finally:
+                    writer.close()
+                    with contextlib.suppress(OSError):
+                        await writer.wait_closed()
+        except (TimeoutError, ValueError, asyncio.IncompleteReadError) as error:
+            raise OSError(f"it does not answer: {error}") from None

@@ -1,0 +1,254 @@
+"""A port: other ports connect to it, and administer its connections."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import re
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from morse.core.complaints import Complaints
+from morse.core.quoting import shown
+from morse.middleware.yarp import wire
+from morse.middleware.yarp.bottle import BottleError, Vocab, decode, encode
+from morse.middleware.yarp.bottle_text import from_text, to_text
+from morse.middleware.yarp.output import Output
+
+if TYPE_CHECKING:
+    import socket
+    from collections.abc import Callable
+
+    from morse.middleware.yarp.names import NameServer
+
+logger = logging.getLogger(__name__)
+
+_T = TypeVar("_T")
+
+#: largest received message, number of connections to a port, and wall-clock seconds for the begin of one
+_LARGEST, _MOST_CONNECTIONS, _TIMEOUT = 1 << 20, 64, 5.0
+_CARRIERS = (wire.TCP, wire.FAST_TCP)
+#: a target such as ``/reader``, ``fast_tcp://reader`` or ``tcp:/reader``
+_TARGET = re.compile(r"(?:([a-z_0-9]+):/)?(/[^\s:]+)$")
+_VERSION = [Vocab("ver"), 1, 2, 3]
+_HELP = [
+    Vocab("many"),
+    "[help]                  # give this help",
+    "[ver]                   # report protocol version information",
+    "[add] $portname         # add an output connection",
+    "[add] $portname $car    # add an output with a given protocol",
+    "[del] $portname         # remove an output connection",
+    "[list] [in]             # list input connections",
+    "[list] [out]            # list output connections",
+    "[list] [out] $portname  # give details for output",
+]
+
+
+class _Input(NamedTuple):
+    source: str
+    carrier: str
+    reader: asyncio.StreamReader
+    writer: asyncio.StreamWriter
+
+
+class Port:
+    """A port of the simulation; all methods run in the network loop.
+
+    Args:
+        name: such as ``/morse/robot/pose/out``.
+        names: where the addresses of other ports are asked for.
+        take: called with the values of each bottle that arrives; None for a port that only sends.
+
+    Attributes:
+        outputs: the connections to other ports, by name.
+    """
+
+    def __init__(self, name: str, names: NameServer, take: Callable[[list[Any]], object] | None) -> None:
+        self.name, self._names, self._take = name, names, take
+        self.outputs: dict[str, Output] = {}
+        self._inputs: set[_Input] = set()
+        self._server: asyncio.Server | None = None
+        self._number = 0
+        self._complaints = Complaints(logger)
+
+    async def open(self, listener: socket.socket) -> None:
+        """Accept connections."""
+        self._number = listener.getsockname()[1]
+        self._server = await asyncio.start_server(self._serve, sock=listener, limit=_LARGEST)
+
+    async def close(self) -> None:
+        """End all connections, after the messages that still wait were sent."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_TIMEOUT / 5):
+                while not all(output.is_idle for output in self.outputs.values()):
+                    await asyncio.sleep(0.005)
+        if self._server is not None:
+            self._server.close()
+        for one in list(self._inputs):
+            one.writer.close()
+        for output in list(self.outputs.values()):
+            output.close()
+        self.outputs.clear()
+
+    def send(self, data: bytes) -> None:
+        """Send a bottle to all readers."""
+        for output in self.outputs.values():
+            output.push(data)
+
+    # -- received connections ----------------------------------------------------------------
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        one = None
+        try:
+            async with asyncio.timeout(_TIMEOUT):
+                one = await self._greet(reader, writer)
+            if len(self._inputs) >= _MOST_CONNECTIONS:
+                raise wire.WireError(f"the port has {_MOST_CONNECTIONS} connections")
+            self._inputs.add(one)
+            await (self._lines(one) if one.carrier in (wire.TEXT, wire.TEXT_ACK) else self._messages(one))
+        except (OSError, asyncio.IncompleteReadError, TimeoutError):
+            pass  # the other side has gone
+        except ValueError as error:
+            self._complaints.warn("wrong", f"yarp: a connection to {self.name} is closed: {error}")
+        finally:
+            if one is not None:
+                self._inputs.discard(one)
+            writer.close()
+
+    async def _greet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> _Input:
+        carrier = wire.carrier_of(await reader.readexactly(8))
+        if carrier in (wire.TEXT, wire.TEXT_ACK):
+            source = (await reader.readline()).decode("utf-8", "replace").strip()
+            if "HTTP/" in source:  # CONNECT is a word of HTTP, too
+                raise wire.WireError("the client speaks HTTP")
+            writer.write(f"Welcome {source}\r\n".encode())
+        else:
+            source = await wire.read_name(reader)
+            writer.write(wire.number(self._number))
+        return _Input(source, carrier, reader, writer)
+
+    async def _messages(self, one: _Input) -> None:
+        while True:
+            command, data = await wire.read_message(one.reader, _LARGEST)
+            if command in ("d", "D"):
+                self._data(one, decode, data)
+            if command == "a":
+                one.writer.write(encode(await self._administer(decode(data))))
+            elif command == "d":
+                one.writer.write(encode([]))  # who sends "d" waits for a reply
+            elif command == "q":
+                return
+            elif command != "D":
+                await self._short(command)
+            if one.carrier == wire.TCP:
+                one.writer.write(wire.acknowledgement())
+            await one.writer.drain()
+
+    async def _lines(self, one: _Input) -> None:
+        while line := (await one.reader.readline()).decode("utf-8", "replace").strip():
+            answer = None
+            if line in ("d", "D", "do"):
+                text = (await one.reader.readline()).decode("utf-8", "replace")
+                self._data(one, from_text, text)
+            elif line == "a":
+                answer = to_text(await self._administer(from_text((await one.reader.readline()).decode())))
+            elif line == "q":
+                one.writer.write(b"Bye bye\r\n")
+                return
+            else:
+                answer = await self._short(line)
+            if answer is not None:
+                one.writer.write(f"{answer}\r\n".encode())
+            if one.carrier == wire.TEXT_ACK:
+                one.writer.write(b"<ACK>\r\n")
+            await one.writer.drain()
+
+    def _data(self, one: _Input, read: Callable[[_T], list[Any]], data: _T) -> None:
+        if self._take is None:
+            return
+        try:
+            self._take(read(data))
+        except BottleError as error:
+            self._complaints.warn("read", f"yarp: a message of {shown(one.source)} to {self.name} is refused: {error}")
+
+    # -- administration ----------------------------------------------------------------------
+
+    async def _short(self, command: str) -> str:
+        """A command of one word: ``/reader`` connects, ``!/reader`` disconnects, ``*`` describes the port."""
+        if command.startswith(("/", "tcp:", "fast_tcp:")):
+            return str((await self._add(command, ""))[1]).strip()
+        if command.startswith("!/"):
+            return str(self._remove(command[1:])[1]).strip()
+        if command == "*":
+            ways = [f"There is a connection from {self.name} to {name}" for name in self.outputs]
+            ways += [f"There is a connection from {one.source} to {self.name}" for one in self._inputs]
+            return "\r\n".join([f"This is {self.name}", *ways])
+        return "Port command not understood."
+
+    async def _administer(self, command: list[Any]) -> list[Any]:
+        words = [str(word) for word in command] + ["", "", ""]
+        if words[0] == "ver":
+            return _VERSION
+        if words[0] == "help":
+            return _HELP
+        if words[0] == "add":
+            return await self._add(words[1], words[2])
+        if words[0] == "del":
+            return self._remove(words[1])
+        if words[0] == "list":
+            return self._list(words[1] or "out", words[2])
+        if words[:2] == ["prop", "get"]:
+            return []
+        return [Vocab("fail"), "send [help] for list of valid commands"]
+
+    def _list(self, direction: str, name: str) -> list[Any]:
+        if direction == "in":
+            ways = [(one.source, self.name, one.carrier) for one in self._inputs if one.source.startswith("/")]
+        else:
+            ways = [(self.name, output.target, output.carrier) for output in self.outputs.values()]
+        if not name:
+            return [way[0 if direction == "in" else 1] for way in ways]
+        for way in ways:
+            if name in way[:2]:
+                return [[key, value] for key, value in zip(("from", "to", "carrier"), way, strict=True)]
+        return []
+
+    async def _add(self, target: str, carrier: str) -> list[Any]:
+        found = _TARGET.match(target)
+        if found is None:
+            return [-1, f"Do not know how to connect to {target}\r\n"]
+        name, carrier = found[2], carrier or found[1] or wire.TCP
+        if carrier not in _CARRIERS:
+            return [-1, f"Do not know how to use the carrier {carrier}; {self.name} sends by tcp and fast_tcp\r\n"]
+        if len(self.outputs) >= _MOST_CONNECTIONS:
+            return [-1, f"{self.name} has {_MOST_CONNECTIONS} connections\r\n"]
+        output = Output(self.name, name, carrier, self._lost, self._slow)
+        try:
+            address = await self._names.query(name)
+            if address is None:
+                return [-1, f"Do not know how to connect to {name}\r\n"]
+            await output.open(address)
+        except (OSError, ValueError) as error:
+            return [-1, f"Cannot connect to {name}: {error}\r\n"]
+        self._remove(name)
+        self.outputs[name] = output
+        logger.info("yarp: %s sends to %s", self.name, name)
+        return [0, f"Added connection from {self.name} to {name}\r\n"]
+
+    def _remove(self, name: str) -> list[Any]:
+        output = self.outputs.pop(name, None)
+        for one in [one for one in self._inputs if one.source == name]:
+            one.writer.close()
+            return [0, f"Removing connection from {name} to {self.name}\r\n"]
+        if output is None:
+            return [-1, f"Could not find a connection from {self.name} to {name}\r\n"]
+        output.close()
+        return [0, f"Removing connection from {self.name} to {name}\r\n"]
+
+    def _lost(self, output: Output) -> None:
+        if self.outputs.get(output.target) is output:
+            del self.outputs[output.target]
+
+    def _slow(self, output: Output) -> None:
+        text = f"yarp: {output.target} is too slow for {self.name}: messages are lost"
+        self._complaints.warn(f"slow {output.target}", text)

@@ -1,0 +1,169 @@
+"""Offers services on ports of YARP."""
+
+from __future__ import annotations
+
+import ast
+import logging
+import traceback
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from morse.core.complaints import Complaints
+from morse.core.exceptions import MorseError
+from morse.core.quoting import shown
+from morse.core.request_manager import Outcome, RequestManager
+from morse.core.status import FAILED
+from morse.middleware.text.values import written
+from morse.middleware.yarp.bottle import encode
+from morse.middleware.yarp.ports import Ports, ports_of
+
+if TYPE_CHECKING:
+    import uuid
+    from collections.abc import Callable
+
+    from morse.core.context import Context
+    from morse.middleware.yarp.port import Port
+
+logger = logging.getLogger(__name__)
+
+#: limits: requests in one tick, requests that wait, active calls, letters of the arguments
+_EACH_TICK, _MOST_WAITING, _MOST_RUNNING, _LONGEST = 64, 1024, 1024, 1 << 16
+
+
+class YarpRequestManager(RequestManager):
+    """Requests on ``/morse/services/component/request``, outcomes on ``/morse/services/component/reply``.
+
+    A request is a bottle of an id, a component, a service, and the arguments as the text of a Python list. Its outcome
+    is a bottle with one text: the id, the status and the result.
+    """
+
+    classpath = "morse.middleware.yarp_request_manager.YarpRequestManager"
+    title = "YARP service manager"
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self._context = context
+        self._ports: Ports | None = None
+        self._requests: dict[str, Port] = {}
+        self._replies: dict[str, Port] = {}
+        self._arrived: deque[tuple[str, list[Any]]] = deque(maxlen=_MOST_WAITING)
+        self._pending: dict[uuid.UUID, tuple[str, str]] = {}
+        self._complaints = Complaints(logger)
+
+    def initialization(self) -> bool:
+        """Share the ports of the simulation."""
+        self._ports = ports_of(self._context)
+        return True
+
+    def finalization(self) -> bool:
+        """Close the ports."""
+        for component in list(self._requests):
+            self._close(component)
+        if self._ports is not None:
+            self._ports.release()
+            self._ports = None
+        return True
+
+    def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
+        """Open the ports of a component with its first service."""
+        if self._ports is None:
+            return False
+        if component_name not in self._requests:
+            path = self._ports.name(f"services/{component_name}")
+            owner = f"the services of {component_name}"
+            self._replies[component_name] = self._ports.open(f"{path}/reply", owner)
+            self._requests[component_name] = self._ports.open(f"{path}/request", owner, self._taker(component_name))
+        return True
+
+    def _taker(self, component: str) -> Callable[[list[Any]], object]:
+        def take(values: list[Any]) -> None:
+            self._arrived.append((component, values))
+            self._context.wake()
+
+        return take
+
+    def unregister(self, component_name: str) -> None:
+        """See `RequestManager.unregister`."""
+        super().unregister(component_name)
+        self._close(component_name)
+
+    def _close(self, component: str) -> None:
+        for table in (self._requests, self._replies):
+            port = table.pop(component, None)
+            if port is not None and self._ports is not None:
+                self._ports.close(port)
+
+    # -- the tick ----------------------------------------------------------------------------
+
+    def main(self) -> None:
+        """See `RequestManager.main`."""
+        for _ in range(min(len(self._arrived), _EACH_TICK)):
+            component, values = self._arrived.popleft()
+            self._handle(component, values)
+        if self._arrived:
+            self._context.wake()
+
+    def _handle(self, place: str, values: list[Any]) -> None:
+        number = str(values[0]) if values else ""
+        try:
+            component, service, arguments = _request(values)
+            if len(self._pending) >= _MOST_RUNNING:
+                raise ValueError(f"{_MOST_RUNNING} calls are active: wait until they end")
+            done, outcome = self.on_incoming_request(component, service, arguments)
+        except (MorseError, ValueError) as error:
+            self._answer(place, number, (FAILED, str(error)))
+        except Exception as error:
+            self._answer(place, number, (FAILED, self._report(component, service, error)))
+        else:
+            if done:
+                self._answer(place, number, outcome)
+            else:
+                self._pending[outcome] = (place, number)
+
+    def on_service_completion(self, request_id: uuid.UUID, result: Outcome) -> None:
+        """See `RequestManager.on_service_completion`."""
+        known = self._pending.pop(request_id, None)
+        if known is not None:
+            self._answer(*known, result)
+
+    def _answer(self, place: str, number: str, outcome: Outcome) -> None:
+        port = self._replies.get(place)
+        if port is None:
+            return
+        state, result = outcome
+        text = "" if result is None else f" {result}" if isinstance(result, str) else f" {written(result)}"
+        self._context.network.post(port.send, encode([f"{number} {state}{text}"]))
+
+    def _report(self, component: str, service: str, error: Exception) -> str:
+        """Log the exception of a service, and return the message for its caller."""
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        name = f"the service {service} of {component}"
+        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self._complaints.log(logging.ERROR, name, text)
+        return what
+
+
+def _request(values: list[Any]) -> tuple[str, str, list[Any]]:
+    """Component, service and arguments of a request.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if not 3 <= len(values) <= 4:
+        raise ValueError(f"a request is (id, component, service, arguments), got {shown(values)}")
+    given = values[3] if len(values) == 4 else []
+    if isinstance(given, str):
+        given = _literal(given)
+    return str(values[1]), str(values[2]), list(given) if isinstance(given, (list, tuple)) else [given]
+
+
+def _literal(text: str) -> Any:
+    if not text.strip():
+        return []
+    if len(text) > _LONGEST:
+        raise ValueError(f"the arguments have {len(text)} letters, expected at most {_LONGEST}")
+    try:
+        return ast.literal_eval(text)
+    except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):
+        raise ValueError(f"the arguments are not a Python list such as '[1.0, 2.0]': {shown(text)}") from None

@@ -1,0 +1,1 @@
+"""The ports of YARP with the data as JSON text."""
