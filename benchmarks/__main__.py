@@ -19,6 +19,7 @@ from benchmarks.suites.lockstep import lockstep
 from benchmarks.suites.page import page
 from benchmarks.suites.panorama import panorama
 from benchmarks.suites.pictures import pictures
+from benchmarks.suites.pushing import pushing
 from benchmarks.trial import Program
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 SUITES: dict[str, Callable[[Plan], Iterator[Result]]] = {
     "circles": circles,
+    "pushing": pushing,
     "panorama": panorama,
     "pictures": pictures,
     "launch": launch,

@@ -20,6 +20,9 @@ TICK = 60  # Hz of command and pose
 GRAVITY = 9.81
 SCAN_RAYS, SCAN_VIEW, SCAN_RANGE, SCAN_RATE, SCAN_HEIGHT = 181, math.pi, 30.0, 10, 0.20
 TICKS_PER_SCAN = TICK // SCAN_RATE
+# crates that robots push: edge, mass, distance of their centre from that of the robot at the start
+CRATE, CRATE_MASS, CRATE_AHEAD = 0.3, 3.0, 0.4
+PUSHING_SPEED = 0.2
 PANORAMA_ROWS, PANORAMA_COLUMNS = 16, 1800
 PANORAMA_VIEW, PANORAMA_RANGE, PANORAMA_HEIGHT = math.radians(30), 100.0, 0.5
 # images: position and target of the camera, its focal length for a sensor 32 mm wide, and its maximum depth
@@ -91,6 +94,14 @@ def wheel_speeds() -> tuple[float, float]:
     """Angular speed of the left and the right wheel under the command, rad/s."""
     half = RATE * TRACK / 2
     return (SPEED - half) / WHEEL_RADIUS, (SPEED + half) / WHEEL_RADIUS
+
+
+# robots that push crates ----------------------------------------------------------------------
+
+
+def pushing_starts(count: int) -> list[tuple[float, float]]:
+    """x, y of the robots: columns of 25 that drive along the X axis."""
+    return [(-8.0 + i // 25 * 5.0, (i % 25 - 12) * 0.7) for i in range(count)]
 
 
 # a flat scan --------------------------------------------------------------------------------

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from morse.kernel.driving import reference
-from morse.kernel.driving.arrays import ChassisArrays, GliderArrays
+from morse.kernel.driving import reference, turns
+from morse.kernel.driving.arrays import ChassisArrays, GliderArrays, StanceArrays
 from morse.kernel.driving.native import NativeChassis, NativeGliders
 
 
@@ -31,14 +31,28 @@ def gliders(seed, strange=False):
     return GliderArrays(
         slots=chance.permutation(k)[:n].astype(np.int64),
         forward=commands[0].copy(), aside=commands[1].copy(), rate=commands[2].copy(),
-        shifts=chance.integers(0, 2, n).astype(np.uint8),
+        shifts=chance.integers(0, 2, n).astype(np.uint8), ground=chance.integers(0, 2, n).astype(np.uint8),
         dofs=6 * np.arange(k), speeds=np.where(chance.random(k) < 0.2, -1.0, chance.uniform(0, 4, k)),
         margins=chance.uniform(0, 0.5, k), extents=chance.uniform(0, 1, k),
-        plain=(chance.random(k) < 0.9).astype(np.uint8), sliding=chance.integers(0, 2, k).astype(np.uint8),
+        plain=(chance.random(k) < 0.9).astype(np.uint8), free=(chance.random(k) < 0.9).astype(np.uint8),
+        sliding=chance.integers(0, 2, k).astype(np.uint8),
         trees=chance.integers(-1, 6, k).astype(np.int32), asleep=chance.integers(-2, 3, 6).astype(np.int32),
         velocities=chance.normal(size=6 * k), period=1 / 60, done=np.zeros(n, dtype=np.uint8),
         cosines=np.zeros(n), sines=np.zeros(n), others=np.zeros(n, dtype=np.int64),
+        settled=np.zeros(n, dtype=np.int64), stances=stances(chance, k),
     ), rotations(chance, k)  # fmt: skip
+
+
+def stances(chance, k):
+    return StanceArrays(
+        able=(chance.random(k) < 0.9).astype(np.uint8), ticks=chance.integers(6, 8, k),
+        heights=np.zeros(k), ups=rotations(chance, k)[:, 6:].copy(), until=chance.integers(6, 10, k),
+    )  # fmt: skip
+
+
+def stances_of(arrays):
+    kept = arrays.stances
+    return [part.tobytes() for part in (kept.ticks, kept.heights, kept.ups)]
 
 
 @pytest.mark.parametrize("strange", [False, True])
@@ -53,6 +67,33 @@ def test_gliders_are_driven_alike(build, strange):
         native.end()
         twin.end()
         assert mine.velocities.tobytes() == theirs.velocities.tobytes()
+
+
+@pytest.mark.parametrize("strange", [False, True])
+def test_robots_that_push_are_driven_alike(build, strange):
+    driven = settled = 0
+    for seed in range(200):
+        (mine, turned), (theirs, _) = gliders(seed, strange), gliders(seed, strange)
+        native, twin = NativeGliders(build, mine), reference.Gliders(theirs)
+        # some stand as in the last tick, at a height that the stance has
+        places = np.where(np.arange(12) % 2, 0.0, 1e-8)[:, None] * np.ones(3)
+        mine.stances.ups[::3] = theirs.stances.ups[::3] = turned[::3, 6:]
+        for tick in (8, 9):
+            left = native.begin(turned)
+            twin.begin(turned)
+            results = native.push(places, turned, left, tick)
+            assert results == twin.push(places, turned, left, tick)
+            assert mine.others[: results[0]].tolist() == theirs.others[: results[0]].tolist()
+            assert mine.settled[: results[1]].tolist() == theirs.settled[: results[1]].tolist()
+            assert np.array_equal(mine.velocities, theirs.velocities, equal_nan=True)
+            assert mine.done.tobytes() == theirs.done.tobytes()
+            assert stances_of(mine) == stances_of(theirs)
+            driven, settled = driven + left - results[0], settled + results[1]
+            native.end()
+            twin.end()
+            assert np.array_equal(mine.velocities, theirs.velocities, equal_nan=True)
+    assert driven > 100
+    assert settled > 10
 
 
 def test_a_glider_ends_where_the_arc_ends(build):
@@ -109,6 +150,6 @@ def test_robots_on_wheels_are_moved_alike(build, strange):
 
 @given(st.floats(-1e5, 1e5))
 def test_sine_and_cosine(angle):
-    cosine, sine = reference.turn_by(angle)
+    cosine, sine = turns.turn_by(angle)
     assert cosine == pytest.approx(math.cos(angle), abs=3e-16)
     assert sine == pytest.approx(math.sin(angle), abs=3e-16)

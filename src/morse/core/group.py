@@ -64,6 +64,7 @@ class Group:
         self._driven: tuple[Any, ...] = ()
         self._rows = {id(member): row for row, member in enumerate(members)}
         self._attributes = [vars(member) for member in members]
+        self._robots = [vars(member.robot_parent) for member in members]
         self._datas: list[dict[str, Any]] = [member.local_data for member in members]
         self._fleet: Any = None
         self._snapshots = self.context.world.snapshots([member.bge_object for member in members])
@@ -173,13 +174,16 @@ class Group:
                 0.0 if aside is None else aside,
                 rate,
                 [kind == "Position" for kind in kinds] if "Position" in kinds else False,
-                self._is_ground_robot,
+                self._grounds,
             )
             self._driven = command
         self.context.world.drive_fleet(self._fleet)
 
-    def _is_ground_robot(self, row: int) -> bool:
-        return bool(self.members[row].robot_parent._is_ground_robot)
+    def _grounds(self) -> list[bool]:
+        try:
+            return [attributes["_is_ground_robot"] for attributes in self._robots]
+        except KeyError:
+            return [bool(member.robot_parent._is_ground_robot) for member in self.members]
 
     # -- a tick ----------------------------------------------------------------------------
 

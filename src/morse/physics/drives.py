@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.kernel.driving.reference import arc, turn_by
+from morse.kernel.driving.pushing import body_velocity
+from morse.kernel.driving.turns import arc, turn_by
 from morse.physics import glide_velocity, rigid
 from morse.physics.command import Command, midway
 from morse.physics.compile import set_damping
@@ -149,6 +150,8 @@ class Drives:
             stopped = [index for index in self._sliding if index not in commands]
         for index in stopped:
             self._set_sliding(index, False)
+        for fleet in self._fleets:
+            fleet.settle(gliding)
         if commands:
             self._apply_each(commands)
 
@@ -189,36 +192,21 @@ class Drives:
         sliding = not command.is_rest
         if sliding != (index in self._sliding):
             self._set_sliding(index, sliding)
-        state = self._state
-        r = state.rotations[index]
-        a = slot.dof
-        qvel = state.data.qvel
-        vx, vy, vz = rigid.turn(r, midway(command.linear, command.angular, state.period))
-        wx, wy, wz = command.angular
-        if command.ground:
-            old = qvel[a + 3 : a + 6].tolist()
-            # the yaw rate about the world Z axis changes; roll and pitch rates do not: w' = w + R^T z (target - z.R w)
-            change = r[6] * wx + r[7] * wy + r[8] * wz - (r[6] * old[0] + r[7] * old[1] + r[8] * old[2])
-            qvel[a] = vx
-            qvel[a + 1] = vy
-            qvel[a + 3 : a + 6] = (old[0] + r[6] * change, old[1] + r[7] * change, old[2] + r[8] * change)
-        elif command.shift:
-            self._shift(qvel, a, (vx, vy, vz), command)
+        state, dof = self._state, slot.dof
+        linear, angular = command.linear, command.angular
+        wx, wy, wz = angular
+        half = 0.5 * wz * state.period
+        if wx or wy:
+            linear, (c, s) = midway(linear, angular, state.period), turn_by(half)
         else:
-            qvel[a : a + 6] = (vx, vy, vz, wx, wy, wz)
+            x, y, c, s = arc(linear[0], linear[1], half)
+            linear = (x, y, linear[2])
+        own = self._qvel[dof : dof + 6]
+        own[:] = body_velocity(state.rotations[index], own.tolist(), linear, angular, command.ground, command.shift)
         if command.shift or wz:
-            self._turn_after.append((a, *turn_by(0.5 * wz * state.period), command.shift))
+            self._turn_after.append((dof, c, s, command.shift))
         if sliding and command.ground:
             self._gliding.consider(index, command)
-
-    def _shift(self, qvel: Sequence[float], a: int, velocity: Sequence[float], command: Command) -> None:
-        # axes without a command are left to gravity and contacts
-        qvel[a], qvel[a + 1] = velocity[0], velocity[1]  # type: ignore[index]
-        if velocity[2]:
-            qvel[a + 2] = velocity[2]  # type: ignore[index]
-        for axis in range(3):
-            if command.angular[axis] or axis == 2:
-                qvel[a + 3 + axis] = command.angular[axis]  # type: ignore[index]
 
     def _move(self, index: int, command: Command) -> None:
         state = self._state

@@ -10,6 +10,7 @@ import numpy as np
 from morse.kernel.driving import gliders
 from morse.kernel.driving.arrays import GliderArrays
 from morse.physics.command import Command
+from morse.physics.layout import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 class Fleet:
     """Bodies whose velocities in the plane of their X and Y axes are commanded in the same ticks.
 
-    Most robots glide, so their velocities are written in one call. The other robots are handled by `Drives` one by one.
+    The velocities of robots that glide, and of robots that push something, are written in one call each. `Drives`
+    handles the others one by one: robots that start, stop, or have friction.
 
     Attributes:
         rows: row of each slot.
@@ -36,8 +38,11 @@ class Fleet:
         count = len(slots)
         self._forward, self._aside, self._rate = np.zeros(count), np.zeros(count), np.zeros(count)
         self._shifts = np.zeros(count, dtype=np.uint8)
+        self._ground = np.zeros(count, dtype=np.uint8)
         self._others = np.zeros(count, dtype=np.int64)
-        self._is_ground: Callable[[int], bool] = lambda row: False
+        self._settled = np.zeros(count, dtype=np.int64)
+        self._settled_count = 0
+        self._grounds: Callable[[], Sequence[bool]] = lambda: [False] * count
         self._withdrawn: set[int] = set()
         self._work: GliderWork | None = None
         self._state: EngineState | None = None
@@ -48,7 +53,7 @@ class Fleet:
         aside: Sequence[float] | NDArray[np.float64] | float,
         rate: Sequence[float] | NDArray[np.float64],
         shifts: Sequence[bool] | bool,
-        is_ground: Callable[[int], bool],
+        grounds: Callable[[], Sequence[bool]],
     ) -> None:
         """Set the commands for the next tick.
 
@@ -56,13 +61,13 @@ class Fleet:
             forward, aside: (N,) velocity along their X and Y axes, m/s.
             rate: (N,) angular velocity about their Z axes, rad/s.
             shifts: (N,) booleans: rows that move without gaining momentum.
-            is_ground: whether a row keeps its vertical speed, and its roll and pitch rates.
+            grounds: returns (N,) booleans: rows that keep their vertical speed, and their roll and pitch rates.
         """
         for target, values in ((self._forward, forward), (self._aside, aside), (self._rate, rate)):
             # twice as fast for a list of floats
             target[:] = array("d", values) if isinstance(values, list) else values
         self._shifts[:] = shifts
-        self._is_ground = is_ground
+        self._grounds = grounds
 
     def renew(self) -> None:
         """All of them get their commands again."""
@@ -77,11 +82,12 @@ class Fleet:
             (float(self._forward[row]), float(self._aside[row]), 0.0),
             (0.0, 0.0, float(self._rate[row])),
             bool(self._shifts[row]),
-            self._is_ground(row),
+            bool(self._ground[row]),
         )
 
     def commands(self) -> dict[int, Command]:
         """Return the commands as single commands, by slot."""
+        self._ground[:] = self._grounds()
         return {slot: self._row_command(row) for slot, row in self.rows.items() if row not in self._withdrawn}
 
     def begin(
@@ -91,7 +97,7 @@ class Fleet:
         plain: NDArray[np.uint8],
         sliding: NDArray[np.uint8],
     ) -> dict[int, Command]:
-        """Write the velocities of the gliding robots at the beginning of a tick.
+        """Write the velocities of most robots at the beginning of a tick.
 
         Args:
             plain, sliding: (K,) see `GliderArrays`.
@@ -104,13 +110,28 @@ class Fleet:
         kept = plain[self._slots[list(self._withdrawn)]] if self._withdrawn else None
         if kept is not None:
             plain[self._slots[list(self._withdrawn)]] = 0
-        count = self._work.begin(state.rotations.array)
+        count, self._settled_count = self._work.begin(state.rotations.array), 0
+        if count:
+            count = self._push(self._work, state, gliding, count)
         if kept is not None:
             plain[self._slots[list(self._withdrawn)]] = kept
         if not count:
             return {}
         rows = [row for row in self._others[:count].tolist() if row not in self._withdrawn]
         return {int(self._slots[row]): self._row_command(row) for row in rows}
+
+    def _push(self, work: GliderWork, state: EngineState, gliding: Gliding, count: int) -> int:
+        """Write the velocities of the robots that do not glide; return how many remain to be driven one by one."""
+        self._ground[:] = self._grounds()
+        left, self._settled_count = work.push(state.positions.array, state.rotations.array, count, gliding.tick)
+        if left < count:
+            state.is_stirred = True
+        return left
+
+    def settle(self, gliding: Gliding) -> None:
+        """Let the robots glide that have settled, after `begin`."""
+        for row in self._settled[: self._settled_count].tolist():
+            gliding.consider_settled(int(self._slots[row]), self._row_command(row))
 
     def end(self) -> None:
         """Called at the end of a tick."""
@@ -128,11 +149,13 @@ class Fleet:
             aside=self._aside,
             rate=self._rate,
             shifts=self._shifts,
+            ground=self._ground,
             dofs=np.array([slot.dof for slot in slots], dtype=np.int64),
             speeds=gliding.speeds,
             margins=gliding.margins,
             extents=gliding.extents,
             plain=plain,
+            free=np.array([slot.frame.motion is Motion.FREE and slot.dof >= 0 for slot in slots], dtype=np.uint8),
             sliding=sliding,
             trees=np.array(trees, dtype=np.int32),
             asleep=state.data.tree_asleep,
@@ -142,4 +165,6 @@ class Fleet:
             cosines=np.ones(count),
             sines=np.zeros(count),
             others=self._others,
+            settled=self._settled,
+            stances=gliding.stances.arrays,
         )

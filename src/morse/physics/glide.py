@@ -1,4 +1,4 @@
-"""Records of gliding robots, and of robots that may glide."""
+"""Records of gliding robots."""
 
 from __future__ import annotations
 
@@ -15,25 +15,6 @@ if TYPE_CHECKING:
 FIRST_WAIT, LONGEST_WAIT = 4, 256
 #: ticks that robots which have room around them drift after one look for contacts
 FORESIGHT = 8
-
-
-@dataclass(slots=True)
-class Stand:
-    """The stance of a robot in the last tick, and its disturbances.
-
-    Attributes:
-        tick: tick of the stance.
-        height: height of the origin of the robot, m.
-        up: vertical direction in the axes of the robot.
-        wait: number of ticks to wait after the next disturbance.
-        until: first tick in which the robot may glide.
-    """
-
-    tick: int = -1
-    height: float = 0.0
-    up: Sequence[float] = (0.0, 0.0, 1.0)
-    wait: int = FIRST_WAIT
-    until: int = 0
 
 
 @dataclass(slots=True)

@@ -202,11 +202,7 @@ class GlideSteps:
         mujoco.mj_setState(self._state.model, data, self._saved, _STATE)
         data.maxuse_con = 0
         for index in disturbed:
-            stand, glide = gliding.stands[index], gliding.glides[index]
-            if gliding.tick - glide.since > LONGEST_WAIT:
-                stand.wait = FIRST_WAIT
-            stand.until = gliding.tick + stand.wait
-            stand.wait = min(2 * stand.wait, LONGEST_WAIT)
+            gliding.stances.disturb(index, gliding.tick, gliding.glides[index].since)
             gliding.leave(index)
         return True
 

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.physics.floors import ALL_BITS, Floor, find_floors
-from morse.physics.glide import Glide, Stand
+from morse.physics.glide import Glide
 from morse.physics.kinematics import contact_pairs
+from morse.physics.stances import Stances
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from morse.physics.saved import SavedGliding
     from morse.scene import Node
 
-#: largest changes of height (m) and tilt per tick of a robot that has settled
-_SETTLED = 1e-9
+#: change of the tilt of a gliding robot since it began to glide
+_TILTED = 1e-7
 #: largest distance between feet and a floor that carries them, m; bodies penetrate floors slightly
 _NEAR = 2e-3
 #: shapes that are lower than the feet by more than this, m, cannot be touched
@@ -49,7 +50,7 @@ class Gliding:
 
     Attributes:
         glides: the gliding robots, by slot.
-        stands: stances of the other robots, by slot.
+        stances: stances of the other robots.
         owner: (G,) slot of each geom of a robot that may glide; -1 for other geoms.
         lopsided: gliding slots that cannot take long steps because of their centre of mass.
         tick: number of the present tick.
@@ -75,6 +76,12 @@ class Gliding:
         self.owner = np.full(model.ngeom, -1)
         for index in self._able:
             self.owner[self._geoms(state.slots[index])] = index
+        self._is_foot, self._is_floor = np.zeros(model.ngeom, dtype=bool), np.zeros(model.ngeom, dtype=bool)
+        for index in self._able:
+            self._is_foot[state.slots[index].feet] = True
+        self._is_floor[[floor.geom for floor in self._floors]] = True
+        #: slots that cannot glide because of what they touch, in that tick
+        self._busy_tick, self._busy = -1, set[int]()
         self._extent = {index: self._outline(state.slots[index]) for index in self._able}
         self._unmeasured: set[int] = set()
         #: shapes that have moved within robots, and the height of the lowest one above the origin of its robot, m
@@ -82,6 +89,7 @@ class Gliding:
         self._lowest: dict[int, float] = {}
         count = len(state.slots)
         self.extents = np.array([self._extent.get(index, 0.0) for index in range(count)])
+        self.stances = Stances(self._able, count)
         self.speeds, self.margins = np.zeros(count), np.zeros(count)
         self.reset()
 
@@ -157,13 +165,14 @@ class Gliding:
     def reset(self) -> None:
         """End all gliding, after the model was reset to its compiled values."""
         self.glides: dict[int, Glide] = {}
-        self.stands: dict[int, Stand] = {}
+        self.stances.reset()
         self.tick = 0
         self.next_look = 0
         self.newest = 0
         self.lopsided: set[int] = set()
         self.foresight = self.clear_until = 0
         self.is_rearranged = False
+        self._busy_tick = -1
         self.forget_moved_shapes()
         self.speeds[:] = -1.0
         self.margins[:] = 0.0
@@ -195,15 +204,14 @@ class Gliding:
             return
         state = self._state
         height, up = state.positions[index][2], state.rotations[index][6:9]
-        stand = self.stands.setdefault(index, Stand())
-        has_settled = (
-            stand.tick == self.tick - 1
-            and abs(height - stand.height) < _SETTLED
-            and max(abs(a - b) for a, b in zip(up, stand.up, strict=True)) < _SETTLED
-        )
-        stand.tick, stand.height, stand.up = self.tick, height, up
-        if not has_settled or self.tick < stand.until or not _is_flat(command):
+        if self.stances.record(index, self.tick, height, up):
+            self.consider_settled(index, command)
+
+    def consider_settled(self, index: int, command: Command) -> None:
+        """Let a robot that is driven over the ground and has settled glide if possible."""
+        if not _is_flat(command) or index in self._touching_else():
             return
+        state = self._state
         slot = state.slots[index]
         if state.data.xfrc_applied[slot.body].any() or state.model.body_gravcomp[slot.body]:
             return
@@ -228,11 +236,20 @@ class Gliding:
         """Return (4,) heights of the undersides of the feet, m."""
         return np.asarray(self._state.data.geom_xpos[slot.feet, 2] - self._state.model.geom_size[slot.feet, 0])
 
+    def _touching_else(self) -> set[int]:
+        """Return the slots that touch anything but a floor, or touch it with other shapes than their feet."""
+        if self._busy_tick != self.tick:
+            pairs = contact_pairs(self._state)
+            pairs = np.concatenate([pairs, pairs[:, ::-1]])
+            expected = self._is_foot[pairs[:, 0]] & self._is_floor[pairs[:, 1]]
+            self._busy_tick, self._busy = self.tick, set(self.owner[pairs[~expected, 0]].tolist())
+        return self._busy
+
     def _touches_else(self, index: int, floor: Floor) -> bool:
+        """Whether a robot that touches nothing but floors touches another one."""
         pairs = contact_pairs(self._state)
-        own = self.owner[pairs] == index
-        expected = np.isin(pairs, self._state.slots[index].feet).any(axis=1) & (pairs == floor.geom).any(axis=1)
-        return bool((own.any(axis=1) & ~expected).any())
+        own = np.isin(pairs, self._state.slots[index].feet).any(axis=1)
+        return bool((own & ~(pairs == floor.geom).any(axis=1)).any())
 
     def _lift(self, slot: Slot, floor: Floor) -> None:
         """Disable gravity and collisions with the floor for a robot."""
@@ -273,9 +290,7 @@ class Gliding:
 
     def unsettle(self, index: int) -> None:
         """End the gliding of a robot that was moved by an explicit call; it has to settle before it glides again."""
-        stand = self.stands.get(index)
-        if stand is not None:
-            stand.tick = -1
+        self.stances.unsettle(index)
         self.leave(index)
 
     def leave(self, index: int) -> None:
@@ -352,7 +367,7 @@ class Gliding:
 
     def _look_at(self, index: int, glide: Glide) -> None:
         up = self._state.rotations[index][6:9]
-        if max(abs(a - b) for a, b in zip(up, glide.up, strict=True)) > 100 * _SETTLED:
+        if max(abs(a - b) for a, b in zip(up, glide.up, strict=True)) > _TILTED:
             self.leave(index)
             return
         self._plan(index, glide, glide.speed / 2.0)
@@ -402,17 +417,7 @@ class Gliding:
                 }
                 for index, glide in self.glides.items()
             ],
-            "stands": [
-                {
-                    "slot": names[index],
-                    "tick": stand.tick,
-                    "height": stand.height,
-                    "up": tuple(stand.up),
-                    "wait": stand.wait,
-                    "until": stand.until,
-                }
-                for index, stand in self.stands.items()
-            ],
+            "stands": self.stances.get_state(names),
             "tick": self.tick,
             "look": self.next_look,
             "newest": self.newest,
@@ -446,8 +451,7 @@ class Gliding:
             self.speeds[index], self.margins[index] = entry.speed, entry.margin
             if not self._extent[index]:
                 self.lopsided.add(index)
-        for stand in state.stands:
-            self.stands[named[stand.slot]] = Stand(stand.tick, stand.height, stand.up, stand.wait, stand.until)
+        self.stances.set_state(state.stands, named)
         self.tick, self.next_look, self.newest = state.tick, state.look, state.newest
         self.foresight, self.clear_until = state.foresight, state.clear_until
 

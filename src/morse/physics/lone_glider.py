@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import mujoco
 
-from morse.kernel.driving.reference import arc
+from morse.kernel.driving.turns import arc
 from morse.physics import glide_velocity, kinematics
 
 if TYPE_CHECKING:

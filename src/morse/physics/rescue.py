@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: limits of the sums of squares below which no single value can be too large
-_SPEEDS, _PLACES = RUNAWAY_SPEED**2, RUNAWAY_DISTANCE**2
+_norm = mujoco.mju_norm
 #: resets of one body within this time, s, count as one event
 _EVENT = 1.0
 #: maximum number of resets that are kept
@@ -77,9 +76,8 @@ class Rescue:
 
     def all_is_well(self) -> bool:
         """Whether the state has not diverged. NaN and infinity fail the comparison with the limits."""
-        speeds, places = self._qvel, self._qpos
-        # vdot, unlike dot, does not emit warnings
-        return bool(np.vdot(speeds, speeds) < _SPEEDS) and bool(np.vdot(places, places) < _PLACES)
+        # unlike dot of numpy, the norm of the engine does not emit warnings, and it takes a third of the time
+        return bool(_norm(self._qvel) < RUNAWAY_SPEED and _norm(self._qpos) < RUNAWAY_DISTANCE)
 
     def repeat(self, numbers: NDArray[np.float64], asleep: NDArray[np.int32], run: Callable[[], None]) -> None:
         """Repeat a tick after a reset of the bodies that diverged in it.

@@ -37,7 +37,10 @@ class Rows:
     def take(self, values: NDArray[np.float64]) -> None:
         """Set new values for the first rows."""
         if self._is_shared:
-            self._own()
+            count = len(self._none)
+            array = np.empty_like(self._array)
+            array[count:] = self._array[count:]
+            self._array, self._first, self._is_shared = array, array[:count], False
         self._first[:] = values
         self._rows[: len(self._none)] = self._none
 

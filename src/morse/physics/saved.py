@@ -103,7 +103,7 @@ class SavedGlide(_Part):
 
 
 class SavedStand(_Part):
-    """The stance of a robot; see `morse.physics.glide.Stand`."""
+    """The stance of a robot; see `morse.physics.stances.Stances`."""
 
     slot: str
     tick: _Ticks

@@ -3,27 +3,8 @@
 #include <stdint.h>
 
 #include "export.h"
+#include "gliders.h"
 #include "turns.h"
-
-enum { LEFT_OUT = 0, GLIDES = 1, TURNS = 2, SHIFTS = 4 };
-
-typedef struct {
-    int64_t count;                             // N robots
-    const int64_t *slots;                      // (N)
-    const double *forward, *aside, *rate;      // (N) commands, m/s and rad/s in the axes of the robot
-    const uint8_t *shifts;                     // (N) 1: moved without momentum
-    const int64_t *dofs;                       // (K) address of the velocity
-    const double *speeds, *margins, *extents;  // (K) limits of gliding; a negative speed: no gliding
-    const uint8_t *plain;                      // (K) 1: nothing else changes the commands of the robot
-    const uint8_t *sliding;                    // (K) 1: driven in the last tick
-    const int32_t *trees, *asleep;             // (K) its tree or -1; (T) 0 or more for a sleeping tree
-    const double *rotations;                   // (K, 9)
-    double period;                             // s
-    double *velocities;                        // of the engine
-    uint8_t *done;                             // (N) result, for `morse_glide_end`
-    double *cosines, *sines;                   // (N) results
-    int64_t *others;                           // (N) result: rows that have to be driven separately
-} Gliders;
 
 MORSE_EXPORT int64_t morse_glide_begin(const Gliders *all);
 MORSE_EXPORT void morse_glide_end(const Gliders *all);
@@ -47,13 +28,7 @@ int64_t morse_glide_begin(const Gliders *all) {
         const double *r = all->rotations + 9 * slot;
         double *v = all->velocities + all->dofs[slot];
         const double half = 0.5 * rate * all->period;
-        Turn turn = {1.0, 0.0};
-        if (fabs(half) > 1e-9) {
-            turn = turn_by(half);
-            const double chord = turn.sine / half, before = x;
-            x = chord * (turn.cosine * x - turn.sine * y);
-            y = chord * (turn.sine * before + turn.cosine * y);
-        }
+        const Turn turn = arc(&x, &y, half);
         const double about = rate * r[8];
         v[0] = r[0] * x + r[1] * y;
         v[1] = r[3] * x + r[4] * y;

@@ -42,3 +42,13 @@ static inline Turn turn_by(double angle) {
     if (odd == 3.0) return (Turn){s, -c};
     return (Turn){c, s};
 }
+
+// Turns the velocity (x, y) into the chord of an arc; returns cosine and sine of half the turning angle.
+static inline Turn arc(double *x, double *y, double half) {
+    if (!(fabs(half) > 1e-9)) return (Turn){1.0, 0.0};
+    const Turn turn = turn_by(half);
+    const double chord = turn.sine / half, before = *x;
+    *x = chord * (turn.cosine * *x - turn.sine * *y);
+    *y = chord * (turn.sine * before + turn.cosine * *y);
+    return turn;
+}

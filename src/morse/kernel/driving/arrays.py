@@ -15,6 +15,25 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False)
+class StanceArrays:
+    """How the robots of a world with K rigid groups ("slots") stood when they were last driven without gliding.
+
+    Attributes:
+        able: (K,) 1 for robots that may glide.
+        ticks: (K,) tick of the stance; -1 for a robot that has to settle anew.
+        heights: (K,) height of the origin of the robot, m.
+        ups: (K, 3) vertical direction in the axes of the robot.
+        until: (K,) first tick in which the robot may glide.
+    """
+
+    able: Bytes
+    ticks: Integers
+    heights: Floats
+    ups: Floats
+    until: Integers
+
+
+@dataclass(eq=False)
 class GliderArrays:
     """N robots of a world with K rigid groups ("slots"); all arrays are contiguous, and their addresses do not change.
 
@@ -22,9 +41,11 @@ class GliderArrays:
         slots: (N,) slots of the robots.
         forward, aside, rate: (N,) commands in the axes of each robot, m/s and rad/s.
         shifts: (N,) 1 for robots that are moved without momentum.
+        ground: (N,) 1 for robots that keep their vertical speed, and their roll and pitch rates.
         dofs: (K,) address of the velocity.
         speeds, margins, extents: (K,) limits for which gliding was checked, m/s and m; a negative speed: no gliding.
         plain: (K,) 1 for robots whose commands nothing else changes.
+        free: (K,) 1 for bodies with six degrees of freedom.
         sliding: (K,) 1 for robots that were driven in the last tick.
         trees: (K,) the tree of the engine, or -1.
         asleep: (T,) 0 or more for sleeping trees.
@@ -33,6 +54,8 @@ class GliderArrays:
         done: (N,) result of `GliderWork.begin`, for `GliderWork.end`: see ``c/glide.c``.
         cosines, sines: (N,) of half the turning angle.
         others: (N,) result: the rows that have to be driven separately.
+        settled: (N,) result of `GliderWork.push`: the rows of robots that have settled and may glide.
+        stances: stances of the robots that do not glide.
     """
 
     slots: Integers
@@ -40,11 +63,13 @@ class GliderArrays:
     aside: Floats
     rate: Floats
     shifts: Bytes
+    ground: Bytes
     dofs: Integers
     speeds: Floats
     margins: Floats
     extents: Floats
     plain: Bytes
+    free: Bytes
     sliding: Bytes
     trees: NDArray[np.int32]
     asleep: NDArray[np.int32]
@@ -54,6 +79,8 @@ class GliderArrays:
     cosines: Floats
     sines: Floats
     others: Integers
+    settled: Integers
+    stances: StanceArrays
 
 
 class GliderWork(Protocol):
@@ -67,6 +94,19 @@ class GliderWork(Protocol):
 
         Returns:
             The number of rows in `GliderArrays.others`, robots that have to be driven separately.
+        """
+
+    def push(self, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+        """Write the velocities of robots that do not glide, and record their stances.
+
+        Args:
+            positions, rotations: (K, 3), (K, 9) of all slots.
+            left: the number of rows in `GliderArrays.others`.
+            tick: number of the tick.
+
+        Returns:
+            The number of rows in `GliderArrays.others` now, robots that have to be driven one by one; and of rows in
+            `GliderArrays.settled`.
         """
 
     def end(self) -> None:

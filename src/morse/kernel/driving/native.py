@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
     from morse.kernel.driving.arrays import ChassisArrays, Floats, GliderArrays
 
-_GLIDERS = "slots forward aside rate shifts dofs speeds margins extents plain sliding trees asleep"
+_GLIDERS = "slots forward aside rate shifts ground dofs speeds margins extents plain free sliding trees asleep"
+_STANCES = "able ticks until heights ups"
+_RESULTS = "velocities done cosines sines others settled"
 _CHASSIS = "first geoms motors radii levers slots dofs axles frictions turnings driven"
 
 
@@ -23,13 +25,14 @@ def _pointers(names: str) -> list[tuple[str, type]]:
 
 
 class _GlidersStructure(ctypes.Structure):
-    """``Gliders`` of ``c/glide.c``."""
+    """``Gliders`` of ``c/gliders.h``."""
 
     _fields_ = (
         ("count", c_int64),
-        *_pointers(f"{_GLIDERS} rotations"),
+        *_pointers(f"{_GLIDERS} rotations positions"),
         ("period", c_double),
-        *_pointers("velocities done cosines sines others"),
+        *_pointers(f"{_STANCES} {_RESULTS}"),
+        ("settled_count", c_int64),
     )
 
 
@@ -52,20 +55,36 @@ class NativeGliders:
     def __init__(self, library: ctypes.CDLL, arrays: GliderArrays) -> None:
         self._arrays = arrays
         self._known: Floats | None = None
-        names = [*_GLIDERS.split(), "velocities", "done", "cosines", "sines", "others"]
-        found = dict(zip(names, addresses(*(getattr(arrays, name) for name in names)), strict=True))
+        self._places: Floats | None = None
+        names, stances = f"{_GLIDERS} {_RESULTS}".split(), _STANCES.split()
+        parts = [*(getattr(arrays, name) for name in names), *(getattr(arrays.stances, name) for name in stances)]
+        found = dict(zip([*names, *stances], addresses(*parts), strict=True))
         self._structure = _GlidersStructure(count=len(arrays.slots), period=arrays.period, **found)
         self._all = ctypes.byref(self._structure)
         self._begin, self._end = library.morse_glide_begin, library.morse_glide_end
-        self._begin.restype, self._end.restype = c_int64, None
+        self._push = library.morse_push
+        self._push.argtypes = c_void_p, c_int64, c_int64
+        self._begin.restype, self._end.restype, self._push.restype = c_int64, None, c_int64
 
     def begin(self, rotations: Floats) -> int:
         """Write the velocities of a tick."""
+        self._turned(rotations)
+        count: int = self._begin(self._all)
+        return count
+
+    def push(self, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:
+        """Drive robots that do not glide: see `GliderWork.push`."""
+        self._turned(rotations)
+        if positions is not self._places:
+            self._places = positions
+            (self._structure.positions,) = addresses(positions)
+        remaining: int = self._push(self._all, left, tick)
+        return remaining, self._structure.settled_count
+
+    def _turned(self, rotations: Floats) -> None:
         if rotations is not self._known:
             self._known = rotations
             (self._structure.rotations,) = addresses(rotations)
-        count: int = self._begin(self._all)
-        return count
 
     def end(self) -> None:
         """After the tick: see `GliderWork.end`."""
