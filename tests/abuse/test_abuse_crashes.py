@@ -44,10 +44,13 @@ env = Environment("empty", fastmode=True)
 
 
 def test_a_simulation_that_is_killed_frees_its_ports_at_once(start: Start) -> None:
-    scene = PARTS + END
+    # a port that no other test uses
+    port = int(os.environ["MORSE_SOCKET_PORT"]) + 150
+    scene = PARTS + f'pose.add_stream("socket", port={port})\nenv = Environment("empty", fastmode=True)\n'
     first = start(scene)
     services = Line(first.port)
     ports = services.call("simulation", "get_all_stream_ports")
+    assert ports == {"robot.pose": port}
     listeners = [Line(port) for port in ports.values() for _ in range(5)]
     for listener in listeners:
         assert json.loads(listener.read())["timestamp"] > 0.0
