@@ -156,7 +156,7 @@ def test_many_requests_at_once_are_all_answered_in_their_order(victim: Victim) -
 def test_a_client_that_asks_and_never_reads(victim: Victim) -> None:
     """Its unread answers accumulate: it is disconnected, or no longer read from."""
     with Witness(victim.port, victim.streams["anna.pose"]):
-        line = Line(victim.port, timeout=3.0)
+        line = Line(victim.port, timeout=1.0)
         line.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         request = b"1 simulation details\n" * 1000
         with pytest.raises((TimeoutError, ConnectionError)):

@@ -82,6 +82,9 @@ class Witness(threading.Thread):
             self.errors.append(repr(error))
 
     def _listen(self, pose: Line) -> None:
+        # the first message may have been made for a reader who left before this one came, and ticks without readers
+        # make none: the messages of all ticks follow from the second one on
+        pose.read()
         last = None
         while not self._ending.is_set():
             tick = round(json.loads(pose.read())["timestamp"] * HZ)

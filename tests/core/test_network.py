@@ -102,23 +102,23 @@ def test_waiting_ends_after_its_time(network: Network) -> None:
     begin = time.monotonic()
     for _ in range(5):
         network.wait(0.02)
-    assert time.monotonic() - begin < 5.0
+    assert time.monotonic() - begin < 60.0
 
 
 def test_any_thread_can_end_a_wait(network: Network) -> None:
     threading.Timer(0.05, network.wake).start()
     begin = time.monotonic()
-    network.wait(60.0)
-    assert time.monotonic() - begin < 30.0
+    network.wait(100.0)
+    assert time.monotonic() - begin < 60.0
 
 
 def test_a_wake_before_the_wait_is_not_lost(network: Network) -> None:
     network.wake()
     begin = time.monotonic()
-    network.wait(60.0)
+    network.wait(100.0)
     network.wake()
-    network.wait(60.0)
-    assert time.monotonic() - begin < 30.0
+    network.wait(100.0)
+    assert time.monotonic() - begin < 60.0
 
 
 def test_calls_go_on_when_the_loop_is_borrowed(network: Network) -> None:

@@ -11,7 +11,6 @@ import pytest
 
 from morse.builder import ATRV, Environment, MotionVW, Pose
 from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
-from pymorse.stream import TIMEOUT
 
 if TYPE_CHECKING:
     from morse.testing.process import SimulationProcess
@@ -193,12 +192,13 @@ def test_connections_from_the_same_port_are_told_apart(simu: Morse, monkeypatch:
     assert [stream.connection for stream in simu._streams] == [ours]
     theirs = f"127.0.0.1:{shared} {simu.get_stream_port('robot.pose')}"
     simu.step(5)
+    monkeypatch.setattr("pymorse.pymorse.TIMEOUT", 100.0)
     begin = time.monotonic()
     sent = simu.rpc("simulation", "step", 1, True)
     assert sent[theirs] == 6
     assert ours not in sent
     simu.step()
-    assert time.monotonic() - begin < TIMEOUT / 2
+    assert time.monotonic() - begin < 50.0
     listener.close()
 
 
@@ -267,9 +267,12 @@ def test_the_state_is_told_by_a_hash(simu: Morse) -> None:
 
 
 def test_a_paused_simulation_answers_at_once(simu: Morse, services: Wire) -> None:
-    """Not only when the next tick would be due: 60 calls take much less than a second."""
-    begin = time.monotonic()
+    """Not only when the next tick would be due, as each call would that follows an answer."""
+    durations = []
     for _ in range(60):
+        begin = time.monotonic()
         services.send(b"1 time now\n")
         services.line()
-    assert time.monotonic() - begin < 0.5
+        durations.append(time.monotonic() - begin)
+    # one call at least is not delayed by other programs
+    assert min(durations) < 0.5 / HZ

@@ -231,9 +231,7 @@ def test_an_environment_that_is_edited_in_blender(tmp_path: Path) -> None:
         )
         command = ["blender", "-b", "--factory-startup", "-noaudio", os.fspath(path), "--python-exit-code", "3"]
         subprocess.run([*command, "--python", os.fspath(script)], check=True, timeout=120, capture_output=True)
-        begin = time.monotonic()
         until(run, lambda: run.scene.find("Novelty"))
-        assert time.monotonic() - begin < 20.0
         assert run.scene.find(box) is None
         with pytest.raises(RemovedError):
             held.worldPosition  # noqa: B018
