@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from morse.core.actuator import Actuator
 from morse.core.declarations import DataField
+from morse.core.link_parts import link_parts
 from morse.helpers.chain import Chain
 from morse.mathutils.rotations import product, turn_back
 from morse.scene import JointKind
@@ -13,6 +14,8 @@ from morse.scene.frames import rigid_frame
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from morse.core.moving_parts import MovingPart
 
 
 class JointMotion(Actuator):
@@ -64,6 +67,10 @@ class JointMotion(Actuator):
     def joint_values(self) -> tuple[float, ...]:
         """The present joint values, rad or m."""
         return tuple(self._values)
+
+    def moving_parts(self) -> list[MovingPart]:
+        """The links of the armature, with the names of its file."""
+        return link_parts(self.bge_object, self.chain, lambda: self.joint_values, self.context.components)
 
     def _hanging(self, obj: Any) -> Any:
         """The objects attached to bones: object, index of the bone, and its pose in the frame of the bone."""

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 CONTINUOUS, REVOLUTE, PRISMATIC = "continuous", "revolute", "prismatic"
+FIXED, FLOATING = "fixed", "floating"
 
 
 class MovingPart(NamedTuple):
@@ -20,8 +21,12 @@ class MovingPart(NamedTuple):
         parent: the object that it moves against; None for the body of the robot.
         axis: (3,) unit vector along or about which it moves, in the frame of the part.
         position: rad or m, where it is now; called whenever it is needed.
-        type: as URDF calls it: ``continuous``, ``revolute`` or ``prismatic``.
+        type: as URDF calls it: ``continuous``, ``revolute`` or ``prismatic``; ``fixed``, or ``floating`` for a part
+            that moves in another way.
         low, high: rad or m.
+        frame: name of the part in its file; empty for a part that is named after its joint.
+        offset: (3,) m, origin of the frame of the part, which is on its joint, in the frame of its object.
+        mimic: the joint that this one follows, factor and offset; or None.
     """
 
     joint: str
@@ -32,3 +37,6 @@ class MovingPart(NamedTuple):
     type: str = CONTINUOUS
     low: float = -math.pi
     high: float = math.pi
+    frame: str = ""
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mimic: tuple[str, float, float] | None = None

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import add_data, add_property
+from morse.core.link_parts import link_parts
 from morse.core.object import Object
+from morse.helpers.chain import Chain
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from morse.core.moving_parts import MovingPart
 
 
 class Robot(Object):
@@ -35,6 +40,18 @@ class Robot(Object):
         self.is_dynamic = bool(obj.is_dynamic)
         if self._no_gravity:
             obj.disable_gravity()
+
+    def moving_parts(self) -> list[MovingPart]:
+        """The links of its armatures that no component moves."""
+        found = []
+        components = self.context.components
+        for part in (self.bge_object, *self.bge_object.childrenRecursive):
+            joints = part.joints() if part.node.bones and part.name not in components else None
+            if joints is not None:
+                chain = Chain(part.node.bones)
+                values = partial(joints.positions, chain.names)
+                found += link_parts(part, chain, values, components)
+        return found
 
     @property
     def move_status(self) -> str:

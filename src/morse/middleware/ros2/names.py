@@ -108,6 +108,10 @@ class Names:
             return f"{self.prefix(owner)}{_part(joint)}"
         return f"{self.own(owner)}_{_part(joint)}"
 
+    def link(self, robot: Any, link: str) -> str:
+        """The frame of a link that the file of a robot or of an arm names."""
+        return f"{self.prefix(robot)}{_part(link)}"
+
     def frame(self, component: Any, frame: str) -> str:
         """A frame of a component, by its name in `morse.core.declarations.FRAMES`."""
         if frame in _OF_WORLD:

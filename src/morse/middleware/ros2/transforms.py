@@ -41,7 +41,9 @@ class _RobotFrames:
         self.source: str | None = None
         self.moved = Transformation3d()
         self.streams: list[Ros2Stream] = []
-        self.joints: list[Joint] = []
+        #: parts that move, and parts that do not
+        self.moving: list[Joint] = []
+        self.fixed: list[Joint] = []
         #: streams with a frame that keeps the axes of the world, independent of the robot
         self.upright: list[Ros2Stream] = []
 
@@ -118,7 +120,7 @@ class Transforms:
         """
         for frames in self._robots.values():
             streams = frames.streams
-            if frames.source is not None or frames.joints or frames.upright:
+            if frames.source is not None or frames.moving or frames.upright:
                 return None
             if any(stream.is_carried() or stream.master() is not None for stream in streams):
                 return None
@@ -136,7 +138,9 @@ class Transforms:
         if self.changed:
             self.changed = False
             for frames in self._robots.values():
-                frames.joints = joints_of(frames.robot, frames.streams[0].manager.names)
+                joints = joints_of(frames.robot, frames.streams[0].manager.names)
+                frames.moving = [joint for joint in joints if not joint.is_fixed]
+                frames.fixed = [joint for joint in joints if joint.is_fixed]
                 frames.upright = [stream for stream in frames.streams if "down" in stream.frames()]
             self._send_static({"transforms": [transform(stamp, *one) for one in self._static()]})
         if wanted and self._robots:
@@ -155,6 +159,7 @@ class Transforms:
                     if frame in used and stream.master() is None:
                         yield stream.own_frame(), stream.frame_id(frame), pose_of((0.0, 0.0, 0.0), rotation)
                 frames_of_world |= used
+            yield from poses_of(frames.fixed)
         if "ned" in frames_of_world:
             yield MAP, f"{MAP}_ned", pose_of((0.0, 0.0, 0.0), _NED)
 
@@ -171,7 +176,7 @@ class Transforms:
                 body = Transformation3d(frames.robot.bge_object)
                 x, y, z = stream.component_instance.bge_object.world_pose()[0]
                 yield frames.base, stream.frame_id("down"), body.transformation3d_with(pose_of((x, y, z), _DOWN))
-            yield from poses_of(frames.joints)
+            yield from poses_of(frames.moving)
 
 
 def transform(stamp: int, parent: str, child: str, pose: Transformation3d) -> dict[str, Any]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from morse.middleware.ros2.moving import Joint
 
+_ONE_AXIS = ("continuous", "revolute", "prismatic")
 _GREY = (0.6, 0.6, 0.6, 1.0)
 #: size of a shape without extent along an axis, m
 _THIN = 1e-3
@@ -54,7 +55,7 @@ def describe(name: str, robot: Any, base: str, joints: list[Joint], components: 
     owners |= {id(one.object): frame for frame, one in components.items()}
     _add_link(model, base, robot, owners, Transformation3d(robot))
     for joint in joints:
-        _add_link(model, joint.frame, joint.part.object, owners, Transformation3d(joint.part.object))
+        _add_link(model, joint.frame, joint.part.object, owners, joint.place())
         _add_joint(model, joint)
     for frame, one in components.items():
         _add_link(model, frame, one.object, owners, product(Transformation3d(robot), one.pose))
@@ -72,8 +73,13 @@ def _add_joint(model: Any, joint: Joint) -> None:
     made = ElementTree.SubElement(model, "joint", name=joint.name, type=part.type)
     ElementTree.SubElement(made, "parent", link=joint.parent)
     ElementTree.SubElement(made, "child", link=joint.frame)
-    made.append(_origin(joint.origin()))
+    made.append(_origin(joint.origin() if part.type in _ONE_AXIS else joint.pose()))
+    if part.type not in _ONE_AXIS:
+        return
     ElementTree.SubElement(made, "axis", xyz=_numbers(part.axis))
+    if part.mimic is not None:
+        leader, factor, offset = part.mimic
+        ElementTree.SubElement(made, "mimic", joint=leader, multiplier=f"{factor:.9g}", offset=f"{offset:.9g}")
     if part.type != "continuous":
         limits = {"lower": f"{part.low:.9g}", "upper": f"{part.high:.9g}", "effort": "0", "velocity": "0"}
         ElementTree.SubElement(made, "limit", limits)
