@@ -9,6 +9,7 @@ from morse.core import status
 from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.limits import Angle, Position
+from morse.core.progress import of_joints
 from morse.core.quoting import shown
 from morse.core.services import async_service, interruptible, service
 from morse.core.validation.arguments import Range, check_of
@@ -103,6 +104,10 @@ class JointServices(JointMotion):
         """Stop at the present joint values."""
         self._stop()
         super().interrupt()
+
+    def progress(self) -> dict[str, Any]:
+        """Return the values of the joints and their setpoints."""
+        return of_joints(self.joints, self._values, self._wanted())
 
     def _stop(self) -> None:
         """Cancel the motion that a service started."""

@@ -12,6 +12,7 @@ from morse.core.exceptions import MorseRPCInvokationError
 from morse.core.hints import nearest
 from morse.core.limits import ANGLE, Angle, Position
 from morse.core.moving_parts import MovingPart
+from morse.core.progress import of_joints
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 
@@ -99,6 +100,10 @@ class PTU(Actuator):
         """Stop at the present angles."""
         self.local_data["pan"], self.local_data["tilt"] = self.pan, self.tilt
         super().interrupt()
+
+    def progress(self) -> dict[str, Any]:
+        """Return both angles and their setpoints."""
+        return of_joints(("pan", "tilt"), (self.pan, self.tilt), (self.local_data["pan"], self.local_data["tilt"]))
 
     # -- services --------------------------------------------------------------------------
 

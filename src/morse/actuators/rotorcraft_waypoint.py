@@ -9,6 +9,7 @@ from morse.actuators.going import ARRIVED, STOP, TRANSIT, marker
 from morse.actuators.rotorcraft import BankingRotorcraft
 from morse.core import status
 from morse.core.limits import ANGLE, LENGTH, POSITION, Angle, Length, Position
+from morse.core.progress import of_distance
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property, euler
 
@@ -101,6 +102,11 @@ class RotorcraftWaypoint(BankingRotorcraft):
         self._called_off = self.local_data["x"], self.local_data["y"], self.local_data["z"]
         self.robot_parent.move_status = STOP
         super().interrupt()
+
+    def progress(self) -> dict[str, Any]:
+        """Return the distance to the destination."""
+        here = self.robot_parent.bge_object.world_pose()[0]
+        return of_distance(math.dist(here, [self.local_data[name] for name in "xyz"]))
 
     def default_action(self) -> None:
         """Apply the thrust and the torques."""

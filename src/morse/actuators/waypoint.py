@@ -11,6 +11,7 @@ from morse.actuators.going import STOP, TRANSIT, Going, marker
 from morse.actuators.obstacle_radars import REACH, ObstacleRadars
 from morse.core.hints import nearest
 from morse.core.limits import LENGTH, AbsoluteSpeed, Length, Position
+from morse.core.progress import of_distance
 from morse.core.services import async_service, interruptible, service
 from morse.helpers.components import add_data, add_kind, add_property
 
@@ -160,6 +161,11 @@ class Waypoint(Going):
         self.local_data.update(zip("xyz", self._called_off, strict=True))
         self.robot_parent.move_status = STOP
         super().interrupt()
+
+    def progress(self) -> dict[str, Any]:
+        """Return the distance to the destination, and the time at the present speed."""
+        data = self.local_data
+        return of_distance(self._distance(data["x"], data["y"], data["z"]), data["speed"])
 
     def _go(self, x: float, y: float, z: float, tolerance: float, speed: float) -> None:
         self.local_data.update(x=float(x), y=float(y), z=float(z), tolerance=float(tolerance), speed=float(speed))

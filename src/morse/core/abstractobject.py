@@ -58,6 +58,13 @@ class AbstractObject:
         if self.on_completion is not None:
             self.completed(_status.PREEMPTED)
 
+    def progress(self) -> dict[str, Any]:
+        """Return the progress of the running service for the feedback of actions; empty if it is not known.
+
+        Keys are the names of fields of feedback messages, such as ``distance_remaining`` (`morse.core.progress`).
+        """
+        return {}
+
     def default_action(self) -> None:
         """The work of a tick."""
 

@@ -53,6 +53,10 @@ class MorseOverlay(AbstractObject):
 
         return done
 
+    def progress(self) -> dict[str, Any]:
+        """Return the progress of the overlaid object."""
+        return self.overlaid_object.progress()
+
     def interrupt(self) -> None:
         """Interrupt the overlaid object."""
         self.overlaid_object.interrupt()

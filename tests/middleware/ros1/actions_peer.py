@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+from typing import Any
 
 import actionlib
 import rospy
 from actionlib.msg import TestAction, TestGoal
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_srvs.srv import SetBool, Trigger
 
 _LIMIT = 60.0
@@ -39,6 +41,20 @@ def main() -> None:
     cancelled = until(ended)
     client.send_goal(TestGoal(goal=-1))
     refused, text = until(ended), client.get_goal_status_text()
+    drive = actionlib.SimpleActionClient("/driver/drive", MoveBaseAction)
+    while not drive.wait_for_server(rospy.Duration(1.0)):
+        pass
+    told: list[tuple[str, float]] = []
+    there = MoveBaseGoal()
+    there.target_pose.pose.position.x = 4.0
+
+    def tell(message: Any) -> None:
+        told.append((message.base_position.header.frame_id, message.base_position.pose.position.x))
+
+    drive.send_goal(there, feedback_cb=tell)
+    end = time.monotonic() + _LIMIT
+    while time.monotonic() < end and drive.get_state() not in ended:
+        time.sleep(0.01)
     halt = rospy.ServiceProxy("/driver/halt", SetBool)(True)
     try:
         rospy.ServiceProxy("/driver/fail", Trigger)()
@@ -53,6 +69,7 @@ def main() -> None:
                 "refused": [refused, text],
                 "halt": [halt.success, halt.message],
                 "failure": failure,
+                "feedback": told,
                 "statuses": len(statuses),
             }
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 OVERLAY = """
 from actionlib.msg import TestAction, TestResult
+from move_base_msgs.msg import MoveBaseAction
 from std_srvs.srv import SetBool, Trigger
 
 from morse.core.overlay import MorseOverlay
@@ -36,7 +38,16 @@ class Driver(MorseOverlay):
         raise ValueError("a mistake of the user")
 
     @interruptible
-    @ros_action(type=TestAction)
+    @ros_action(type=MoveBaseAction)
+    def drive(self, goal):
+        place = goal.target_pose.pose.position
+        self.overlaid_object.goto(self.chain_callback(), place.x, place.y, place.z)
+
+    def wrong(self):
+        return "half way"
+
+    @interruptible
+    @ros_action(type=TestAction, feedback="wrong")
     def go(self, goal):
         if goal.goal < 0:
             raise ValueError("not that way")
@@ -87,6 +98,19 @@ def test_services_with_types_of_their_own(said: Any) -> None:
     assert said["halt"] == [True, "halted"]
     assert "a mistake of the user" in said["failure"]
     assert "the service fail of driver failed: ValueError" in said["log"]
+
+
+def test_feedback_has_the_pose_of_the_robot_that_drives(said: Any) -> None:
+    # by default, of the fields of MoveBaseFeedback: two metres, told five times per simulated second
+    frames, places = {frame for frame, _ in said["feedback"]}, [x for _, x in said["feedback"]]
+    assert frames == {"map"}
+    assert places == sorted(places)
+    assert len(places) >= 5
+    assert max(after - before for before, after in pairwise(places)) == pytest.approx(0.2, abs=0.02)
+
+
+def test_feedback_of_another_type_is_named_and_not_sent(said: Any) -> None:
+    assert "the feedback of driver failed: TypeError: wrong returned a str, expected a TestFeedback" in said["log"]
 
 
 def test_status_is_told_again_and_again(said: Any) -> None:

@@ -32,7 +32,12 @@ def main() -> None:
         return future.result()
 
     assert client.wait_for_server(_LIMIT)
-    first = wait(client.send_goal_async(Fibonacci.Goal(order=2)))
+    told: list[tuple[bytes, int]] = []
+
+    def tell(message: Any) -> None:
+        told.append((bytes(message.goal_id.uuid), message.feedback.sequence[0]))
+
+    first = wait(client.send_goal_async(Fibonacci.Goal(order=2), feedback_callback=tell))
     reached = wait(first.get_result_async())
     second = wait(client.send_goal_async(Fibonacci.Goal(order=100)))
     result = second.get_result_async()
@@ -49,6 +54,8 @@ def main() -> None:
                 "reached": [first.accepted, reached.status, list(reached.result.sequence)],
                 "cancelled": [len(cancelling.goals_canceling), cancelled.status],
                 "refused": refused.status,
+                "feedback": [rest for number, rest in told if number == bytes(first.goal_id.uuid)],
+                "feedback of others": sum(number != bytes(first.goal_id.uuid) for number, _ in told),
                 "halted": [halted.success, halted.message],
             }
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import pytest
@@ -33,11 +34,14 @@ class Driver(MorseOverlay):
         return data, "halted"
 
     @interruptible
-    @ros_action(type=Fibonacci)
+    @ros_action(type=Fibonacci, feedback="rest")
     def go(self, goal):
         if goal.order < 0:
             raise ValueError("not that way")
         self.overlaid_object.goto(self.chain_callback(self.arrived), float(goal.order), 0.0, 0.0, 0.5, 2.0)
+
+    def rest(self):
+        return Fibonacci.Feedback(sequence=[round(1000 * self.progress()["distance_remaining"])])
 
     def arrived(self, outcome):
         status, _ = outcome
@@ -65,6 +69,13 @@ if has(sys.executable, "rclpy"):
         assert said["reached"] == [True, succeeded, [1, 1, 2]]
         assert said["cancelled"] == [1, canceled]
         assert said["refused"] == aborted
+        # the distance in mm, five times per second: 1.5 m at 2 m/s, with the tolerance of 0.5 m
+        rest = said["feedback"]
+        assert rest == sorted(rest, reverse=True)
+        assert 3 <= len(rest) <= 5
+        assert rest[0] > 1900
+        assert [before - after for before, after in pairwise(rest)] == pytest.approx([400] * (len(rest) - 1), abs=35)
+        assert said["feedback of others"] == 0
         assert said["halted"] == [True, "halted"]
 
 else:

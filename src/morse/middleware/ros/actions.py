@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.core.clock import Clock
+    from morse.middleware.ros2.feedback import Feedback
 
 #: constants of actionlib_msgs/GoalStatus
 _ACTIVE, _PREEMPTED, _SUCCEEDED, _ABORTED, _RECALLED = 1, 2, 3, 4, 8
@@ -25,8 +26,9 @@ _WAITING = 64
 
 
 class _Goal:
-    def __init__(self, goal_id: Any) -> None:
+    def __init__(self, goal_id: Any, begun: int) -> None:
         self.id, self.status, self.text = goal_id, _ACTIVE, ""
+        self.begun = begun
         self.call: Any = None
         self.ended_at = float("inf")
 
@@ -40,11 +42,16 @@ class ActionServer:
         kind: class of the action.
         begin: begins the service with arguments and a callback for the outcome; returns the call if it is asynchronous.
         manager: aborts calls.
+        feedback: makes the feedback of a running goal.
     """
 
-    def __init__(self, rospy: Any, path: str, kind: Any, begin: Callable[..., Any], manager: Any) -> None:
-        self._kind, self._begin, self._manager = kind, begin, manager
+    def __init__(
+        self, rospy: Any, path: str, kind: Any, begin: Callable[..., Any], manager: Any, feedback: Feedback
+    ) -> None:
+        self._begin, self._manager = begin, manager
         action = kind()
+        self._source = feedback
+        self._feedback_class = type(action.action_feedback)
         self._result_class = type(action.action_result)
         self._arrived: deque[tuple[str, Any]] = deque(maxlen=_WAITING)
         self._goals: list[_Goal] = []
@@ -80,6 +87,21 @@ class ActionServer:
                 self._cancel(given)
         if not self._next - 2.0 * _STATUS_PERIOD <= self._now < self._next:
             self._tell()
+        running = [goal for goal in self._goals if goal.status == _ACTIVE]
+        if running and self._source.is_due(self._stamp):
+            for goal in running:
+                self._tell_progress(goal)
+
+    def _tell_progress(self, goal: _Goal) -> None:
+        feedback = self._source.message(goal.begun, self._stamp)
+        if feedback is not None:
+            made = self._feedback_class()
+            made.header = message("std_msgs/Header", {"stamp": time(self._stamp)})
+            made.status.goal_id, made.status.status, made.feedback = goal.id, goal.status, feedback
+            try:
+                self._feedback.publish(made)
+            except Exception as error:  # rospy checks the types of fields only when it sends a message
+                self._source.failed(error)
 
     def _take(self, given: Any) -> None:
         known = next((goal for goal in self._goals if goal.id.id == given.goal_id.id), None)
@@ -88,7 +110,7 @@ class ActionServer:
         for running in [goal for goal in self._goals if goal.status == _ACTIVE and goal.call is not None]:
             self._manager.abort_request(running.call)
         self._manager.answer()
-        goal = _Goal(given.goal_id)
+        goal = _Goal(given.goal_id, self._stamp)
         self._goals.append(goal)
         self._tell()
         goal.call = self._begin([given.goal], lambda outcome: self._ended(goal, outcome))
@@ -115,19 +137,6 @@ class ActionServer:
         goal.ended_at = self._now
         self._result.publish(made)
         self._tell()
-
-    def feedback(self, value: Any) -> None:
-        """Publish feedback of the active goal.
-
-        Args:
-            value: the feedback message of the action.
-        """
-        for goal in self._goals:
-            if goal.status == _ACTIVE:
-                made = type(self._kind().action_feedback)()
-                made.header = message("std_msgs/Header", {"stamp": time(self._stamp)})
-                made.status.goal_id, made.status.status, made.feedback = goal.id, goal.status, value
-                self._feedback.publish(made)
 
     def _tell(self) -> None:
         self._next = self._now + _STATUS_PERIOD

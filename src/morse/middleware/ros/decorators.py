@@ -37,17 +37,24 @@ def ros_service(
 
 
 def ros_action(
-    fn: Callable[..., Any] | None = None, type: Any = None, component: str | None = None, name: str | None = None
+    fn: Callable[..., Any] | None = None,
+    type: Any = None,
+    component: str | None = None,
+    name: str | None = None,
+    feedback: str | None = None,
 ) -> Any:
     """Declare a method as a ROS action; it takes the goal, and ends with ``self.completed(status, result)``.
 
     Args:
         type: class of the action, such as ``move_base_msgs.msg.MoveBaseAction``.
+        feedback: name of a method that returns the feedback message of the running goal, or None for no message; it
+            is called five times per simulated second. By default, the fields that are known are filled in: see
+            `morse.middleware.ros2.feedback`.
         component: see `morse.core.services.service`.
         name: see `morse.core.services.service`.
     """
     if fn is None:
-        return functools.partial(ros_action, type=type, component=component, name=name)
+        return functools.partial(ros_action, type=type, component=component, name=name, feedback=feedback)
     made: Any = service(component=component, name=name, asynchronous=True)(fn)
-    made._ros_action_type = type
+    made._ros_action_type, made._ros_action_feedback = type, feedback
     return made

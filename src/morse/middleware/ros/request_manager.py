@@ -13,9 +13,10 @@ from morse.core.exceptions import MorseError
 from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import FAILED, SUCCESS
 from morse.middleware.ros.actions import ActionServer
-from morse.middleware.ros.messages import message_class
+from morse.middleware.ros.messages import message, message_class
 from morse.middleware.ros.node import join
 from morse.middleware.ros2.calls import SET_BOOL, TRIGGER, Call
+from morse.middleware.ros2.feedback import Feedback
 from morse.middleware.ros2.names import cleaned
 
 if TYPE_CHECKING:
@@ -94,7 +95,10 @@ class RosRequestManager(RequestManager):
         self._withdraw(key)
         action = getattr(callback, "_ros_action_type", None)
         if action is not None:
-            self._actions[key] = ActionServer(self._rospy, path, action, self._begin(component, name), self)
+            told = type(action().action_feedback.feedback)
+            kinds = dict(zip(told.__slots__, told._slot_types, strict=True))
+            feedback = Feedback(callback, told, kinds, lambda fields: message(told._type, fields))
+            self._actions[key] = ActionServer(self._rospy, path, action, self._begin(component, name), self, feedback)
             return
         declared = getattr(callback, "_ros_service_type", None)
         call = Call(callback)

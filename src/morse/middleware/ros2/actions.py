@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.clock import Clock
     from morse.middleware.ros2.backends.backend import Backend
+    from morse.middleware.ros2.feedback import Feedback
 
 #: constants of action_msgs/GoalStatus
 _UNKNOWN, _EXECUTING, _SUCCEEDED, _CANCELED, _ABORTED = 0, 2, 4, 5, 6
@@ -43,10 +44,17 @@ class ActionServer:
         kind: class of the action, such as ``nav2_msgs.action.NavigateToPose``.
         begin: begins the service with arguments and a callback for the outcome; returns the call if it is asynchronous.
         abort: ends a call.
+        feedback: makes the feedback of a running goal.
     """
 
     def __init__(
-        self, backend: Backend, path: str, kind: Any, begin: Callable[..., Any], abort: Callable[[Any], object]
+        self,
+        backend: Backend,
+        path: str,
+        kind: Any,
+        begin: Callable[..., Any],
+        abort: Callable[[Any], object],
+        feedback: Feedback,
     ) -> None:
         from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
         from action_msgs.srv import CancelGoal
@@ -54,6 +62,7 @@ class ActionServer:
         self._kind, self._begin, self._abort = kind, begin, abort
         self._info, self._one, self._array = GoalInfo, GoalStatus, GoalStatusArray
         self._goals: dict[bytes, _Goal] = {}
+        self._source, self._message = feedback, kind.Impl.FeedbackMessage
         impl = kind.Impl
         self._send = backend.typed_service(f"{path}/_action/send_goal", impl.SendGoalService)
         self._cancel = backend.typed_service(f"{path}/_action/cancel_goal", CancelGoal)
@@ -81,6 +90,18 @@ class ActionServer:
                 goal.waiting.append(caller)
             else:
                 self._answer(caller, goal.status, goal.result)
+        running = [goal for goal in self._goals.values() if goal.status == _EXECUTING]
+        if running and self._source.is_due(stamp):
+            for goal in running:
+                self._tell_progress(goal, stamp)
+
+    def _tell_progress(self, goal: _Goal, stamp: int) -> None:
+        feedback = self._source.message(goal.stamp, stamp)
+        if feedback is not None:
+            made = self._message()
+            made.goal_id.uuid = list(goal.number)
+            made.feedback = feedback
+            self._feedback.publish(made)
 
     def _take(self, caller: Any, request: Any, stamp: int) -> None:
         answer = self._kind.Impl.SendGoalService.Response()

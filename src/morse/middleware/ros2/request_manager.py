@@ -14,6 +14,7 @@ from morse.middleware.ros2.actions import ActionServer
 from morse.middleware.ros2.calls import Call
 from morse.middleware.ros2.cdr import CdrError
 from morse.middleware.ros2.domain import announce, join, options_of
+from morse.middleware.ros2.feedback import Feedback
 from morse.middleware.ros2.names import Names, cleaned
 from morse.middleware.ros2.simulation_interfaces import SimulationInterfaces
 
@@ -124,7 +125,11 @@ class Ros2RequestManager(RequestManager):
             return self.call(component, name, arguments, ended)
 
         if action is not None:
-            self._actions[key] = ActionServer(backend, path, action, begin, self.abort_request)
+            kinds = action.Feedback.get_fields_and_field_types()
+            feedback = Feedback(
+                callback, action.Feedback, kinds, lambda fields: backend.filled(action.Feedback(), fields)
+            )
+            self._actions[key] = ActionServer(backend, path, action, begin, self.abort_request, feedback)
         else:
             server = backend.typed_service(path, kind)
             if server is not None:

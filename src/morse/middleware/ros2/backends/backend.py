@@ -155,6 +155,14 @@ class Backend(ABC):
         """Offer a topic with a ROS class, whose messages are objects; None if this backend has no services."""
         return None
 
+    def filled(self, message: Any, fields: Mapping[str, Any]) -> Any:
+        """A message object of `typed_publisher` with some fields, for backends with services.
+
+        Raises:
+            ValueError, TypeError: a value does not fit its field.
+        """
+        raise NotImplementedError
+
     def release(self) -> None:
         """Leave the domain if the backend is not shared."""
         self.users -= 1

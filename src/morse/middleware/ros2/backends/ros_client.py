@@ -239,6 +239,10 @@ class RclpyBackend(Backend):
         """See `Backend.typed_publisher`."""
         return _Publisher(self._node, self._node.create_publisher(kind, topic, _profile(qos)))
 
+    def filled(self, message: Any, fields: Mapping[str, Any]) -> Any:
+        """See `Backend.filled`."""
+        return fill(message, fields)
+
     def close(self) -> None:
         """See `Backend.close`."""
         self._node.destroy_node()

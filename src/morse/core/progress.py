@@ -1,0 +1,36 @@
+"""The progress of services that take time, by the names of fields of the feedback of common actions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def of_distance(distance: float, speed: float = 0.0) -> dict[str, Any]:
+    """The progress of a motion to a place, as in ``nav2_msgs/NavigateToPose``.
+
+    Args:
+        distance: to the place, m.
+        speed: m/s; 0 if it is unknown.
+    """
+    rest = {"estimated_time_remaining": distance / speed} if speed > 0.0 else {}
+    return {"distance_remaining": distance, **rest}
+
+
+def of_joints(names: Sequence[str], actual: Sequence[float], desired: Sequence[float]) -> dict[str, Any]:
+    """The progress of joints, as in ``control_msgs/FollowJointTrajectory``.
+
+    Args:
+        names: of the joints.
+        actual: their values, rad or m.
+        desired: their setpoints, rad or m.
+    """
+    error = [wanted - value for wanted, value in zip(desired, actual, strict=True)]
+    return {
+        "joint_names": list(names),
+        "desired": {"positions": list(desired)},
+        "actual": {"positions": list(actual)},
+        "error": {"positions": error},
+    }
