@@ -10,6 +10,7 @@ import pytest
 from ticking import published
 
 from morse.core.exceptions import MorseRPCTypeError
+from morse.simulation.loader import LoadError
 
 HEAD = """
 robot = FakeRobot("robot")
@@ -127,6 +128,19 @@ def test_capture_without_end_can_be_interrupted(camera):
     eye.interrupt()
     assert outcomes[0][0] == "PREEMPTED"
     assert not eye.capturing
+
+
+def test_the_error_of_a_scene_names_camera_and_line(camera):
+    with pytest.raises(LoadError) as refusal:
+        camera("VideoCamera('eye')", "eye.properties(cam_fov=180)")
+    said = str(refusal.value)
+    assert "'robot.eye'" in said
+    assert "scene0.py:5" in said
+    assert "got 180" in said
+    assert "equidistant" in said
+    assert "File" not in said
+    with pytest.raises(LoadError, match=r"keep_list.*\[1, 17, 34\].*got 'all'"):
+        camera("DepthCamera('eye')", "eye.properties(keep_list='all')")
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import morse
+from morse.core.exceptions import MorseRPCTypeError
+from morse.simulation.loader import LoadError
 
 SCENE = """
 from morse.builder import *
@@ -226,3 +228,14 @@ def test_a_camera_whose_images_depend_on_the_world_renders_at_once(tmp_path, mon
         assert not camera.request.beside
         assert camera.height == pytest.approx(0.5)
         assert simulation.robot.color.data["image"].shape == (24, 32, 4)
+
+
+def test_a_delay_that_needs_too_much_memory_is_refused(load):
+    with pytest.raises(LoadError, match=r"scene\.py:\d+.*delay of 1e\+06 s.*shorten the delay"):
+        load(delay=1e6)
+    simulation = load(delay=5.0)
+    camera = simulation.context.components["robot.color"]
+    with pytest.raises(MorseRPCTypeError, match="GiB of memory"):
+        camera.set_property("cam_width", 8192) or camera.set_property("cam_height", 2048)
+    simulation.step(3)
+    assert simulation.context.failed == set()

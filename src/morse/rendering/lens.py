@@ -50,7 +50,10 @@ class Lens:
             raise ValueError(f"a picture has at most {MOST_PIXELS} pixels, got {self.width} x {self.height}")
         for name in ("fx", "fy"):
             if not 0.0 < getattr(self, name) <= _MOST_FOCAL:
-                raise ValueError(f"{name} is a focal length in pixels, greater than 0, got {getattr(self, name)!r}")
+                raise ValueError(
+                    f"{name} is a focal length in pixels, greater than 0 and at most {_MOST_FOCAL:g}, got "
+                    f"{getattr(self, name)!r}"
+                )
         if not (math.isfinite(self.cx) and math.isfinite(self.cy)):
             raise ValueError(f"cx and cy are pixels, got {self.cx!r} and {self.cy!r}")
         if not 1e-6 <= self.near < self.far <= 1e6:
@@ -73,8 +76,8 @@ class Lens:
         """Return the lens with a horizontal field of view, rad."""
         if not 0.0 < angle < math.pi:
             raise ValueError(
-                f"a field of view is between 0 and 180 degrees, got {math.degrees(angle):g}: "
-                "a flat image cannot show half of the world"
+                f"the field of view of a lens without distortion is between 0 and 180 degrees, got "
+                f"{math.degrees(angle):g}: use the fisheye lens, lens_model='equidistant', for wider fields of view"
             )
         f = width / 2 / math.tan(angle / 2)
         return cls(width, height, f, f, width / 2, height / 2, near, far)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from morse.core.exceptions import MorseRPCTypeError
+from morse.core.declarations import BuilderDefaults
+from morse.core.exceptions import MorseBuilderError, MorseRPCTypeError
 from morse.core.sensor import Sensor
 from morse.core.services import async_service, interruptible, service
 from morse.core.status import SUCCESS
@@ -78,6 +79,13 @@ class Camera(Sensor):
         noted: the result of `note` at the tick of the image that `take` is called with.
     """
 
+    _builder = BuilderDefaults(
+        frequency=20.0,
+        properties={"cam_focal": 35.0},
+        model="camera",
+        part="CameraMesh",
+    )
+
     add_property("image_width", 256, "cam_width", "integer", "Width of the image", unit="px", low=1, high=8192)
     add_property("image_height", 256, "cam_height", "integer", "Height of the image", unit="px", low=1, high=8192)
     add_property("image_focal", 25.0, "cam_focal", "float", "Focal length in mm, for a sensor width of 32 mm", low=1e-3)
@@ -140,7 +148,10 @@ class Camera(Sensor):
         self._left = -1
         #: tick of the last image
         self._taken = -1
-        self._look()
+        try:
+            self._look()
+        except ValueError as error:
+            raise MorseBuilderError(str(error)) from None
         renderer = self.context.server(Renderer)
         self.request: CameraRequest = renderer.request(
             obj, self.lens, color=self.color, normals=self.normals, wanted=self._wants
@@ -175,7 +186,9 @@ class Camera(Sensor):
         before = dict(self.__dict__)
         super().set_property(name, value)
         try:
-            self._make_lens()
+            lens = self._make_lens()
+            if isinstance(self.realism, DelayedPictures):
+                self.realism.check_memory(lens)
         except ValueError as error:
             self.__dict__.update(before)
             raise MorseRPCTypeError(f"{self.name()}: {error}") from None

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.exceptions import MorseBuilderError
 from morse.core.realism import Realism, copied
 from morse.core.state import StateError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from morse.rendering import Picture
+    from morse.rendering import Lens, Picture
     from morse.rendering.beside import Shot
     from morse.scene.realism import RealismModel
     from morse.sensors.camera import Camera
@@ -28,6 +29,10 @@ _ARRAYS = {
     "eye": (np.float32, 1),
     "axes": (np.float32, 2),
 }
+
+
+#: limit of the memory of all images of a camera that wait for their delay, bytes
+_MOST_BYTES = 2 << 30
 
 
 class Exposure:
@@ -96,9 +101,25 @@ class DelayedPictures(Realism):
     def __init__(self, camera: Camera, model: RealismModel) -> None:
         super().__init__(camera, model)
         self._camera = camera
+        try:
+            self.check_memory(camera.lens)
+        except ValueError as error:
+            raise MorseBuilderError(str(error)) from None
         camera.request.beside = True
         self._truth = {name: copied(camera.local_data[name]) for name in self._noises}
         self.exposures: deque[Exposure] = deque()
+
+    def check_memory(self, lens: Lens) -> None:
+        """Raise `ValueError` if the images of a lens that wait for their delay need too much memory."""
+        waiting = self.delay * min(self._camera.frequency, self._camera.clock.frequency)
+        pixel = 8 + 3 * self._camera.color + 12 * self._camera.normals
+        size = waiting * lens.width * lens.height * pixel
+        if size > _MOST_BYTES:
+            raise ValueError(
+                f"with a delay of {self.delay:g} s, {waiting:.0f} images of {lens.width} x {lens.height} pixels wait "
+                f"at the same time: they need {size / 2**30:.1f} GiB of memory, and the limit is "
+                f"{_MOST_BYTES >> 30} GiB; shorten the delay, or reduce the size or the frequency"
+            )
 
     @property
     def _uses(self) -> Sequence[str]:

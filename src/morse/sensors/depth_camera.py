@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
+from morse.core.exceptions import MorseBuilderError
 from morse.core.limits import ANGLE
 from morse.core.local_data import Later, LocalData
 from morse.helpers.components import add_data, add_kind, add_property
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.rendering import Picture
+
+
+_VELODYNE_BODY: dict[str, Any] = {"frequency": 20.0, "model": "velodyne", "part": "VelodyneMesh"}
 
 
 def _points(camera: DepthCamera) -> NDArray[np.float32]:
@@ -77,12 +82,6 @@ class DepthCamera(AbstractDepthCamera):
 
     _name = "Depth (XYZ) camera"
     _short_desc = "A camera capturing 3D points cloud"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "points",
@@ -118,7 +117,10 @@ class DepthCamera(AbstractDepthCamera):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self.local_data = LocalData(self.local_data)
-        self._rows_kept = rows_kept(self.keep_list)
+        try:
+            self._rows_kept = rows_kept(self.keep_list)
+        except ValueError as error:
+            raise MorseBuilderError(str(error)) from None
 
     def take(self, picture: Picture) -> None:
         """Store the points of the pixels that show a surface."""
@@ -149,29 +151,20 @@ class DepthCameraRotationZ(DepthCamera):
 
     _name = "Velodyne"
     _short_desc = "Rotating depth camera"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="velodyne",
-        part="VelodyneMesh",
-    )
+    _builder = BuilderDefaults(properties={"cam_focal": 35.0}, **_VELODYNE_BODY)
     # the step is the angle of view: 2 atan(32 mm / 2 / 35 mm)
     _products = (
         BuilderDefaults(
             "Velodyne",
-            frequency=20.0,
             properties={"cam_focal": 35.0, "rotation": 0.8578},
-            model="velodyne",
-            part="VelodyneMesh",
             doc="A depth camera that rotates by its angle of view after each image.",
+            **_VELODYNE_BODY,
         ),
         BuilderDefaults(
             "VelodyneZB",
-            frequency=20.0,
             properties={"cam_focal": 35.0, "rotation": 0.8578},
-            model="velodyne",
-            part="VelodyneMesh",
             doc="The same as Velodyne.",
+            **_VELODYNE_BODY,
         ),
     )
 
@@ -190,12 +183,6 @@ class DepthVideoCamera(AbstractDepthCamera):
 
     _name = "Depth camera"
     _short_desc = "A camera capturing depth"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "image",
@@ -228,12 +215,7 @@ class RawImage(AbstractDepthCamera):
 
     _name = "Raw depth camera"
     _short_desc = "A camera capturing the raw z-buffer"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0, "retrieve_zbuffer": True},
-        model="camera",
-        part="CameraMesh",
-    )
+    _builder = replace(Camera._builder, properties={"cam_focal": 35.0, "retrieve_zbuffer": True})
 
     add_data(
         "image",

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from morse.core.declarations import BuilderDefaults
 from morse.helpers.components import add_data, add_kind
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
@@ -30,12 +29,6 @@ class NormalCamera(Camera):
 
     _name = "Normal camera"
     _short_desc = "A camera that measures the normals of surfaces"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "image",

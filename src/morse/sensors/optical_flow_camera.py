@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.declarations import BuilderDefaults
 from morse.helpers.components import add_data, add_kind
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
 
@@ -29,12 +28,6 @@ class OpticalFlowCamera(Camera):
 
     _name = "Optical flow camera"
     _short_desc = "A camera that measures how each point moves in the picture"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "image",

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from morse.core.declarations import BuilderDefaults
 from morse.core.mathutils import Matrix
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera import CAMERA_INFO, INTRINSIC, Camera
@@ -52,12 +51,6 @@ class SegmentationCamera(Camera):
 
     _name = "Segmentation camera"
     _short_desc = "A camera that gives the id and the class of what each pixel shows"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "image",

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.core.declarations import BuilderDefaults
 from morse.core.mathutils import Matrix
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.scene.frames import rigid_frame
@@ -37,12 +36,6 @@ class SemanticCamera(Camera):
 
     _name = "Semantic camera"
     _short_desc = "A smart camera allowing to retrieve objects in its field of view"
-    _builder = BuilderDefaults(
-        frequency=20.0,
-        properties={"cam_focal": 35.0},
-        model="camera",
-        part="CameraMesh",
-    )
 
     add_data(
         "visible_objects", [], "list<objects>", "Visible objects: name, description, type, position and orientation"
