@@ -9,7 +9,7 @@ import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.recording.gathering import Block, Gathered
+from morse.recording.gathering import Block, Gathered, Memory
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
@@ -28,10 +28,13 @@ if TYPE_CHECKING:
 _INTERVAL = 0.5
 #: approximate size of a chunk, bytes
 _CHUNK = 4 << 20
+#: above this rate, bytes per wall-clock second, less time is spent on compression: the simulation runs as fast as
+#: possible, and waits if the recording cannot keep up
+_QUICK = 4e6
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
 #: maximum number of blocks that are kept for reuse
-_MOST_BLOCKS = 3
+_MOST_BLOCKS = 12
 
 
 class Disk:
@@ -63,6 +66,8 @@ class Disk:
         self._gathered = Gathered()
         #: blocks for reuse
         self._blocks: deque[Block] = deque()
+        self._memory = Memory()
+        self._written = time.monotonic()
         self._wake, self._room = threading.Event(), threading.Event()
         self._ending = False
         self._thread = threading.Thread(target=self._run, name="morse-recording", daemon=True)
@@ -106,11 +111,12 @@ class Disk:
             place[:] = positions[first:last]
             turn[:] = rotations[first:last]
             ticks.append((tick, layout))
+            held = gathered.held = gathered.held + layout.held
             if scans is not None:
-                for capture, data in scans:
-                    gathered.scans.setdefault(capture, []).append(data)
+                for capture, distances in scans:
+                    gathered.scan(capture, distances)
         row += 1
-        if row == block.count or row * layout.held > _CHUNK:
+        if row == block.count or held > _CHUNK:
             self._pass_on()
 
     def _begin_block(self, first: int, last: int) -> tuple[Gathered, Block]:
@@ -148,7 +154,7 @@ class Disk:
 
     def _begin_chunk(self) -> Gathered:
         """The same; the caller holds the lock."""
-        self._given += self._gathered.weight()
+        self._given += self._gathered.held
         self._items.append(self._gathered)
         self._gathered = Gathered()
         return self._gathered
@@ -183,16 +189,20 @@ class Disk:
             item = self._items.popleft()
             if isinstance(item, Gathered):
                 self._attempt(lambda item=item: self._chunk(item))  # type: ignore[misc]
-                self._taken += item.weight()
+                self._taken += item.held
                 self._room.set()
             else:
                 self._attempt(lambda item=item: item(self._writer))  # type: ignore[misc]
 
     def _chunk(self, gathered: Gathered) -> None:
-        plain, index = gathered.encoded()
-        if gathered.block is not None and len(self._blocks) < _MOST_BLOCKS:
-            self._blocks.append(gathered.block)
-        self._writer.encoded(plain.data, index)
+        plain, index = gathered.encoded(self._memory)
+        block = gathered.block
+        if block is not None and len(self._blocks) < _MOST_BLOCKS:
+            block.scans = {capture: block.scans[capture] for capture in gathered.scans}
+            self._blocks.append(block)
+        now = time.monotonic()
+        rate, self._written = len(plain) / max(now - self._written, 1e-6), now
+        self._writer.encoded(plain.data, index, quickly=rate > _QUICK)
 
     def _attempt(self, write: Callable[[], object]) -> None:
         if self.error is not None:

@@ -10,8 +10,6 @@ from morse.recording.mcap.records import MESSAGE as MESSAGE_OPCODE
 from morse.recording.mcap.records import MESSAGE_FIXED, MESSAGE_HEAD
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from morse.recording.captures import Capture, Layout, Moments
@@ -21,15 +19,18 @@ if TYPE_CHECKING:
 #: approximate overhead of a message, bytes
 _OVERHEAD = 100
 #: approximate size of the poses in a block, bytes, and ticks of a block: writing to uncached memory takes time
-_BLOCK, _LEAST_TICKS, _MOST_TICKS = 1 << 18, 16, 1024
+_BLOCK, _LEAST_TICKS, _MOST_TICKS = 1 << 20, 16, 2048
 
 
 class Block:
-    """Memory for the poses of many ticks; it is reused after they are encoded.
+    """Memory for the poses and scans of many ticks; it is reused after they are encoded.
+
+    The first access to a page of new memory takes as long as encoding the messages of a tick.
 
     Attributes:
         first, last: the rigid groups whose poses are stored: ``range(first, last)``.
         positions, rotations: (R, K, 3) m and (R, K, 9) of these groups.
+        scans: (R, B, rays) m by capture; pages without a scan are not accessed.
         count: R.
         rows: pairs of views, one for each tick.
     """
@@ -41,6 +42,20 @@ class Block:
         self.count = count
         self.positions, self.rotations = np.empty((count, slots, 3)), np.empty((count, slots, 9))
         self.rows = list(zip(self.positions, self.rotations, strict=True))
+        self.scans: dict[Capture, NDArray[np.float64]] = {}
+
+
+class Memory:
+    """Memory for the records of one chunk at a time."""
+
+    def __init__(self) -> None:
+        self._bytes = np.empty(0, dtype=np.uint8)
+
+    def of(self, size: int) -> NDArray[np.uint8]:
+        """Return (size,) bytes, which are valid until the next call."""
+        if len(self._bytes) < size:
+            self._bytes = np.empty(size + size // 4, dtype=np.uint8)
+        return self._bytes[:size]
 
 
 class Gathered:
@@ -50,8 +65,8 @@ class Gathered:
         ticks: number and records of each tick that is encoded later.
         block: poses of these ticks, or None.
         moments: computes the times of these ticks.
-        scans: data of captures, by capture.
-        held: approximate memory of the messages, bytes.
+        scans: number of scans by capture.
+        held: approximate memory of all messages, bytes.
     """
 
     __slots__ = ("_messages", "block", "held", "moments", "scans", "ticks")
@@ -61,32 +76,42 @@ class Gathered:
         self.block: Block | None = None
         self.moments: Moments | None = None
         self.ticks: list[tuple[int, Layout]] = []
-        self.scans: dict[Capture, list[Any]] = {}
+        self.scans: dict[Capture, int] = {}
         #: number of ticks before each message, and the message
         self._messages: list[tuple[int, Message]] = []
 
     def __bool__(self) -> bool:
         return bool(self.ticks or self._messages)
 
+    def scan(self, capture: Capture, distances: NDArray[np.float64]) -> None:
+        """Copy the scans (B, rays) of a tick into the block."""
+        assert self.block is not None
+        memory = self.block.scans.get(capture)
+        if memory is None:
+            memory = self.block.scans[capture] = np.empty((self.block.count, *distances.shape))
+        row = self.scans.get(capture, 0)
+        memory[row] = distances
+        self.scans[capture] = row + 1
+
     def message(self, one: Message) -> None:
         """Add a message."""
         self._messages.append((len(self.ticks), one))
         self.held += _OVERHEAD + len(one.data)
 
-    def weight(self) -> int:
-        """Approximate total memory, bytes."""
-        return self.held + (len(self.ticks) * self.ticks[-1][1].held if self.ticks else 0)
-
     # -- encoding ----------------------------------------------------------------------------
 
-    def encoded(self) -> tuple[NDArray[np.uint8], Index]:
-        """Return the records, and the positions of the messages of each channel in them."""
+    def encoded(self, memory: Memory) -> tuple[NDArray[np.uint8], Index]:
+        """Return the records, and the positions of the messages of each channel in them.
+
+        Args:
+            memory: receives the records.
+        """
         sizes = np.array([MESSAGE_HEAD.size + len(one.data) for _, one in self._messages], dtype=np.int64)
         before = np.array([count for count, _ in self._messages], dtype=np.int64)
         ticks = np.array([layout.size for _, layout in self.ticks], dtype=np.int64)
         # number of all ticks and messages before each one
         ticks_before, sizes_before = _sums(ticks), _sums(sizes)
-        chunk = np.empty(ticks_before[-1] + sizes_before[-1], dtype=np.uint8)
+        chunk = memory.of(int(ticks_before[-1] + sizes_before[-1]))
         found: dict[int, list[Entries]] = {}
         if self.ticks:
             begins = ticks_before[:-1] + sizes_before[np.searchsorted(before, np.arange(len(ticks)), side="right")]
@@ -120,12 +145,11 @@ class Gathered:
             for channel, part in zip(capture.template.channels, entries, strict=True):
                 found.setdefault(channel, []).append(part)
 
-    def _data_of(self, capture: Capture, rows: NDArray[np.int64]) -> Sequence[Any]:
-        taken = self.scans.get(capture)
-        if taken is not None:
-            return taken
+    def _data_of(self, capture: Capture, rows: NDArray[np.int64]) -> Any:
         block = self.block
         assert block is not None
+        if capture in self.scans:
+            return block.scans[capture][: self.scans[capture]]
         some = slice(len(rows)) if len(rows) == len(self.ticks) else rows
         return block.positions[some], block.rotations[some], block.first
 

@@ -8,7 +8,7 @@ from morse.kernel.recording import records
 from morse.middleware.ros2.cdr import encode
 from morse.middleware.ros2.kinds.states import clock
 from morse.middleware.ros2.transforms import transform
-from morse.recording.captures import FramesCapture, Layout, capture_of
+from morse.recording.captures import FramesCapture, Layout, Lone, capture_of
 from morse.recording.captures.template import STAMP, Part, Template
 
 if TYPE_CHECKING:
@@ -31,8 +31,9 @@ _MOST_MADE = 200
 class Captures:
     """Stores the data of messages of a recording in the tick.
 
-    A group of sensors is stored from the tick after its first measurement on: the streams of its members are then
-    silent, see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all messages.
+    A group of sensors, or a sensor that acts alone, is stored from the tick after its first measurement on: the streams
+    are then silent, see `RecordedStream.waiting`. In a tick in which something has changed, the streams encode all
+    messages.
 
     Args:
         native: the encoder.
@@ -45,7 +46,7 @@ class Captures:
         self._context, self._world = streams.context, streams.context.world
         self._transforms = streams.transforms
         #: groups that have measured in this tick, in order
-        self._fired: list[Group] = []
+        self._fired: list[Group | Lone] = []
         self._fire = self._fired.append
         #: components whose streams are silent while they act together
         self._quiet: set[Any] = set()
@@ -62,7 +63,7 @@ class Captures:
         """The components may have changed."""
         #: by the members of a group
         self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
-        self._layouts: dict[tuple[Group, ...], Layout] = {}
+        self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
         self._displacements = -1
         self._made = 0
@@ -82,6 +83,11 @@ class Captures:
 
     # -- a tick ------------------------------------------------------------------------------
 
+    def fire_alone(self, sensor: Lone) -> None:
+        """A sensor that acts alone has measured."""
+        sensor.stamp = self._world.stamp
+        self._fire(sensor)
+
     def flush(self) -> bool:
         """The end of a tick. Returns False if the streams have to encode simulated time and the frames."""
         fired, world = self._fired, self._world
@@ -91,6 +97,9 @@ class Captures:
         positions = world.positions.array
         for group in layout.posed:
             if group.poses.snapshot.group_positions is not positions:  # an object has moved since
+                return self._encode_all()
+        for sensor in layout.alone:
+            if sensor.stamp != world.stamp:
                 return self._encode_all()
         scans = None
         if layout.scans:
@@ -111,11 +120,11 @@ class Captures:
         for group in self._fired:
             for stream in self._streams_of(group):
                 if stream.component_instance in self._quiet:
-                    stream.default(stream.component_instance)
+                    stream.encode()
         self._fired.clear()
         return False
 
-    def _streams_of(self, group: Group) -> list[RecordedStream]:
+    def _streams_of(self, group: Group | Lone) -> list[RecordedStream]:
         known: Any = self._streams.streams
         members: Any = group.members
         return [stream for member in members for stream in known.get(member.name(), ())]
@@ -159,7 +168,7 @@ class Captures:
             self._known.clear()
             self._layouts.clear()
         for groups in list(self._layouts):
-            if any(group.members[0].group is not group for group in groups):
+            if any(group.members[0].group is not (None if isinstance(group, Lone) else group) for group in groups):
                 del self._layouts[groups]
 
     def _drop_displaced(self) -> None:
@@ -175,21 +184,23 @@ class Captures:
     def _plain(self) -> list[tuple[str, str, Any]]:
         return self._transforms.plain() or []
 
-    def _find(self, group: Group) -> Capture | None:
+    def _find(self, group: Group | Lone) -> Capture | None:
         """The capture of a group; its members become silent, or no longer are, when the group is formed again."""
         if group.members not in self._known:
             self._known[group.members] = self._make(group)
         found = self._known[group.members]
         members = {stream.component_instance for stream in self._streams_of(group)}
+        # a group asks which streams are silent only when it is formed
+        forms = not isinstance(group, Lone)
         if found is None:
-            group.is_changed |= not self._quiet.isdisjoint(members)
+            group.is_changed |= forms and not self._quiet.isdisjoint(members)
             self._quiet -= members
             return None
-        group.is_changed |= not members <= self._quiet
+        group.is_changed |= forms and not members <= self._quiet
         self._quiet |= members
         return found[0]
 
-    def _make(self, group: Group) -> tuple[Capture, Sequence[Mounting]] | None:
+    def _make(self, group: Group | Lone) -> tuple[Capture, Sequence[Mounting]] | None:
         streams = self._streams_of(group)
         once = len({id(stream.component_instance) for stream in streams}) == len(streams)
         self._made += 1

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from morse.core.joining import may_join
 from morse.middleware.ros2.stream import Ros2Stream
+from morse.recording.captures.classes import is_captured
+from morse.recording.captures.lone import Lone
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from morse.core.object import Object
 
 
 class Single(NamedTuple):
@@ -27,6 +32,29 @@ class RecordedStream(Ros2Stream):
 
     See `morse.recording.keeping.Captures`.
     """
+
+    #: None: not determined yet, or its messages are always encoded by the stream
+    _lone: Lone | None = None
+    _is_known = False
+
+    def default(self, ci: Object | None = None) -> bool:
+        """Publish the messages of a sensor, or leave the messages to a capture."""
+        captures, component = self.manager.captures, self.component_instance
+        if captures is not None and component.group is None:
+            if not self._is_known:
+                self._is_known = True
+                if is_captured(component) and may_join(component):
+                    self._lone = Lone(component)
+            lone = self._lone
+            if lone is not None and lone.is_plain:
+                captures.fire_alone(lone)
+                if captures.is_quiet(component):
+                    return False
+        return super().default(ci)
+
+    def encode(self) -> None:
+        """Publish the present messages."""
+        super().default(self.component_instance)
 
     @property
     def waiting(self) -> Collection[Any] | None:

@@ -40,6 +40,7 @@ class Saving:
         self._parts.look_up()
         writer = Writer(self._parts)
         parts = {name: writer.part(name, _state_of(name, holder)) for name, holder in self._holders()}
+        writer.release()
         for unsaved in writer.unsaved:
             if tell and unsaved not in self._said:
                 self._said.add(unsaved)

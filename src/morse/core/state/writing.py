@@ -109,6 +109,15 @@ class Writer:
         for cls in TAKEN_APART:
             self._writers[cls] = self._simple
 
+    def release(self) -> None:
+        """Release the values that were written.
+
+        A writer refers to itself, so that it would keep them until the next garbage collection. Data of sensors that
+        are referenced elsewhere have to be filled in every tick.
+        """
+        self._met.clear()
+        self._numbers.clear()
+
     def part(self, name: str, state: Any) -> Any:
         """The state of a part of the simulation, as its ``get_state()`` gave it."""
         self._path = [name]

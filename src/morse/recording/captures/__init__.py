@@ -8,6 +8,7 @@ from morse.recording.captures.capture import Capture
 from morse.recording.captures.frames import FramesCapture
 from morse.recording.captures.groups import capture_of
 from morse.recording.captures.layout import Layout
+from morse.recording.captures.lone import Lone
 from morse.recording.captures.moments import Moments
 
-__all__ = ["Capture", "FramesCapture", "Layout", "Moments", "capture_of"]
+__all__ = ["Capture", "FramesCapture", "Layout", "Lone", "Moments", "capture_of"]

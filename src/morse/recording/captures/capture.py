@@ -35,7 +35,7 @@ class Capture(ABC):
         self.size = len(template.bytes)
 
     def encode(
-        self, begins: NDArray[np.int64], moments: NDArray[np.int64], data: Sequence[Any], chunk: NDArray[np.uint8]
+        self, begins: NDArray[np.int64], moments: NDArray[np.int64], data: Any, chunk: NDArray[np.uint8]
     ) -> None:
         """Write the records of R ticks.
 
@@ -51,10 +51,10 @@ class Capture(ABC):
         self._fill(rows, data)
 
     @abstractmethod
-    def _fill(self, rows: Rows, data: Sequence[Any]) -> None:
+    def _fill(self, rows: Rows, data: Any) -> None:
         """Write the numbers into the records."""
 
-    def agrees(self, data: Sequence[Any], wanted: Sequence[bytes]) -> bool:
+    def agrees(self, data: Any, wanted: Sequence[bytes]) -> bool:
         """Whether the messages of a tick are bit-identical to those of the streams.
 
         Args:

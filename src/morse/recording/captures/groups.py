@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.recording.captures.classes import MESSAGES
 from morse.recording.captures.sensors import PoseSensors, Scanners
 from morse.recording.captures.template import Part, Template
-from morse.sensors.laserscanner import LaserScanner
-from morse.sensors.pose import Pose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,24 +14,23 @@ if TYPE_CHECKING:
     from morse.core.group import Group
     from morse.kernel.recording import NativeRecords
     from morse.recording.captures.capture import Capture
+    from morse.recording.captures.lone import Lone
     from morse.recording.recorded_stream import RecordedStream, Single
 
-_MESSAGES: dict[Any, str] = {Pose: "geometry_msgs/msg/PoseStamped", LaserScanner: "sensor_msgs/msg/LaserScan"}
 
-
-def capture_of(native: NativeRecords, group: Group, streams: Sequence[RecordedStream]) -> Capture | None:
+def capture_of(native: NativeRecords, group: Group | Lone, streams: Sequence[RecordedStream]) -> Capture | None:
     """Return the capture for the measurements of a group.
 
     Args:
         native: the encoder.
-        group: a group that has measured in this tick.
+        group: a group, or a sensor that acts alone, that has measured in this tick.
         streams: one stream for each recorded member, in the order of the members.
 
     Returns:
         None if the streams have to encode each message.
     """
     kind = type(group.members[0])
-    wanted = _MESSAGES.get(kind)
+    wanted = MESSAGES.get(kind)
     if wanted is None or not streams:
         return None
     messages = [message for stream in streams if (message := stream.single(wanted)) is not None]
@@ -40,13 +38,12 @@ def capture_of(native: NativeRecords, group: Group, streams: Sequence[RecordedSt
         return None
     template = Template(Part(*message) for message in messages)
     rows = [group.row_of(stream.component_instance) for stream in streams]
-    if wanted == _MESSAGES[Pose]:
-        return _poses(native, template, group, rows, messages)
-    return _scanners(native, template, group, rows, messages)
+    make = _poses if wanted == "geometry_msgs/msg/PoseStamped" else _scanners
+    return make(native, template, group, rows, messages)
 
 
 def _poses(
-    native: NativeRecords, template: Template, group: Group, rows: Sequence[int], messages: Sequence[Single]
+    native: NativeRecords, template: Template, group: Group | Lone, rows: Sequence[int], messages: Sequence[Single]
 ) -> Capture | None:
     if not native.measures_poses:
         return None
@@ -57,7 +54,7 @@ def _poses(
 
 
 def _scanners(
-    native: NativeRecords, template: Template, group: Group, rows: Sequence[int], messages: Sequence[Single]
+    native: NativeRecords, template: Template, group: Group | Lone, rows: Sequence[int], messages: Sequence[Single]
 ) -> Capture | None:
     scanners: Any = group.members
     first = scanners[0]
@@ -68,4 +65,4 @@ def _scanners(
     kept = rays - 1 if first.scan_window == 360.0 and rays > 1 else rays
     made = Scanners(native, template, [one.rays for one in scanners], rows, kept, first.laser_range)
     data = made.take(group)
-    return made if data is not None and made.agrees([data], [message.data for message in messages]) else None
+    return made if data is not None and made.agrees(data[None], [message.data for message in messages]) else None

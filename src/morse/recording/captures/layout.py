@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from morse.recording.captures.lone import Lone
 from morse.recording.captures.poses import PosesCapture
 from morse.recording.captures.sensors import PoseSensors, Scanners
 
@@ -22,11 +23,12 @@ class Layout:
         size: size of all records, bytes.
         held: approximate memory of a tick until it is encoded, bytes.
         posed: groups whose poses are stored.
+        alone: sensors that act alone, and whose poses are stored.
         scans: groups whose scans are stored, and their captures.
         first, last: the rigid groups whose poses are kept: ``range(first, last)``.
     """
 
-    def __init__(self, groups: Sequence[Group], captures: Sequence[Capture], frames: Capture | None) -> None:
+    def __init__(self, groups: Sequence[Group | Lone], captures: Sequence[Capture], frames: Capture | None) -> None:
         self.offsets: dict[Capture, int] = {}
         self.size = self.held = 0
         for capture in (*captures, *(() if frames is None else (frames,))):
@@ -34,7 +36,9 @@ class Layout:
             self.size += capture.size
             self.held += capture.size + capture.held
         pairs = list(zip(groups, captures, strict=True))
-        self.posed = [group for group, capture in pairs if isinstance(capture, PoseSensors)]
+        posed = [group for group, capture in pairs if isinstance(capture, PoseSensors)]
+        self.posed = [group for group in posed if not isinstance(group, Lone)]
+        self.alone = [sensor for sensor in posed if isinstance(sensor, Lone)]
         self.scans = [(group, capture) for group, capture in pairs if isinstance(capture, Scanners)]
         slots = [slot for capture in self.offsets if isinstance(capture, PosesCapture) for slot in capture.slots]
         self.first, self.last = min(slots, default=0), max(slots, default=-1) + 1

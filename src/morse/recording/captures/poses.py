@@ -58,7 +58,7 @@ class PosesCapture(Capture):
         apart = [1 + one.is_turned if one.is_apart else 0 for one in mountings]
         self._apart = np.array(apart, dtype=np.uint8)
 
-    def _fill(self, rows: Rows, data: Sequence[Any]) -> None:
+    def _fill(self, rows: Rows, data: Any) -> None:
         positions, rotations, first = data
         poses = Poses(positions, rotations, self._slots - first, self._offsets, self._turned, self._apart, self._places)
         left = self._encoded(rows, poses)

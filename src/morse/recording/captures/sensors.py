@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from morse.kernel.recording import NativeRecords, Poses, Rows
     from morse.physics.rays.bundle import RayBundle
     from morse.physics.snapshot import Snapshot
+    from morse.recording.captures.lone import Lone
     from morse.recording.captures.template import Template
 
 
@@ -51,7 +52,7 @@ class PoseSensors(PosesCapture):
 class Scanners(Capture):
     """``sensor_msgs/LaserScan`` of laser scanners with equal fans.
 
-    The stored data of R ticks are R arrays (B, rays) of distances, m.
+    The stored data of R ticks are distances (R, B, rays), m.
 
     Args:
         native: the encoder.
@@ -80,12 +81,16 @@ class Scanners(Capture):
         # the distances, and the length 0 of intensities, are at the end of each message
         self._places: NDArray[np.int64] = np.append(template.heads[1:], self.size) - 4 * kept - 4
 
-    def take(self, group: Group) -> NDArray[np.float64] | None:
+    def take(self, group: Group | Lone) -> NDArray[np.float64] | None:
         """The distances (B, rays) of a tick; None if the scans were made in several casts, or if a fan has changed."""
         scanners: Any = group.members
         bundles = [scanner.rays for scanner in scanners]
         if bundles != self._bundles:
             return None
+        if len(bundles) == 1:
+            sight = bundles[0].sight
+            own: NDArray[np.float64] = sight.scan.distances[sight.row : sight.row + 1]
+            return own
         sights = [bundle.sight for bundle in bundles]
         scan = sights[0].scan
         if [sight.row for sight in sights] != self._rows or any(sight.scan is not scan for sight in sights):
@@ -93,8 +98,8 @@ class Scanners(Capture):
         distances: NDArray[np.float64] = scan.distances
         return distances
 
-    def _fill(self, rows: Rows, data: Sequence[Any]) -> None:
-        distances = np.concatenate(data).reshape(len(data), -1, data[0].shape[1])
+    def _fill(self, rows: Rows, data: Any) -> None:
+        distances: NDArray[np.float64] = data
         if distances.shape[1] != len(self._members):
             distances = np.ascontiguousarray(distances[:, self._members])
         self._native.scans(rows, distances, self._kept, self._reaches, self._places)
