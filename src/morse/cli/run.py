@@ -199,15 +199,19 @@ def _view(headless: bool, view: str | None) -> str:
     return view
 
 
+#: words for as fast as possible; `morse.load` takes ``math.inf``
+_FASTEST = ("max", "inf")
+
+
 def parse_speed(text: str | None) -> float | None:
     """The value of ``--speed``; None for what the scene says.
 
     Raises:
-        CommandError: it is neither a speed nor ``max``.
+        CommandError: it is neither a speed nor ``max`` or ``inf``.
     """
     if text is None:
         return None
-    if text == "max":
+    if text in _FASTEST:
         return math.inf
     speed = _positive("--speed", text, "0.5, 2 or max")
     if speed < SLOWEST:

@@ -104,8 +104,5 @@ def _spread(values: Sequence[float]) -> float:
 def _turned(angle: float, r: Sequence[float]) -> tuple[float, ...]:
     """A rotation, 9 numbers, followed by one about Z."""
     c, s = math.cos(angle), math.sin(angle)
-    return (
-        *(c * r[i] - s * r[3 + i] for i in range(3)),
-        *(s * r[i] + c * r[3 + i] for i in range(3)),
-        *r[6:9],
-    )
+    x, y, z, u, v, w, *last = r
+    return (c * x - s * u, c * y - s * v, c * z - s * w, s * x + c * u, s * y + c * v, s * z + c * w, *last)

@@ -41,6 +41,14 @@ class PoseSource(Protocol):
         """Return the arguments of `Transformation3d.set_pose`."""
 
 
+def euler_angles(m: Sequence[float]) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a rotation, 9 numbers row by row; see `Transformation3d`."""
+    if m[8] > _UPRIGHT:
+        return atan2(m[7], m[8]), -asin(m[6]), atan2(m[3], m[0])
+    a, b, c, d, e, f, g, h, i = m
+    return euler_from_rotation((a, b, c, d, e, f, g, h, i), "XYZ")
+
+
 class Transformation3d:
     """A pose at one instant, m and rad; X forward, Y left, Z up; the rotation maps the object frame to the world.
 
@@ -108,10 +116,7 @@ class Transformation3d:
     def numbers(self) -> tuple[float, float, float, float, float, float]:
         """Return x, y, z, yaw, pitch and roll in one call."""
         x, y, z = self._position
-        m = self._rotation
-        if m[8] > _UPRIGHT:
-            return x, y, z, atan2(m[3], m[0]), -asin(m[6]), atan2(m[7], m[8])
-        roll, pitch, yaw = self._angles()
+        roll, pitch, yaw = euler_angles(self._rotation)
         return x, y, z, yaw, pitch, roll
 
     @property

@@ -138,6 +138,14 @@ def rotation_vector(before: Sequence[float], after: Sequence[float]) -> Triple:
 
 def rotation_from_euler(angles: Sequence[float], order: str) -> Rotation9:
     """Rotation matrix of three angles, given as x, y, z whatever the order."""
+    if order == "XYZ":  # the usual one, in half the time
+        x, y, z = angles
+        ci, cj, ck, si, sj, sk = cos(x), cos(y), cos(z), sin(x), sin(y), sin(z)
+        return (
+            cj * ck, sj * si * ck - ci * sk, sj * ci * ck + si * sk,
+            cj * sk, sj * si * sk + ci * ck, sj * ci * sk - si * ck,
+            -sj, cj * si, cj * ci,
+        )  # fmt: skip
     i, j, k, sign = ORDERS[order]
     ti, tj, tk = sign * angles[i], sign * angles[j], sign * angles[k]
     ci, cj, ck = cos(ti), cos(tj), cos(tk)

@@ -201,8 +201,9 @@ class Drives:
         else:
             x, y, c, s = arc(linear[0], linear[1], half)
             linear = (x, y, linear[2])
-        own = self._qvel[dof : dof + 6]
-        own[:] = body_velocity(state.rotations[index], own.tolist(), linear, angular, command.ground, command.shift)
+        rotation, old = state.rotations[index], glide_velocity.read(self._qvel, dof)
+        velocity = body_velocity(rotation, old, linear, angular, command.ground, command.shift)
+        glide_velocity.put(self._qvel, dof, velocity)
         if command.shift or wz:
             self._turn_after.append((dof, c, s, command.shift))
         if sliding and command.ground:

@@ -12,6 +12,16 @@ if TYPE_CHECKING:
 _PLANE, _TWIST, _BYTES = Struct("=2d"), Struct("=6d"), 8
 
 
+def read(qvel: Any, dof: int) -> tuple[float, ...]:
+    """Return the six numbers of the velocity of a body."""
+    return _TWIST.unpack_from(qvel, _BYTES * dof)
+
+
+def put(qvel: Any, dof: int, numbers: Sequence[float]) -> None:
+    """Write the six numbers of the velocity of a body."""
+    _TWIST.pack_into(qvel, _BYTES * dof, *numbers)
+
+
 def write(qvel: Any, dof: int, rotation: Sequence[float], x: float, y: float, rate: float) -> None:
     """Write the velocity of a tick: the rotation axis is the vertical of the world, and height and tilt are constant.
 
