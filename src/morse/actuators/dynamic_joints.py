@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import JointDynamics
+
+logger = logging.getLogger(__name__)
 
 _UNITS = {
     Control.POSITION: ("rad", "m"),
@@ -60,6 +63,11 @@ class DynamicJoints(JointServices):
         self._controls: dict[str, Control] = {}
         super().__init__(obj, parent)
         self._motors = obj.joints()
+        if self._motors is None and self.chain.loose:
+            names = ", ".join(
+                f"'{self.chain.bones[index].name}' ({self.chain.bones[index].kind})" for index in self.chain.loose
+            )
+            logger.warning("%s: %s stay fixed, because the property Dynamic is False", self.name(), names)
         if self._motors is not None:
             controls = controls_of(obj.node)
             self._controls = {name: controls[name] for name in self.joints if controls[name] is not Control.POSITION}
@@ -125,6 +133,10 @@ class DynamicJoints(JointServices):
     def joint_efforts(self) -> tuple[float, ...] | None:
         """The present efforts of the motors, N m or N; None if the joints are not dynamic."""
         return None if self._motors is None else tuple(self._motors.efforts(self.joints))
+
+    def loose_joint(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a ball, a planar or a floating joint; see `JointHandle.loose`."""
+        return ([], []) if self._motors is None else self._motors.loose(name)
 
     @service(changes=False)
     def get_controls(self) -> dict[str, str]:

@@ -37,17 +37,19 @@ class Chain:
         names: names of the joints.
         limits: name, lowest and highest value of each joint.
         start: the joint values of the model file.
+        loose: the indices of the bones that have no value: balls, planar and floating ones.
     """
 
     is_apparatus = True
 
     def __init__(self, bones: Sequence[Bone], scale: float = 1.0) -> None:
         self.bones = tuple(_scaled(bone, scale) for bone in bones)
-        moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED]
+        moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind.has_value]
         self.joints = tuple(i for i, bone in moving if bone.leader < 0)
         self.names = tuple(self.bones[i].name for i in self.joints)
         self.limits = [(self.bones[i].name, self.bones[i].low, self.bones[i].high) for i in self.joints]
         self.start = [self.bones[i].value for i in self.joints]
+        self.loose = tuple(i for i, bone in enumerate(self.bones) if bone.kind.is_loose)
         self._number = {bone: number for number, bone in enumerate(self.joints)}
         #: for joints that follow others: the index of the leader
         self._led = {i: self._number[bone.leader] for i, bone in moving if bone.leader in self._number}

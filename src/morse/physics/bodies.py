@@ -204,6 +204,11 @@ class Bodies:
         linear = np.array(carried) + np.cross(angular, place - np.array(state.positions[outer]))
         for joint in slot.joints:
             number = int(model.dof_jntid[joint.dof])
+            if joint.width == 4:
+                along = data.xmat[slot.body].reshape(3, 3) @ data.qvel[joint.dof : joint.dof + 3]
+                angular = angular + along
+                linear += np.cross(along, place - data.xanchor[number])
+                continue
             along = float(data.qvel[joint.dof]) * data.xaxis[number]
             if model.jnt_type[number] == mujoco.mjtJoint.mjJNT_SLIDE:
                 linear += along

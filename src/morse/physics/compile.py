@@ -83,7 +83,9 @@ class Slot:
         """How many positions and velocities the engine has for the slot."""
         if self.qpos < 0:
             return 0, 0
-        return (7, 6) if self.frame.motion is Motion.FREE else (len(self.joints) or 1, len(self.joints) or 1)
+        if self.frame.motion is Motion.FREE:
+            return 7, 6
+        return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1
 
 
 @dataclass(eq=False, slots=True)

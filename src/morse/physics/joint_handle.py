@@ -70,6 +70,21 @@ class JointHandle:
         state.data.ctrl[slot.actuator] = command
         state.is_stirred = True
 
+    def loose(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a bone without a value, as the engine has them.
+
+        Returns:
+            Displacements (m) along the axes of the bone, then an angle (rad) or a quaternion w, x, y, z; and their
+            velocities, m/s and rad/s. Both are empty if nothing hangs on the bone.
+        """
+        slots = [self._slots.get(f"{name}{suffix}") for suffix in ("", "/x", "/y", "/z", "/turn")]
+        found = [slot for slot in slots if slot is not None]
+        data = self._state.data
+        return (
+            [value for slot in found for value in data.qpos[slot.qpos : slot.qpos + slot.width].tolist()],
+            [value for slot in found for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
+        )
+
     def positions(self, names: Sequence[str]) -> list[float]:
         """Return the measured positions."""
         return self._read(names, self._state.data.qpos, dofs=False)

@@ -214,7 +214,8 @@ class Rescue:
         data = self._state.data
         for joint in link.joints:
             for values in (data.qvel, data.qacc_warmstart, data.qfrc_applied):
-                values[joint.dof] = 0.0
-            if not abs(data.qpos[joint.qpos]) <= RUNAWAY_DISTANCE:
-                data.qpos[joint.qpos] = self._state.model.qpos0[joint.qpos]
+                values[joint.dof : joint.dof + joint.dofs] = 0.0
+            place = slice(joint.qpos, joint.qpos + joint.width)
+            if not np.abs(data.qpos[place]).max() <= RUNAWAY_DISTANCE:
+                data.qpos[place] = self._state.model.qpos0[place]
         data.xfrc_applied[link.body] = 0.0

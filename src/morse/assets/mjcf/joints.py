@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_KINDS = {"slide": JointKind.PRISMATIC, "hinge": JointKind.REVOLUTE, "ball": JointKind.BALL}
 
 
 def pose(position: Iterable[float], quaternion: Iterable[float]) -> Matrix:
@@ -57,9 +57,7 @@ class Bones:
         for number in body.joints:
             joint = self._model.joints[number]
             if joint.kind == "ball":
-                self.warnings.append(f"the ball joint '{joint.name}' is three joints, about X, Y and Z")
-                for letter, axis in _AXES.items():
-                    last = self._bone(index, f"{joint.name}_{letter}", joint, axis, number, last)
+                last = self._bone(index, joint.name, joint, (0.0, 0.0, 1.0), number, last)
             elif joint.kind in ("hinge", "slide"):
                 last = self._bone(index, joint.name, joint, joint.axis, number, last)
         if not body.joints and last >= 0:
@@ -79,8 +77,8 @@ class Bones:
         elif joint.start:
             frame = frame @ Matrix.Rotation(-joint.start, 4, "Z")
         local = frame if parent < 0 else self._frames[parent].inverted() @ frame
-        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None or joint.kind == "ball" else joint.limits
-        kind = JointKind.PRISMATIC if joint.kind == "slide" else JointKind.REVOLUTE
+        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None else joint.limits
+        kind = _KINDS[joint.kind]
         x, y, z = local.translation
         index = len(self.bones)
         self.bones.append(
@@ -114,7 +112,7 @@ class Bones:
             stiffness=max(joint.stiffness, 0.0),
             rest=joint.rest,
             effort=min(effort, joint.effort) or math.inf,
-            limited=joint.limits is not None and joint.kind != "ball",
+            limited=joint.limits is not None,
             control=control,
             gain=gain,
             slowing=slowing,

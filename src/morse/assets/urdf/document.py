@@ -27,6 +27,12 @@ _MOST_LINKS, _DEEPEST = 2000, 200
 _ENDLESS = 1e4
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
 
+#: joints that move in several directions
+LOOSE = ("floating", "planar", "spherical")
+
+#: a link of that name is the world: links attached to it are fixed
+WORLD = "world"
+
 
 @dataclass(slots=True)
 class Shape:
@@ -82,6 +88,11 @@ class Joint:
     high: float
     dynamics: JointDynamics
     mimic: tuple[str, float, float] | None = None
+
+    @property
+    def has_value(self) -> bool:
+        """Whether one number gives its position."""
+        return self.kind != "fixed" and self.kind not in LOOSE
 
 
 @dataclass(slots=True)
@@ -213,16 +224,15 @@ class _Parser:
         name, kind = self.name(element, "joint"), element.get("type") or ""
         if kind not in _KINDS:
             raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}")
-        if kind in ("floating", "planar", "spherical"):
-            self.warnings.append(f"the joint '{name}' is {kind}; it is fixed here")
-            kind = "fixed"
         x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
         length = math.sqrt(x * x + y * y + z * z)
-        if length < 1e-9 and kind != "fixed":
+        if length < 1e-9 and kind not in ("fixed", "floating", "spherical"):
             raise self.fail(f"the joint '{name}' has an axis of length 0")
         limit, dynamics = element.find("limit"), element.find("dynamics")
         (low,), (high,) = self.numbers(limit, "lower", (0.0,)), self.numbers(limit, "upper", (0.0,))
-        if kind == "continuous":
+        if kind in LOOSE:
+            low = high = 0.0
+        elif kind == "continuous":
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
             self.warnings.append(f"the joint '{name}' goes from {low:g} to {high:g}; it has no limits here")
@@ -237,7 +247,7 @@ class _Parser:
             friction=max(friction, 0.0),
             effort=effort if effort > 0.0 else math.inf,
             speed=speed if speed > 0.0 else math.inf,
-            limited=low > -_ENDLESS or high < _ENDLESS,
+            limited=kind not in LOOSE and (low > -_ENDLESS or high < _ENDLESS),
         )
         return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
 
@@ -266,8 +276,24 @@ def parse(path: Path) -> Document:
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
     joints = [parser.joint(element) for element in robot.findall("joint")]
     root, ordered = _tree(parser, links, joints)
+    root, ordered = _let_float(parser, links, root, ordered)
     sensors, remarks = sensors_of(robot, links)
     return Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
+
+
+def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list[Joint]) -> tuple[str, list[Joint]]:
+    """Return the root and the joints without a world in which the robot floats: robots are free by themselves."""
+    first = [joint for joint in ordered if joint.parent == root]
+    if root != WORLD or len(first) != 1 or first[0].kind != "floating":
+        return root, ordered
+    x, y, z = first[0].origin.translation
+    if max(map(abs, (x, y, z))) > 1e-9:
+        parser.warnings.append(
+            f"the joint '{first[0].name}' places the robot at {x:g} {y:g} {z:g}: place it in the script instead, by "
+            "translate()"
+        )
+    del links[root]
+    return first[0].child, [joint for joint in ordered if joint is not first[0]]
 
 
 def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:
@@ -307,7 +333,7 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
         raise parser.fail("it has joints in a circle")
     for joint in ordered:
         leader = next((one for one in ordered if joint.mimic and one.name == joint.mimic[0]), None)
-        if joint.mimic and (leader is None or leader.mimic or leader.kind == "fixed" or joint.kind == "fixed"):
+        if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
             parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
             joint.mimic = None
     return roots[0], ordered

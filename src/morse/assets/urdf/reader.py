@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError, find_near
-from morse.assets.urdf.document import Joint, Link, Shape, parse
+from morse.assets.urdf.document import WORLD, Joint, Link, Shape, parse
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
@@ -29,7 +29,14 @@ if TYPE_CHECKING:
     from morse.assets.urdf.document import Document
     from morse.scene import Mesh
 
-_KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
+_KINDS = {
+    "revolute": JointKind.REVOLUTE,
+    "continuous": JointKind.REVOLUTE,
+    "prismatic": JointKind.PRISMATIC,
+    "planar": JointKind.PLANAR,
+    "floating": JointKind.FLOATING,
+    "spherical": JointKind.BALL,
+}
 _BOUNDS = {
     "box": Bounds.BOX,
     "sphere": Bounds.SPHERE,
@@ -37,8 +44,6 @@ _BOUNDS = {
     "mesh": Bounds.CONVEX_HULL,
 }
 _GREY = (0.7, 0.7, 0.7, 1.0)
-#: a link of that name is the world: links attached to it are fixed
-_WORLD = "world"
 _LIGHTEST = 1e-3
 
 
@@ -89,7 +94,7 @@ class _Reader:
     def _is_fixed(self, mass: float) -> bool:
         """Whether the robot is bolted to the world: the links that move with the first one have no mass."""
         document = self.document
-        if document.root == _WORLD:
+        if document.root == WORLD:
             return True
         if not any(link.inertial is not None for link in document.links.values()):
             return False
@@ -209,7 +214,7 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
 
 def _turn(joint: Joint) -> Matrix:
     """4x4 that turns the Z axis, about which bones turn here, to the axis of a joint."""
-    if joint.kind not in _KINDS:
+    if not joint.has_value and joint.kind != "planar":
         return Matrix.Identity(4)
     turned: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
     return turned
