@@ -182,11 +182,11 @@ def asleep(process: subprocess.Popen[str]) -> bool:
     return len(looks) == 1 and looks.pop()[0] == "S"
 
 
-def interrupt(process: subprocess.Popen[str], waiting: str) -> tuple[str, str]:
-    """Press Ctrl+C; what the script has printed."""
+def interrupt(process: subprocess.Popen[str], *, sleeps: bool = True) -> tuple[str, str]:
+    """Press Ctrl+C when the script waits; what the script has printed."""
     assert process.stdout is not None
     assert process.stdout.readline() == "waiting\n"
-    if waiting == "input()":
+    if sleeps:
         wait_until(lambda: asleep(process))
     process.send_signal(signal.SIGINT)
     process.wait(60)  # `communicate` would close its standard input, which ends `input()`, too
@@ -236,7 +236,7 @@ def test_ctrl_c_ends_a_script_whatever_it_waits_for(simulation: ScriptedSimulati
             print("interrupted")
         """,
     )
-    out, err = interrupt(process, waiting)
+    out, err = interrupt(process)
     assert err == ""
     assert process.returncode == 0
     assert out in ("interrupted\n", "" if waiting == "simu.spin()" else "interrupted\n")
@@ -257,7 +257,7 @@ def test_ctrl_c_ends_a_script_without_a_traceback(simulation: ScriptedSimulation
         print("not reached")
         """,
     )
-    out, err = interrupt(process, waiting)
+    out, err = interrupt(process, sleeps="pass" not in waiting)
     assert (out, err) == ("", "")
     assert process.returncode != 0, "it did not end by itself"
 
