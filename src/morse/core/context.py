@@ -66,6 +66,7 @@ class Context:
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation has been told to end; code that waits within a tick has to check it.
         paused: whether no time passes but the ticks that a client asks for.
+        paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
     """
 
@@ -89,6 +90,7 @@ class Context:
     journal: Journal = field(init=False)
     stopping: Any = _not_stopping
     paused: Any = _not_stopping
+    paced: Any = _not_stopping
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

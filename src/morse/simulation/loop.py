@@ -34,7 +34,11 @@ class Loop:
         self.pacer.while_waiting = self._look_around
         self.stopping = False
         self._diagnosis: Diagnosis | None = None
-        self._slow = False
+        self._slow = self._running = False
+        context.paced = self._is_paced
+
+    def _is_paced(self) -> bool:
+        return self._running and not self._stepping.paused and not math.isinf(self.pacer.speed)
 
     def stop(self) -> None:
         """End the run after this tick; may be called from signal handlers."""
@@ -50,6 +54,7 @@ class Loop:
         """Run until told to stop, or until tick ``last``."""
         self.pacer.restart()
         clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
+        self._running = True
         try:
             while not self.stopping:
                 if stepping.halted:
@@ -72,6 +77,7 @@ class Loop:
             stepping.end(status.FAILED, str(error))
             raise
         finally:
+            self._running = False
             self.go_on()
             if network is not None:
                 network.give_back()

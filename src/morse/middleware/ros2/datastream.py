@@ -20,6 +20,7 @@ from morse.middleware.ros2.names import Names, robot_of
 from morse.middleware.ros2.outlets import COMMAND
 from morse.middleware.ros2.robots import Robots
 from morse.middleware.ros2.rosout import LogTopic
+from morse.middleware.ros2.sending import Sender
 from morse.middleware.ros2.transforms import Transforms
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     Attributes:
         names: names of topics and frames.
         transforms: the tree of frames.
+        sender: sends images and clouds.
         backend: transports the messages.
     """
 
@@ -59,6 +61,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self.backend = self._make_backend()
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
+        self.sender = Sender(lambda: self.backend.takes_threads and context.paced())
         #: topics by name: their type, and the component that publishes them
         self._claims: dict[str, tuple[str, str]] = {}
         self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
@@ -195,6 +198,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
 
     def left(self, name: str) -> None:
         """Close the topics that are no longer used after a component was deleted."""
+        self.sender.finish()
         self.robots.left()
         for key in [key for key in self._publishers if key[0] not in self._claims]:
             self._publishers.pop(key).close()
@@ -221,6 +225,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     def finalize(self) -> None:
         """Close all topics and leave the domain."""
         super().finalize()
+        self.sender.close()
         if self._log is not None:
             self._log.close()
         self.robots.left()
