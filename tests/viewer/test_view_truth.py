@@ -277,7 +277,7 @@ def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(served, open_
     many_robots(server, 20)
     page = open_page(url, **WIDE)
     page.locator("summary[title=view]").click()
-    page.get_by_label("laser rays and hits").check()
+    page.get_by_label("rays and points").check()
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in range(8)})
     assert page.get_by_text("Rays, cones and fields of view of 8 of 20 robots").is_visible()
     select(page, "robot19")

@@ -53,6 +53,7 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.optical_flow_camera.OpticalFlowCamera": CameraCreator,
     "morse.sensors.segmentation_camera.SegmentationCamera": CameraCreator,
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
+    "morse.sensors.thermal_camera.ThermalCamera": CameraCreator,
 }
 
 #: builder classes that are written by hand; products are named after the component class

@@ -50,6 +50,7 @@ __all__ = [
     "Sick",
     "SickLDMRS",
     "StereoUnit",
+    "ThermalCamera",
     "Thermometer",
     "UltrasonicRangeFinder",
     "VLP16_180",
@@ -472,6 +473,30 @@ class SickLDMRS(LaserSensorWithArc):
 
 class StereoUnit(SensorCreator):
     """A pair of cameras to perform stereo vision"""
+
+class ThermalCamera(CameraCreator):
+    """A camera that measures the temperatures of surfaces"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        capturing: bool = ...,
+        DefaultTemperature: float = ...,
+        SkyTemperature: float = ...,
+        FireTag: str = ...,
+        FireTemperature: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class Thermometer(SensorCreator):
     """A sensor returning the temperature, which depends on the distance of fires"""

@@ -11,10 +11,14 @@ from morse.core.services import service
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.noise import Noise
     from morse.core.realism import Realism
     from morse.core.watched_space import WatchedSpace
     from morse.scene.realism import RealismModel
+
+    Pose = tuple[Sequence[float], Sequence[float]]
 
 
 class Sensor(Object):
@@ -84,6 +88,11 @@ class Sensor(Object):
             modifier.modify()
         for publish in self.output_functions:
             publish(self)
+
+    def measured_from(self) -> Pose:
+        """Return position (3,) in m and rotation (9,), row by row, of the sensor in the world at its measurement."""
+        pose: Pose = self.bge_object.world_pose()
+        return pose
 
     def make_realism(self, model: RealismModel) -> Realism:
         """Return the delay and the noise that the script declares."""

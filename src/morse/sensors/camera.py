@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.realism import Realism
+    from morse.core.sensor import Pose
     from morse.core.watched_space import WatchedSpace
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.realism import RealismModel
@@ -121,7 +122,8 @@ class Camera(Sensor):
     normals = False
     uses: ClassVar[tuple[str, ...] | None] = None
     noted: Any = None
-    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted")
+    _taken_from: Pose | None = None
+    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted", "_taken_from")
 
     image_width: int
     image_height: int
@@ -238,7 +240,7 @@ class Camera(Sensor):
         self._taken = self.clock.tick
         if self._left > 0:
             self._left -= 1
-        exposure = Exposure(self.clock.time, shot, self.note())
+        exposure = Exposure(self.clock.time, shot, self.note(), _plain(self.bge_object.world_pose()))
         self.exposed()
         return exposure
 
@@ -267,10 +269,14 @@ class Camera(Sensor):
     def develop(self, exposure: Exposure) -> None:
         """Fill ``local_data`` from an image, and end `capture` with its last image."""
         self._follow_properties()
-        self.noted = exposure.noted
+        self.noted, self._taken_from = exposure.noted, exposure.pose
         self.take(exposure.picture())
         if self._left == 0 and not self.under_way and self.on_completion is not None:
             self.completed(SUCCESS)
+
+    def measured_from(self) -> Pose:
+        """Return the pose at the tick of the last image."""
+        return self._taken_from or super().measured_from()
 
     def take(self, picture: Picture) -> None:
         """Fill ``local_data`` from an image."""
@@ -313,3 +319,8 @@ class Camera(Sensor):
     def top_first(self, rows: Any) -> NDArray[Any]:
         """Convert rows in the order of ``Vertical_Flip`` to rows with the top row first."""
         return np.asarray(rows) if self.vertical_flip else np.ascontiguousarray(np.asarray(rows)[::-1])
+
+
+def _plain(pose: tuple[Any, Any]) -> Pose:
+    position, rotation = pose
+    return tuple(map(float, position)), tuple(map(float, rotation))
