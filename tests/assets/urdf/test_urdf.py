@@ -243,12 +243,12 @@ ENDS = '<parent link="a"/><child link="b"/>'
         (f'<robot>{LINKS}<joint name="j" type="revolute">{ENDS}<axis xyz="0 nan 1"/></joint></robot>', "3 numbers"),
         (
             '<robot><link name="a"/><joint name="j" type="fixed"><parent link="a"/><child link="c"/></joint></robot>',
-            "'c', which there is not",
+            "'c', which does not exist",
         ),
         (
             f'<robot>{LINKS}<joint name="j" type="fixed">{ENDS}</joint><joint name="k" type="fixed"><parent link="b"/>'
             '<child link="a"/></joint></robot>',
-            "circle",
+            "cycle",
         ),
         ('<robot><link name="a"><inertial><mass value="-1"/></inertial></link></robot>', "mass -1"),
         ('<robot><link name="a"><inertial><mass value="inf"/></inertial></link></robot>', "a number"),

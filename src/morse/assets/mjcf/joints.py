@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from morse.assets.mjcf.model import BodyData, JointData, ModelData, MotorData
 
-#: rad or m, for joints without limits
+#: range of joints without limits, rad or m
 _ENDLESS = 1e4
 _KINDS = {"slide": JointKind.PRISMATIC, "hinge": JointKind.REVOLUTE, "ball": JointKind.BALL}
 
@@ -32,9 +32,9 @@ class Bones:
 
     Attributes:
         bones: parents before their children.
-        places: 4x4 of each body in the model, while all joints have the values of the file.
-        hung: body to the index of the bone on which it hangs, -1 for none, and its 4x4 in the frame of the bone.
-        warnings: what is not as in the file, one sentence each.
+        places: 4x4 of each body in the model when all joints have the values of the file.
+        hung: body to the index of the bone that carries it, -1 for none, and its 4x4 in the frame of the bone.
+        warnings: differences from the file, one sentence each.
     """
 
     def __init__(self, model: ModelData, chosen: list[int]) -> None:
@@ -61,7 +61,7 @@ class Bones:
             elif joint.kind in ("hinge", "slide"):
                 last = self._bone(index, joint.name, joint, joint.axis, number, last)
         if not body.joints and last >= 0:
-            # a link that does not move against its parent hangs on the same bone
+            # a link that does not move relative to its parent belongs to the same bone
             last = above
         frame = self._frames[last] if last >= 0 else Matrix.Identity(4)
         self.hung[index] = (last, frame.inverted() @ self.places[index])
@@ -71,7 +71,7 @@ class Bones:
         turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
         frame = place @ Matrix.Translation(joint.position) @ turned
         self._frames.append(frame)
-        # bones say where they are at the value 0
+        # the pose of a bone is that at joint value 0
         if joint.kind == "slide":
             frame = frame @ Matrix.Translation((0.0, 0.0, -joint.start))
         elif joint.start:
@@ -135,7 +135,7 @@ class Bones:
 
 
 def _drive(motor: MotorData | None) -> tuple[Control, float | None, float | None, float]:
-    """Return what a motor is told, its gain and damping, and its largest effort, all of them at the joint."""
+    """Return the quantity that a motor controls, its gain and damping, and its largest effort, at the joint."""
     if motor is None:
         return Control.EFFORT, None, None, math.inf
     gear, most = abs(motor.gear), abs(motor.gear) * motor.force

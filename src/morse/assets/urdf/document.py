@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 _FARTHEST = 1e6
-#: links, and joints in a row
+#: maximum number of links, and of joints in a chain
 _MOST_LINKS, _DEEPEST = 2000, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
@@ -40,8 +40,8 @@ class Shape:
 
     Attributes:
         kind: ``box``, ``cylinder``, ``sphere`` or ``mesh``.
-        size: m: the three sides of a box, radius and length of a cylinder, the radius of a sphere, the scale of a mesh.
-        file: of a mesh.
+        size: m: the three sides of a box; radius and length of a cylinder; the radius of a sphere; the scale of a mesh.
+        file: path of a mesh.
         origin: 4x4 in the frame of the link.
         color: RGBA, or None.
     """
@@ -72,7 +72,7 @@ class Joint:
     """A joint between two links.
 
     Attributes:
-        origin: 4x4 of the child in the frame of the parent, at the value 0.
+        origin: 4x4 pose of the child in the frame of the parent, at joint value 0.
         axis: unit vector in the frame of the child.
         dynamics: damping, friction, and limits of the motor.
         mimic: name of the joint that this one follows, factor and offset; or None.
@@ -97,12 +97,12 @@ class Joint:
 
 @dataclass(slots=True)
 class Document:
-    """What a file says.
+    """The content of a file.
 
     Attributes:
-        joints: each after the one that moves its parent.
+        joints: each joint after the one that moves its parent.
         root: the link without a parent.
-        warnings: what is left out, one sentence each.
+        warnings: ignored elements, one sentence each.
     """
 
     name: str
@@ -131,7 +131,7 @@ class _Parser:
         except ValueError:
             found = ()
         if len(found) > len(default):
-            self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} numbers count")
+            self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} are used")
             found = found[: len(default)]
         if len(found) != len(default) or not all(abs(value) <= _FARTHEST for value in found):
             count = "a number" if len(default) == 1 else f"{len(default)} numbers"
@@ -185,7 +185,7 @@ class _Parser:
         return self.define(material)
 
     def define(self, material: ElementTree.Element) -> tuple[float, float, float, float] | None:
-        """Return the colour of a material, which is also known by its name from then on."""
+        """Return the colour of a material; the colour of a named material is stored for later references."""
         color = material.find("color")
         if color is None:
             return self.colors.get(material.get("name") or "")
@@ -308,7 +308,7 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise parser.fail(f"the joint '{joint.name}' joins the link '{link}', which there is not")
+                raise parser.fail(f"the joint '{joint.name}' refers to the link '{link}', which does not exist")
         if joint.name in names:
             raise parser.fail(f"two joints have the name '{joint.name}'")
         if joint.child in above:
@@ -318,19 +318,19 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
         below.setdefault(joint.parent, []).append(joint)
     roots = [name for name in links if name not in above]
     if len(roots) != 1:
-        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "joints in a circle"
+        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "the joints form a cycle"
         raise parser.fail(f"it has {what}")
     ordered, waiting, depth = [], [roots[0]], {roots[0]: 0}
     while waiting:
         link = waiting.pop(0)
         if depth[link] > _DEEPEST:
-            raise parser.fail(f"more than {_DEEPEST} joints follow each other, up to the link '{link:.60}'")
+            raise parser.fail(f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
         for joint in below.get(link, ()):
             ordered.append(joint)
             waiting.append(joint.child)
             depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
-        raise parser.fail("it has joints in a circle")
+        raise parser.fail("its joints form a cycle")
     for joint in ordered:
         leader = next((one for one in ordered if joint.mimic and one.name == joint.mimic[0]), None)
         if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):

@@ -50,7 +50,7 @@ _LIGHTEST = 1e-3
 def read_urdf(path: str | Path) -> Library:
     """Read a robot.
 
-    Its links become nodes of their names below the armature ``<robot>_joints``, whose bones are the joints.
+    Its links become nodes with the same names below the armature ``<robot>_joints``, whose bones are the joints.
 
     Raises:
         AssetError: the file is broken or contradicts itself.
@@ -92,7 +92,7 @@ class _Reader:
         return Library(str(self.path), roots=[root], sensors=document.sensors, warnings=self.warnings)
 
     def _is_fixed(self, mass: float) -> bool:
-        """Whether the robot is bolted to the world: the links that move with the first one have no mass."""
+        """Whether the robot is fixed to the world: the links that move with the first one have no mass."""
         document = self.document
         if document.root == WORLD:
             return True
@@ -117,7 +117,7 @@ class _Reader:
             parent = above.get(joint.parent, -1)
             local = joint.origin @ _turn(joint)
             if parent >= 0:
-                # from the frame of the link above to that of its bone
+                # from the frame of the parent link to the frame of its bone
                 local = _turn(joints[parent]).inverted() @ local
             kind = _KINDS.get(joint.kind, JointKind.FIXED)
             leader, factor, offset = joint.mimic or ("", 1.0, 0.0)
@@ -145,7 +145,7 @@ class _Reader:
         return found
 
     def _start(self, bones: tuple[Bone, ...]) -> dict[str, Matrix]:
-        """The frame of each bone at the start, in that of the armature."""
+        """The initial frame of each bone in the frame of the armature."""
         frames: list[Matrix] = []
         for bone in bones:
             frame = Matrix((bone.rotation[:3], bone.rotation[3:6], bone.rotation[6:])).to_4x4()
@@ -190,7 +190,7 @@ class _Reader:
         link.attach(node)
 
     def _mesh(self, shape: Shape) -> list[Node]:
-        """The nodes of a mesh file; none, and a warning, if it cannot be read."""
+        """The nodes of a mesh file; if it cannot be read, an empty list and a warning."""
         try:
             return mesh_nodes(find_near(shape.file, self.path), known=self._libraries)
         except (AssetError, FileRefusedError, MeshError, OSError) as error:
