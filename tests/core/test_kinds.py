@@ -345,7 +345,7 @@ def test_two_kinds_cannot_have_one_topic():
         add_kind("clock", now="t")
         add_kind("clock", now="t")
 
-    with pytest.raises(KindError, match="have one topic"):
+    with pytest.raises(KindError, match="have the same topic"):
         spoken(Two)
 
 

@@ -373,7 +373,7 @@ def test_wrong_token_is_said(make_server, open_page) -> None:
     server, url = make_server(token="secret")
     server.set_scene(Scene("s", roots=[mesh_node("box", box("b"))]), [])
     page = open_page(url.replace("secret", "wrong"), wait=False)
-    assert "wants the token" in page.inner_text("body")
+    assert "requires the token" in page.inner_text("body")
     page = open_page(url)
     assert "token" not in page.url
 

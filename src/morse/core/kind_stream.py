@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: largest number of messages that wait for the next action of an actuator
+#: largest number of messages that are queued for the next action of an actuator
 _MOST_WAITING = 64
 
 
 class KindStream(AbstractDatastream):
-    """Sends the messages of a component with the methods of its manager, or passes received messages to it.
+    """Sends the messages of a component with the methods of its manager, or passes received messages to the component.
 
     Attributes:
         kinds: the message kinds that the component sends or receives.
@@ -67,7 +67,7 @@ class KindStream(AbstractDatastream):
             fields, remark = bound.scatter(slots, frame)
             unknown = commands.take(fields)
         except CommandError as error:
-            self.complain(f"field {error.field}", f"a message is refused: {error}")
+            self.complain(f"field {error.field}", f"a message was refused: {error}")
             return False
         except Exception as error:  # a slot may contain anything, and a client must not stop the component
             self.complain("message", f"a message cannot be read ({type(error).__name__}: {error}): {shown(slots)}")
