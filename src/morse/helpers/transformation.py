@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-# An own Z axis that rises this steeply is tilted so little that |roll| + |pitch| stays below 90 degrees (as
-# cos(|roll| + |pitch|) >= 2 cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the
-# one with the pitch within 90 degrees, whatever the yaw: its sum is s, that of the other one 3 pi - s.
+# If the own Z axis rises this steeply, |roll| + |pitch| is below 90 degrees (because cos(|roll| + |pitch|) >= 2
+# cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the solution whose pitch is within 90
+# degrees, whatever the yaw: its sum is s, and that of the other solution is 3 pi - s.
 _UPRIGHT = 0.51
 
 

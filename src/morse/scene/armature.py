@@ -49,12 +49,12 @@ class Bone:
             bones slide along the X and Y axes of the bone and turn about its Z axis; floating bones move freely. These
             three only move if the physics moves the joints.
         axis: 0, 1 or 2: the X, Y or Z axis of the bone.
-        free: the axes about which the file lets the bone turn.
+        free: axes about which the bone may rotate according to the file.
         low: smallest value of the joint, rad or m.
         high: largest value.
         value: initial value.
         leader: index of the bone whose joint this one follows, as ``factor * value + offset``; -1 for none.
-        dynamics: friction, limits and motor of the joint where the physics moves it, or None for the defaults.
+        dynamics: friction, limits and motor of the joint if the physics moves it; None for the defaults.
     """
 
     name: str
