@@ -39,7 +39,7 @@ class Vector(VectorAlgebra):
         return Quaternion._wrap(list(tracking.shortest_arc(self, self._operand(other, "rotation_difference"))))
 
     def to_track_quat(self, track: str = "Z", up: str = "Y") -> Quaternion:
-        """Return a rotation that points an axis (``X``, ``-Y`` …) along this vector, and another as far upward as possible."""
+        """Return a rotation that points an axis (``X``, ``-Y`` …) along this vector, and another one upward."""
         return Quaternion._wrap(list(tracking.track_rotation(self, track, up)))
 
 
