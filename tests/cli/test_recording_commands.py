@@ -55,7 +55,7 @@ def test_a_run_is_recorded(script, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--record", "scene.py"], "exists already"),
+        (["--record", "scene.py"], "already exists"),
         (["--record", "nowhere/run.mcap"], "an existing folder"),
         (["--record", "."], "takes the path of a file"),
         (["--record-only", "robot.pose"], "give both"),

@@ -44,7 +44,7 @@ class JointSlot:
 
     Attributes:
         armature: the node of the armature.
-        name: of the bone.
+        name: name of the bone.
         qpos: address of its value, rad or m.
         dof: address of its velocity.
         actuator: id of its motor; -1 for a joint that follows another.
@@ -234,7 +234,7 @@ class Articulated:
         """Add motors, joints that follow others, and the pairs of links that do not collide.
 
         Args:
-            step: of the engine, s.
+            step: time step of the engine, s.
         """
         if not self._made:
             return

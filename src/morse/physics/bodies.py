@@ -33,7 +33,7 @@ _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Bodies:
-    """Operations on single bodies from outside the engine; a gliding robot is put on its feet first."""
+    """Operations on single bodies from outside the engine; a gliding robot stops gliding first."""
 
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
@@ -134,7 +134,7 @@ class Bodies:
     def shapes_have_moved(
         self, index: int, geoms: Sequence[int], nodes: Sequence[Node], reach: float, lowest: float
     ) -> None:
-        """Note that shapes of a slot were moved within it, see `morse.physics.linkage`.
+        """Record that shapes of a slot were moved within it, see `morse.physics.linkage`.
 
         Args:
             reach: distance from the origin of the slot to the outermost point of its shapes, m.

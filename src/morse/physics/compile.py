@@ -54,7 +54,7 @@ _TYPES = {
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """The indices of a frame in the arrays of the engine; -1 or empty if the frame does not have the item.
+    """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
 
     Attributes:
         body: id of the MuJoCo body.
@@ -64,7 +64,7 @@ class Slot:
         actuator: id of the wheel motor.
         geoms: geom ids by node, one for each shape of the node.
         feet: geom ids of the spheres on which a driven robot stands.
-        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first.
+        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
     """
 
     frame: Frame
@@ -80,7 +80,7 @@ class Slot:
 
     @property
     def numbers(self) -> tuple[int, int]:
-        """How many positions and velocities the engine has for the slot."""
+        """Number of positions and velocities of the slot in the engine."""
         if self.qpos < 0:
             return 0, 0
         if self.frame.motion is Motion.FREE:
@@ -122,7 +122,7 @@ def _compile(scene: Scene) -> Compiled:
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
-    # only shown by MuJoCo's own viewer
+    # shown only by the viewer of MuJoCo
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
@@ -252,7 +252,7 @@ class _Builder:
     def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
         if stand is None:
             return
-        # the engine has to expect weightless bodies; see resolve
+        # the engine has to be prepared for weightless bodies; see resolve
         body.gravcomp = 1.0
         for centre in stand.feet:
             foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)

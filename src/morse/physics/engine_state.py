@@ -44,12 +44,12 @@ class EngineState:
         displacements: changes whenever an object was moved within its slot.
         positions: position of each slot, [x, y, z] in m, world frame.
         rotations: rotation of each slot, 9 row-major numbers.
-        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the others at the start.
+        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the other slots, at the start.
         touched: slots that were moved by explicit calls since the last forward kinematics of the engine.
         loose: static slots that were moved by explicit calls.
         rearranged: nodes whose shapes moved within their slots since the last ray cast.
         kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
-        has_forces: whether forces or torques wait for the next tick.
+        has_forces: whether forces or torques are set for the next tick.
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
         known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
         names: name of the first node of each slot; ``named`` maps it to the slot.

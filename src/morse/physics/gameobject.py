@@ -341,7 +341,7 @@ class GameObject(LegacyNames):
 
         Args:
             position: whether the object moves without gaining momentum.
-            ground: whether the vertical speed and the roll and pitch rates are left to gravity and contacts.
+            ground: whether gravity and contacts control the vertical speed and the roll and pitch rates.
         """
         self._world.drives.command(
             self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)

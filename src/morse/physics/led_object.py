@@ -64,7 +64,7 @@ class LedObject(GameObject):
         self._stamp = -1
 
     def _change(self, name: str, value: Any) -> None:
-        """The object was moved in another way: the linkage has to read its pose."""
+        """Notify the linkage that the object was moved in another way, so that it reads the pose again."""
         self._linkage.settle()
         self._linkage.is_outdated = True
         vars(self)[name] = value

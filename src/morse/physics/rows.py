@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: up to this number of rows, all rows are converted in one call, which takes as long as two rows one by one
+#: up to this number of rows, all rows are converted in one call, which takes as long as converting two rows one by one
 _FEW = 16
 
 
@@ -22,7 +22,7 @@ class Rows:
 
     Args:
         array: (N, D).
-        taken: how many of the first rows `take` replaces.
+        taken: number of the first rows that `take` replaces.
     """
 
     __slots__ = ("_array", "_first", "_is_shared", "_none", "_rows")

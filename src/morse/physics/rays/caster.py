@@ -73,7 +73,7 @@ class Caster:
     # -- present poses ---------------------------------------------------------------------
 
     def _update(self) -> Poses:
-        """Place what has moved since the last cast, and return the present poses."""
+        """Update the poses of solids that have moved since the last cast, and return the present poses."""
         world, solids = self._world, self._solids
         if world.rearranged:
             solids.settle([index for index, node in enumerate(solids.nodes) if node in world.rearranged])
