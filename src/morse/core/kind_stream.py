@@ -67,7 +67,7 @@ class KindStream(AbstractDatastream):
             fields, remark = bound.scatter(slots, frame)
             unknown = commands.take(fields)
         except CommandError as error:
-            self.complain(f"field {error.field}", f"a message was refused: {error}")
+            self.complain(f"field {error.field}", f"a message is refused: {error}")
             return False
         except Exception as error:  # a slot may contain anything, and a client must not stop the component
             self.complain("message", f"a message cannot be read ({type(error).__name__}: {error}): {shown(slots)}")
