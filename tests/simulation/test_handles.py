@@ -162,7 +162,7 @@ def test_a_mistake_in_a_callback_is_raised_to_who_lets_time_pass(sim: Any, run: 
 
 def test_time_cannot_be_told_to_pass_within_a_tick(sim: Any) -> None:
     sim.robot.pose.subscribe(lambda _: sim.step())
-    with pytest.raises(RuntimeError, match="a tick is under way"):
+    with pytest.raises(RuntimeError, match="a tick is running"):
         sim.step()
 
 

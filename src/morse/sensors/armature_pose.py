@@ -38,7 +38,7 @@ class ArmaturePose(Sensor):
     """
 
     _name = "Armature Pose Sensor"
-    _short_desc = "Measures where the joints of an armature are"
+    _short_desc = "Measures the joint values of an armature"
     _builder = BuilderDefaults()
 
     add_kind(
@@ -58,7 +58,9 @@ class ArmaturePose(Sensor):
         while holder is not None and not (holder.node.bones and holder.name in actuators):
             holder = holder.parent
         if holder is None:
-            raise ValueError("it measures the joints of an armature: append it to one, as in 'arm.append(pose)'")
+            raise ValueError(
+                "it measures the joints of an armature: append it to an armature, as in 'arm.append(pose)'"
+            )
         self._armature: str = holder.name
         chain = Chain(holder.node.bones)
         self._bones = tuple(chain.bones[index] for index in chain.joints)
@@ -71,7 +73,7 @@ class ArmaturePose(Sensor):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The names of the joints, those nearer to the root first."""
+        """The names of the joints, ordered from the root."""
         return tuple(bone.name for bone in self._bones)
 
     @property
@@ -109,10 +111,10 @@ class ArmaturePose(Sensor):
 
     @service(changes=False)
     def get_joints(self) -> list[str]:
-        """The names of the joints, those nearer to the root first."""
+        """The names of the joints, ordered from the root."""
         return list(self.joints)
 
-    # the method `get_state` of a component saves its state
+    # the method has another name, because the method `get_state` of a component saves its state
     @service(name="get_state", changes=False)
     def get_joint_state(self) -> dict[str, float]:
         """Return the values of all joints: name to rad or m."""

@@ -104,10 +104,15 @@ class Camera(Sensor):
     add_property("near_clipping", 0.1, "cam_near", "float", "Near clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("far_clipping", 100.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("vertical_flip", True, "Vertical_Flip", "bool", "The first row of the image is the top row")
-    add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
-    add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; kept for old scripts")
+    add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; exists for old scripts")
+    add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; exists for old scripts")
     add_property(
-        "lens_model", "plumb_bob", "lens_model", "string", "Of the distortion", choices=("plumb_bob", "equidistant")
+        "lens_model",
+        "plumb_bob",
+        "lens_model",
+        "string",
+        "Model of the distortion",
+        choices=("plumb_bob", "equidistant"),
     )
     add_property(
         "distortion",
@@ -143,7 +148,7 @@ class Camera(Sensor):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        # imported on demand, for scenes with cameras only
+        # imported on demand, because only scenes with cameras need it
         from morse.rendering import Renderer
 
         #: number of remaining images; negative for no limit
@@ -161,7 +166,7 @@ class Camera(Sensor):
         self.add_request(self.request)
         if self.context.scene.settings.fastmode and self.capturing:
             self.capturing = False
-            logger.warning("%s takes no pictures: the environment is in fastmode", self.name())
+            logger.warning("%s captures no images: the environment is in fastmode", self.name())
 
     def _look(self) -> None:
         """Create the lens from the properties.
@@ -218,7 +223,7 @@ class Camera(Sensor):
         return self.capturing and self._left != 0
 
     def watched_space(self) -> WatchedSpace | None:
-        """Return None, because the field of view is not a cone about the X axis."""
+        """Return None, because the field of view is not a cone around the X axis."""
         return None
 
     def measure(self) -> None:
