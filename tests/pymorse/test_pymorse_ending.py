@@ -40,7 +40,7 @@ def test_a_simulation_on_another_port_is_named(free_port: int, monkeypatch: pyte
 
 
 def test_no_such_host() -> None:
-    with pytest.raises(ConnectionError, match=r"no host 'morse.invalid'"):
+    with pytest.raises(ConnectionError, match=r"the host 'morse.invalid' does not exist"):
         Morse("morse.invalid")
 
 
@@ -123,9 +123,9 @@ def test_closing_is_final_and_may_be_repeated(simulation: ScriptedSimulation) ->
     motion = simu.robot1.motion
     simu.close()
     simu.close()
-    with pytest.raises(ConnectionError, match=r"make a new Morse\(\)"):
+    with pytest.raises(ConnectionError, match=r"create a new Morse\(\)"):
         motion.publish({})
-    with pytest.raises(ConnectionError, match=r"make a new Morse\(\)"):
+    with pytest.raises(ConnectionError, match=r"create a new Morse\(\)"):
         simu.time()
 
 

@@ -42,7 +42,7 @@ def diagnose(tick: float, share: float = 1.0, component: float = 0.0) -> str:
 
 def test_a_component_that_takes_most_of_the_tick_is_named() -> None:
     assert diagnose(0.030, component=0.025) == (
-        "most time goes to robot.eyes: 25.0 ms a tick of the 16.0 ms that it may take"
+        "most time goes to robot.eyes: 25.0 ms per tick of the 16.0 ms that it may take"
     )
 
 

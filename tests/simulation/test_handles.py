@@ -243,7 +243,7 @@ def test_robots_that_a_loop_made_and_names_that_are_taken(caplog: pytest.LogCapt
         assert "robot" in dir(sim)
         assert set(sim.robot.keys()) == {"motion", "pose", "scan", "arm"}
         assert "reach" in dir(sim.robot.arm)
-    assert any("'step' is taken" in record.getMessage() for record in caplog.records)
+    assert any("'step' already exists" in record.getMessage() for record in caplog.records)
 
 
 # adding and removing ------------------------------------------------------------------------------
@@ -327,7 +327,7 @@ def test_another_simulation_gets_who_came_by_the_name_of_a_kind(sim: Any) -> Non
         assert sim.state_hash() == other.state_hash()
         before = other.state_hash()
         sim.spawn("made", sensing_robot, (20.0, 0.0, 0.1))
-        with pytest.raises(StateError, match="'made' was made by a function"):
+        with pytest.raises(StateError, match="'made' was created by a function"):
             other.restore(type(state).from_bytes(sim.save().to_bytes()))
         assert other.state_hash() == before
 
