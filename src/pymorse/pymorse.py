@@ -285,7 +285,7 @@ class Morse:
 
     def _check_open(self) -> None:
         if self._closed:
-            raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+            raise ConnectionError("this connection to the simulation has been closed: create a new Morse()")
 
     def _open_stream(self, name: str, port: int, *, sends: bool) -> StreamJSON | BinaryStream:
         """Open the stream of a component.
