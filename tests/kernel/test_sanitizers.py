@@ -13,7 +13,7 @@ import pytest
 from morse.kernel import build
 
 CHECKED = "MORSE_TESTED_KERNEL"
-OPTIONS = ["-O1", "-g", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
+OPTIONS = ["-Og", "-g1", "-shared", "-fPIC", "-fno-omit-frame-pointer", "-Wno-psabi"]
 #: tests of Python only
 _NOT_NATIVE = ("test_build.py", "test_loading.py", "test_sanitizers.py")
 WORDS = ["-n0", "-q", "-x", "-p", "no:cacheprovider", "--timeout", "3000"]
