@@ -86,8 +86,9 @@ class Caster:
             self._rays.place(self._poses_now(), moving=False)
             self._stamp = -1
         if self._stamp != world.stamp:
-            self._stamp = world.stamp
-            self._rays.place(self._poses_now(), moving=True)
+            self._stamp, poses = world.stamp, self._poses_now()
+            self._rays.place(poses, moving=True)
+            return poses
         return self._poses_now()
 
     def _poses_now(self) -> Poses:
