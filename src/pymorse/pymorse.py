@@ -19,7 +19,7 @@ from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
 from pymorse.requests import ServiceConnection
-from pymorse.stream import TIMEOUT, StreamJSON, connect
+from pymorse.stream import TIMEOUT, StreamJSON, connect, connect_locally
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -55,6 +55,8 @@ class Morse:
         binary: whether to receive the data of sensors as binary frames on one connection, which takes much less time on
             both sides. Arrays, such as scans and images, are then numpy arrays, or memoryviews if numpy is not
             installed.
+        path: path of the Unix socket of the simulation (its environment variable ``MORSE_SOCKET_PATH``), which carries
+            its services instead of the port.
 
     Attributes:
         robots: names of the robots.
@@ -63,7 +65,9 @@ class Morse:
         ConnectionError: there is no simulation, or it has no binary streams.
     """
 
-    def __init__(self, host: str = "localhost", port: int | None = None, *, binary: bool = False) -> None:
+    def __init__(
+        self, host: str = "localhost", port: int | None = None, *, binary: bool = False, path: str | None = None
+    ) -> None:
         self.host = host
         self.port = port = _default_port() if port is None else port
         self.robots: list[str] = []
@@ -80,7 +84,7 @@ class Morse:
         self._latest: BinaryConnection | None = None
         self._service_poller.start()
         try:
-            self._services = _greet(host, port, self._service_poller)
+            self._services = _greet(host, port, self._service_poller, path)
             if binary:
                 self._binary_port = self._find_binary_port()
             self._learn()
@@ -396,7 +400,9 @@ def _default_port() -> int:
     return int(text) or PORTS[0]
 
 
-def _greet(host: str, port: int, poller: Poller) -> ServiceConnection:
+def _greet(host: str, port: int, poller: Poller, path: str | None) -> ServiceConnection:
+    if path is not None:
+        return ServiceConnection(host, port, poller, connect_locally(path))
     try:
         return ServiceConnection(host, port, poller)
     except ConnectionRefusedError:

@@ -13,6 +13,7 @@ from pymorse.future import MorseExecutor, MorseFuture
 from pymorse.stream import StreamB, to_json
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Sequence
 
     from pymorse.poller import Poller
@@ -108,12 +109,12 @@ class _Answer:
 class ServiceConnection(StreamB):
     """The connection to the request manager of a simulation."""
 
-    def __init__(self, host: str, port: int, poller: Poller) -> None:
+    def __init__(self, host: str, port: int, poller: Poller, sock: socket.socket | None = None) -> None:
         self.executor = MorseExecutor()
         self._lock = threading.Lock()
         self._next = 0
         self._open: dict[int, tuple[MorseFuture | _Answer, str]] = {}
-        super().__init__(host, port, 1, poller=poller)
+        super().__init__(host, port, 1, sock, poller=poller)
 
     def request(self, component: str, service: str, arguments: Sequence[Any]) -> MorseFuture:
         """Call a service.

@@ -155,4 +155,24 @@ def connect(host: str, port: int, timeout: float = TIMEOUT) -> _socket.socket:
         raise ConnectionError(f"cannot connect to {host}:{port}: {error}") from None
 
 
+def connect_locally(path: str, timeout: float = TIMEOUT) -> _socket.socket:
+    """A connection to a Unix socket.
+
+    Raises:
+        ConnectionError: saying which path, and why.
+    """
+    if not hasattr(_socket, "AF_UNIX"):
+        raise ConnectionError("this system has no Unix sockets: connect to the port of the simulation")
+    made = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM)
+    try:
+        made.settimeout(timeout)
+        made.connect(path)
+    except OSError as error:
+        made.close()
+        raise ConnectionError(
+            f"no simulation listens on {path} ({error.strerror or error}); set MORSE_SOCKET_PATH={path} for 'morse run'"
+        ) from None
+    return made
+
+
 __all__ = ["MSG_SEPARATOR", "TIMEOUT", "PollThread", "Stream", "StreamB", "StreamJSON", "connect", "to_json"]
