@@ -185,11 +185,15 @@ def asleep(process: subprocess.Popen[str]) -> bool:
 def interrupt(process: subprocess.Popen[str], *, sleeps: bool = True) -> tuple[str, str]:
     """Press Ctrl+C when the script waits; what the script has printed."""
     assert process.stdout is not None
-    assert process.stdout.readline() == "waiting\n"
-    if sleeps:
-        wait_until(lambda: asleep(process))
-    process.send_signal(signal.SIGINT)
-    process.wait(60)  # `communicate` would close its standard input, which ends `input()`, too
+    try:
+        assert process.stdout.readline() == "waiting\n"
+        if sleeps:
+            wait_until(lambda: asleep(process))
+        process.send_signal(signal.SIGINT)
+        process.wait(60)  # `communicate` would close its standard input, which ends `input()`, too
+    except BaseException:
+        process.kill()
+        raise
     return process.communicate(timeout=60)
 
 
