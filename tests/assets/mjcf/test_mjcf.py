@@ -156,7 +156,7 @@ def test_shapes_looks_and_contacts(folder: Path) -> None:
     assert "floor" not in nodes
     assert ("trunk", "foot") in nodes["crab_joints"].articulation.apart
     said = " ".join(library.warnings)
-    assert "floor is that of the environment" in said
+    assert "environment provides the floor" in said
 
 
 SCENE = """

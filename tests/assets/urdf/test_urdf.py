@@ -218,7 +218,7 @@ def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
         "gone.stl",
         "ROS_PACKAGE_PATH",
         "capsule",
-        "first 3 numbers",
+        "first 3 are used",
         "<box>",
     ):
         assert word in text
