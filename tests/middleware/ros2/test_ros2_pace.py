@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -95,3 +96,17 @@ def test_a_camera_that_has_stopped_capturing_sends_its_last_image(start: Callabl
     sim.run(0.2)
     sim.close()
     assert len(sent) == 1
+
+
+@pytest.mark.parametrize(("rate", "wanted"), [(20.0, 20), (25.0, 25), (500.0, 60), (None, 60)])
+def test_transforms_have_the_rate_of_the_option(start: Callable[..., Any], rate: float | None, wanted: int) -> None:
+    options = "" if rate is None else f'env.configure_stream_manager("ros2", tf_rate={rate})'
+    sim, desk = start("robot.append(Pose('pose'))", options)
+    sim.step(60)
+    type_name, _, publisher = desk.publishers["/tf"]
+    # the message of time 0 is never sent, so that one may be missing
+    assert abs(len(publisher.sent) - wanted) <= 1
+    stamps = [desk.store.deserialize_cdr(data, type_name).transforms[0].header.stamp for data in publisher.sent]
+    times = [stamp.sec + stamp.nanosec * 1e-9 for stamp in stamps]
+    gaps = [after - before for before, after in pairwise(times)]
+    assert max(gaps) <= 1 / min(wanted, 60) + 1 / 60 + 1e-6

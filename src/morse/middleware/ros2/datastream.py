@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
@@ -36,6 +37,7 @@ logger = logging.getLogger(__name__)
 
 _TF = "tf2_msgs/msg/TFMessage"
 _CLOCK = "rosgraph_msgs/msg/Clock"
+_SECOND = 10**9
 
 
 class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKinds, StateKinds, DatastreamManager):
@@ -70,6 +72,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._clock = self._own("/clock", _CLOCK, Qos(1, reliable=False)) if self.options["clock"] else None
         self._tf = self._own("/tf", _TF, Qos(100)) if self.options["tf"] else None
         self._tf_static = self._own("/tf_static", _TF, Qos(1, latched=True)) if self.options["tf"] else None
+        self._tf_period = -1
         self.robots = Robots(self)
         self._log = LogTopic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
@@ -211,13 +214,21 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         """Whether the transforms have subscribers."""
         return self._tf is not None and self._tf.wanted()
 
+    def _tf_is_due(self, stamp: int) -> bool:
+        rate = self.options.get("tf_rate")
+        if rate is None:
+            return True
+        # the number of the period of a tick, so that the mean rate is that of the option
+        before, self._tf_period = self._tf_period, math.floor(stamp * rate / _SECOND)
+        return self._tf_period != before
+
     def flush(self) -> None:
         """The end of a tick: publish the time and the poses of all frames."""
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))
         if self._tf is not None:
-            self.transforms.publish(stamp, wanted=self._tf.wanted())
+            self.transforms.publish(stamp, wanted=self._tf_is_due(stamp) and self._tf.wanted())
         self.robots.publish()
         if self._log is not None:
             self._log.publish(stamp)
