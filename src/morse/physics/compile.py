@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.articulated import Articulated, JointSlot
+from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
@@ -95,6 +96,7 @@ class Compiled:
     Attributes:
         steps: physics steps per tick.
         geom_node: node of each geom.
+        tendon_motors: the motors of tendons.
     """
 
     model: mujoco.MjModel
@@ -102,6 +104,7 @@ class Compiled:
     slots: list[Slot]
     steps: int
     geom_node: list[Node]
+    tendon_motors: list[TendonSlot]
 
 
 def compile_scene(scene: Scene) -> Compiled:
@@ -128,6 +131,7 @@ def _compile(scene: Scene) -> Compiled:
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
+    couplings = builder.couple(slots)
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -139,7 +143,7 @@ def _compile(scene: Scene) -> Compiled:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
-    return Compiled(model, data, slots, steps, geom_node)
+    return Compiled(model, data, slots, steps, geom_node, couplings.motors)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
@@ -169,6 +173,7 @@ class _Builder:
         self._feet: list[tuple[Any, Node, Slot]] = []
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
+        self._couplings: CouplingBuilder | None = None
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
@@ -331,6 +336,11 @@ class _Builder:
         # reduces the difference to the commanded speed by nine tenths in each step
         motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
+    def couple(self, slots: list[Slot]) -> CouplingBuilder:
+        """Add tendons and constraints, after all bodies and joints."""
+        self._couplings = CouplingBuilder(self._spec, slots, self._bodies)
+        return self._couplings
+
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
         self.articulated.resolve(model)
@@ -338,6 +348,10 @@ class _Builder:
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)
+        if self._couplings is not None:
+            self._couplings.resolve(model)
+            for guide, node in self._couplings.geoms:
+                geom_node[guide.id] = node
         for foot, node, slot in self._feet:
             geom_node[foot.id] = node
             slot.feet.append(foot.id)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from morse.physics.articulated import JointSlot
     from morse.physics.compile import Compiled, Slot
+    from morse.physics.couplings import TendonSlot
     from morse.scene import Node
 
 
@@ -34,6 +35,7 @@ class EngineState:
         links: slot of a body to all slots that joints attach to it.
         attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
+        tendon_motors: the motors of tendons.
         geom_node: node of each geom.
         steps: physics steps per tick.
         period: seconds per tick.
@@ -91,6 +93,7 @@ class EngineState:
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )
+        self.tendon_motors: list[TendonSlot] = compiled.tendon_motors
         self.stamp = 0
         self.displacements = 0
         self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))

@@ -109,6 +109,9 @@ class Transfer:
             if name in held:
                 for geom in _geoms(b):
                     model["geom_contype"][geom] = model["geom_conaffinity"][geom] = 0
+        commands = {slot.key: old.data.ctrl[slot.actuator] for slot in old.tendon_motors}
+        for slot in new.tendon_motors:
+            new.data.ctrl[slot.actuator] = commands.get(slot.key, slot.start)
         new.data.time = old.data.time
         for a, b in self._same:
             self._carry_shapes(a, b, model, _OF_SURFACES if b.frame.node.name in landing else _OF_SHAPES)

@@ -269,6 +269,9 @@ class World(ObjectWorld):
                     holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
                     self.data.ctrl[joint.actuator] = joint.start if holds else 0.0
 
+        for motor in self.tendon_motors:
+            self.data.ctrl[motor.actuator] = motor.start
+
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
         if self._lone_glider.step():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+from morse.scene.couplings import Couplings
 
 #: property of an armature: whether the physics moves its joints
 DYNAMIC = "Dynamic"
@@ -81,6 +83,7 @@ class Articulation:
         mass: mass of all links together, kg; 0 if the file has no masses.
         self_collision: whether links collide with each other. Links that are connected by a joint never collide.
         apart: pairs of links that do not collide, by their names in the file.
+        couplings: tendons and constraints.
         control: joint to the quantity that its motor controls, if it differs from the file.
     """
 
@@ -88,3 +91,4 @@ class Articulation:
     self_collision: bool = False
     apart: tuple[tuple[str, str], ...] = ()
     control: tuple[tuple[str, Control], ...] = ()
+    couplings: Couplings = field(default_factory=Couplings)

@@ -100,6 +100,11 @@ class Bones:
         self._bone_of.setdefault(number, index)
         return index
 
+    @property
+    def names(self) -> dict[int, str]:
+        """Joint of the model to the name of its bone."""
+        return {joint: self.bones[bone].name for joint, bone in self._bone_of.items()}
+
     # -- motors ----------------------------------------------------------------------------
 
     def _dynamics(self, number: int, joint: JointData) -> JointDynamics:

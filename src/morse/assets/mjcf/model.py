@@ -14,8 +14,11 @@ import mujoco
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.mjcf.couplings import CouplingReader
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from numpy.typing import NDArray
 
     from morse.assets.mjcf.source import Source
@@ -146,6 +149,8 @@ class ModelData:
         follows: joints that follow another joint: (joint, leader, factor, offset).
         apart: pairs of bodies that do not collide.
         lost: unsupported features of the file, one sentence each.
+        handled: the constraints that are in ``follows``.
+        couplings: returns a reader of tendons and constraints, given the names of links and bones.
     """
 
     bodies: list[BodyData]
@@ -156,6 +161,8 @@ class ModelData:
     follows: list[tuple[int, int, float, float]]
     apart: list[tuple[int, int]]
     lost: list[str]
+    handled: frozenset[int]
+    couplings: Callable[[Mapping[int, str], Mapping[int, str]], CouplingReader]
 
 
 def compiled(source: Source) -> ModelData:
@@ -178,6 +185,7 @@ class _Reading:
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model = model
         self.lost: list[str] = []
+        self.handled: set[int] = set()
 
     def name(self, kind: str, index: int) -> str:
         return mujoco.mj_id2name(self.model, _OBJECTS[kind], index) or f"{kind}{index}"
@@ -193,9 +201,20 @@ class _Reading:
             bodies[m.geom_bodyid[index]].geoms.append(index)
         motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
         sensors = [*self.cameras(), *self.sensors()]
-        if m.ntendon:
-            self.lost.append(f"it has {m.ntendon} tendons; they are ignored, with their motors")
-        return ModelData(bodies, joints, geoms, motors, sensors, self.follows(), self.apart(), self.lost)
+        follows = self.follows()
+        handled = frozenset(self.handled)
+        return ModelData(
+            bodies,
+            joints,
+            geoms,
+            motors,
+            sensors,
+            follows,
+            self.apart(),
+            self.lost,
+            handled,
+            lambda links, bones: CouplingReader(m, links, bones, handled),
+        )
 
     def body(self, index: int) -> BodyData:
         m = self.model
@@ -327,14 +346,15 @@ class _Reading:
 
     def follows(self) -> list[tuple[int, int, float, float]]:
         m = self.model
-        found = []
+        found: list[tuple[int, int, float, float]] = []
         for index in range(m.neq):
             one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
             is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
             if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
-                word = mujoco.mjtEq(int(m.eq_type[index])).name.removeprefix("mjEQ_").lower()
-                self.lost.append(f"a constraint '{word}' is left out")
                 continue
+            if not m.eq_active0[index] or any(one == joint for joint, *_ in found):
+                continue
+            self.handled.add(index)
             factor = float(m.eq_data[index][1])
             start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
             found.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))

@@ -66,7 +66,12 @@ class _Reader:
         root.attach(armature)
         links = {index: self._link_name(index) for index in (*chosen, 0)}
         apart = tuple((links[a], links[b]) for a, b in self._apart(chosen))
-        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart)
+        # a robot that is free cannot be tied to the world
+        places = {index: name for index, name in links.items() if index or base is None}
+        reading = self.model.couplings(places, bones.names)
+        couplings = reading.read()
+        self.warnings += dict.fromkeys(reading.lost)
+        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart, couplings=couplings)
         root.articulation = Articulation(mass=mass)
         frames = []
         for (x, y, z), r in start_frames(armature.bones):
