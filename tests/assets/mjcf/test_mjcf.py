@@ -14,7 +14,7 @@ import morse
 from morse.assets import load
 from morse.assets.mjcf import read_mjcf
 from morse.physics import World
-from morse.scene import Control, PhysicsType, Scene, ShapeKind
+from morse.scene import Control, JointKind, PhysicsType, Scene, ShapeKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -135,7 +135,7 @@ def test_joints_and_motors(folder: Path) -> None:
     assert yaw.dynamics.control is Control.EFFORT, "it has no motor"
     assert yaw.value == pytest.approx(math.radians(20))
     assert (yaw.low, yaw.high) == (pytest.approx(-math.pi / 3), pytest.approx(math.pi / 3))
-    assert not bones["ankle_x"].dynamics.limited
+    assert (bones["ankle"].kind, bones["ankle"].dynamics.limited) == (JointKind.BALL, False)
     # in degrees of the file: wag = 0 + 0.1 + 0.5 (yaw - 20 deg)
     assert (bones["wag"].factor, bones["wag"].offset) == (0.5, pytest.approx(0.1 - 0.5 * math.radians(20)))
 
