@@ -15,8 +15,9 @@ def pyramid(rng, size):
     width, height = size
     while True:
         firsts.append(at)
-        texels.append(rng.integers(0, 2**32, width * height, dtype=np.uint32).view(np.int32))
-        at += width * height
+        level = rng.integers(0, 2**32, (height, width), dtype=np.uint32).view(np.int32)
+        texels.append(np.concatenate([level, level[:, :1]], axis=1).ravel())
+        at += (width + 1) * height
         if (width, height) == (1, 1):
             break
         width, height = max(width // 2, 1), max(height // 2, 1)

@@ -92,8 +92,10 @@ class TextureStore:
         self._rows.append((pixels.shape[1], pixels.shape[0], *firsts))
 
     def _keep(self, texels: NDArray[np.uint32]) -> int:
-        """Append a level of a texture; returns the index of its first texel."""
+        """Append a level of a texture (H, W); returns the index of its first texel."""
         first = self._size
+        # the row is one texel longer, so that the kernel reads neighbours together
+        texels = np.concatenate([texels, texels[:, :1]], axis=1)
         self._texels.append(texels.view(np.int32).ravel())
         self._size += texels.size
         return first

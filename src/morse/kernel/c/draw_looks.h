@@ -1,11 +1,19 @@
-// The samples to shade in a row of a tile, one after the other.
+// Eight samples to shade, of any pixels of a tile.
 #pragma once
 #include "drawing.h"
 #include "simd.h"
 
-#define MOST_LOOKS (TILE * MOST_SAMPLES)
-// eight samples of `l`, starting at number `i`
-#define AT(name) (*(const F8 *)(l->name + i))
+typedef struct {
+    F8 x, y, share;          // position in the image, and share of the pixel
+    F8 inverse, nx, ny, nz;  // 1 / depth; the normal, not normalised
+    F8 r, g, b, er, eg, eb, metallic, roughness;
+    F8 u, v, ux, vx, uy, vy;  // texture coordinates and their changes to the right and down
+    I8 none, plain, texture;
+    int32_t pixel[LANES];
+} Looks;
+
+// Number of groups of samples that are shaded one after the other: they are stored long before they are loaded.
+#define MOST_GROUPS 8
 
 // Attributes of a triangle as planes: normals, texture coordinates and the sum of its edges.
 typedef struct {
@@ -16,12 +24,5 @@ typedef struct {
 // Size of the cache: most triangles are visible again in the next row.
 #define MOST_PLANES 64
 
-typedef struct {
-    Planes planes[MOST_PLANES];
-    float x[MOST_LOOKS], y[MOST_LOOKS], share[MOST_LOOKS], inverse[MOST_LOOKS];
-    float nx[MOST_LOOKS], ny[MOST_LOOKS], nz[MOST_LOOKS];
-    float r[MOST_LOOKS], g[MOST_LOOKS], b[MOST_LOOKS], er[MOST_LOOKS], eg[MOST_LOOKS], eb[MOST_LOOKS];
-    float metallic[MOST_LOOKS], roughness[MOST_LOOKS];
-    float u[MOST_LOOKS], v[MOST_LOOKS], ux[MOST_LOOKS], vx[MOST_LOOKS], uy[MOST_LOOKS], vy[MOST_LOOKS];
-    int32_t who[MOST_LOOKS], plain[MOST_LOOKS], column[MOST_LOOKS], texture[MOST_LOOKS];
-} __attribute__((aligned(32))) Looks;
+static inline float at_point(const float *p, float x, float y) { return p[0] * x + p[1] * y + p[2]; }
+static inline F8 at_points(const float *p, F8 x, F8 y) { return p[0] * x + p[1] * y + p[2]; }

@@ -1,6 +1,7 @@
 // Finds the visible triangle of each pixel, then shades it, tile by tile.
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "draw_cover.h"
 #include "draw_light.h"
@@ -16,123 +17,201 @@
 
 MORSE_EXPORT void morse_draw_pixels(Frame *f);
 
-// Shades some samples, and adds the colours to the pixels of a row by their shares.
-static void add_colours(const Frame *f, const Camera *k, Looks *l, int count, float row[3][TILE]) {
+// What a thread needs for a tile.
+typedef struct {
+    Tile tile;
+    Looks one, some[MOST_GROUPS];  // samples of the same triangle, and samples of different triangles
+    int32_t some_count;
+    F8 total[3][COLUMNS * LANES * BLOCK_ROWS];  // colours of the pixels of rows with different triangles
+    uint8_t mixed[COLUMNS * LANES * BLOCK_ROWS];
+    int32_t mixed_count;
+    Planes planes[MOST_PLANES];
+} __attribute__((aligned(64))) Work;
+
+// The light of eight samples, 0 to 1.
+static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks *l) {
     const float *r = k->axes, *sky = f->sky;
-    for (int i = 0; i < count; i += LANES) {
-        const I8 none = *(const I8 *)(l->who + i) < 0, plain = *(const I8 *)(l->plain + i);
-        const F8 cx = (AT(x) - k->cx) * (1 / k->fx), cy = (AT(y) - k->cy) * (1 / k->fy), share = AT(share);
-        const F8 depth = 1 / AT(inverse);
-        const V3 ray = {r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
-        const V3 d = unit(ray);
-        add_texture(f, l, i);
-        const V3 base = {AT(r), AT(g), AT(b)};
-        V3 c = base;
-        if (any(~none & ~plain)) {
-            const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){AT(nx), AT(ny), AT(nz)});
-            c = lit(f, place, n, scaled(d, splat(-1)), base, AT(metallic), AT(roughness));
-            c = sum(c, (V3){AT(er), AT(eg), AT(eb)});
-            if (sky[16] > 0) {
-                const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
-                c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
-            }
-        }
-        if (any(none)) c = chosen(none, sky_in(sky, d), c);
-        c = chosen(plain, base, tone(scaled(c, splat(k->exposure))));
-        c = (V3){within(c.x, 0, 1) * share, within(c.y, 0, 1) * share, within(c.z, 0, 1) * share};
-        EACH_LANE(j) if (i + j < count) {
-            const int32_t at = l->column[i + j];
-            row[0][at] += c.x[j], row[1][at] += c.y[j], row[2][at] += c.z[j];
+    const F8 cx = (l->x - k->cx) * (1 / k->fx), cy = (l->y - k->cy) * (1 / k->fy), depth = 1 / l->inverse;
+    const V3 ray = {r[0] * cx + r[3] * cy + r[6], r[1] * cx + r[4] * cy + r[7], r[2] * cx + r[5] * cy + r[8]};
+    const V3 d = unit(ray);
+    add_textures(f, l);
+    const V3 base = {l->r, l->g, l->b};
+    V3 c = base;
+    if (any(~l->none & ~l->plain)) {
+        const V3 place = sum(everywhere(k->eye), scaled(ray, depth)), n = unit((V3){l->nx, l->ny, l->nz});
+        c = lit(f, place, n, scaled(d, splat(-1)), base, l->metallic, l->roughness);
+        c = sum(c, (V3){l->er, l->eg, l->eb});
+        if (sky[16] > 0) {
+            const F8 t = within((depth - sky[15]) * (1 / sky[16]), 0, 1);
+            c = mixed(c, everywhere(sky), t * t * (3 - 2 * t));
         }
     }
+    if (any(l->none)) c = chosen(l->none, sky_in(sky, d), c);
+    c = chosen(l->plain, base, tone(scaled(c, splat(k->exposure))));
+    return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)};
 }
 
-// The samples to shade in a row of a tile: samples of a pixel that show the same triangle are merged.
-static int gather(const Frame *f, const Tile *tile, int left, int y, int top, int width, Looks *l) {
-    const int samples = f->sample_count;
-    int count = 0;
-    int32_t mixed_up[TILE];
-    int any_mixed_up = 0;
-    EACH(x, TILE) {
-        int32_t other = 0;
-        for (int o = 1; o < samples; o++) other |= tile->shown[0][y * TILE + x] ^ tile->shown[o][y * TILE + x];
-        mixed_up[x] = other, any_mixed_up |= other;
+// Eight pixels as sRGB.
+static inline void write_colours(const Frame *f, V3 c, int count, uint8_t *to) {
+    const I8 r = to_int(c.x * 4095.0f + 0.5f), g = to_int(c.y * 4095.0f + 0.5f), b = to_int(c.z * 4095.0f + 0.5f);
+    EACH(j, count) to[3 * j] = f->encoded[r[j]], to[3 * j + 1] = f->encoded[g[j]], to[3 * j + 2] = f->encoded[b[j]];
+}
+
+// Shades the collected samples, and adds them to their pixels.
+static void finish(const Frame *f, const Camera *k, Work *w) {
+    const int count = w->some_count;
+    for (int j = count; j % LANES; j++) {
+        Looks *l = w->some + j / LANES;
+        look_at(f, w->planes, l, j % LANES, l->x[0], l->y[0], -1);
     }
-    EACH(s, any_mixed_up ? samples : 1) EACH(x, width) {
-        const int32_t at = y * TILE + x, who = tile->shown[s][at];
-        if (!mixed_up[x]) {
-            if (s) continue;
-            l->x[count] = (float)(left + x) + 0.5f + f->samples[0],
-            l->y[count] = (float)(top + y) + 0.5f + f->samples[1];
-            l->share[count] = 1, l->who[count] = who, l->column[count++] = x;
+    for (int i = 0; i < count; i += LANES) {
+        Looks *l = w->some + i / LANES;
+        const V3 c = shade(f, k, l);
+        EACH(j, count - i < LANES ? count - i : LANES) {
+            const int row = l->pixel[j] / LANES, lane = l->pixel[j] % LANES;
+            const float share = l->share[j];
+            w->total[0][row][lane] += c.x[j] * share, w->total[1][row][lane] += c.y[j] * share;
+            w->total[2][row][lane] += c.z[j] * share;
+        }
+    }
+    w->some_count = 0;
+}
+
+static inline void add_look(const Frame *f, const Camera *k, Work *w, int pixel, float x, float y, int32_t who,
+                            float share) {
+    Looks *l = w->some + w->some_count / LANES;
+    const int j = w->some_count % LANES;
+    l->pixel[j] = pixel, l->share[j] = share;
+    look_at(f, w->planes, l, j, x, y, who);
+    if (++w->some_count == MOST_GROUPS * LANES) finish(f, k, w);
+}
+
+// Eight pixels of different triangles: samples of a pixel that show the same triangle are merged.
+static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, int x, int y, int count) {
+    const Tile *t = &w->tile;
+    const int row = block * BLOCK_ROWS + r, samples = t->samples;
+    w->mixed[w->mixed_count++] = (uint8_t)row;
+    EACH(i, 3) w->total[i][row] = splat(0);
+    I8 other = splat_int(0);
+    for (int n = 1; n < samples; n++) other |= t->shown[block][n][r] ^ t->shown[block][0][r];
+    EACH(j, count) {
+        const float px = (float)(x + j) + 0.5f, py = (float)y + 0.5f;
+        int32_t who[MOST_SAMPLES];
+        who[0] = t->shown[block][0][r][j];
+        if (!other[j]) {
+            add_look(f, k, w, row * LANES + j, px + f->samples[0], py + f->samples[1], who[0], 1);
             continue;
         }
-        int same = 1, known = 0;
-        EACH(o, s) known |= tile->shown[o][at] == who;
-        if (known) continue;
-        for (int o = s + 1; o < samples; o++) same += tile->shown[o][at] == who;
-        l->x[count] = (float)(left + x) + 0.5f + f->samples[2 * s];
-        l->y[count] = (float)(top + y) + 0.5f + f->samples[2 * s + 1];
-        l->share[count] = (float)same / (float)samples, l->who[count] = who, l->column[count++] = x;
+        for (int n = 1; n < samples; n++) who[n] = t->shown[block][n][r][j];
+        EACH(n, samples) {
+            int same = 1, known = 0;
+            EACH(o, n) known |= who[o] == who[n];
+            if (known) continue;
+            for (int o = n + 1; o < samples; o++) same += who[o] == who[n];
+            const float *by = f->samples + 2 * n;
+            add_look(f, k, w, row * LANES + j, px + by[0], py + by[1], who[n], (float)same / (float)samples);
+        }
     }
-    for (int i = count; i & (LANES - 1); i++) {
-        l->x[i] = l->x[count - 1], l->y[i] = l->y[count - 1], l->share[i] = 0, l->who[i] = l->who[count - 1];
-    }
-    return count;
 }
 
-// The unit normals of the pixels of a row along the axes of the camera; 0 without a surface.
-static void write_normals(const Frame *f, const Camera *k, const Tile *tile, int y, int width, Looks *l) {
-    const float *r = k->axes, fy = (float)(tile->top + y) + 0.5f;
-    float (*to)[3] = f->normals + k->pixel + (int64_t)(tile->top + y) * k->width + tile->left;
-    EACH(x, width) {
-        const int32_t who = tile->shown[0][y * TILE + x];
+// Eight pixels in a row of the only triangle that they show.
+static inline void draw_same(const Frame *f, const Camera *k, Work *w, int32_t who, int x, int y, int count,
+                             uint8_t *to) {
+    Looks *l = &w->one;
+    l->x = STEPS + ((float)x + 0.5f + f->samples[0]), l->y = splat((float)y + 0.5f + f->samples[1]);
+    if (who < 0)
+        look_at_nothing(l);
+    else
+        look_at_triangle(f, w->planes, l, who);
+    write_colours(f, shade(f, k, l), count, to);
+}
+
+// The unit normals of eight pixels along the axes of the camera; 0 without a surface.
+static void write_normals(const Frame *f, const Camera *k, Planes *cache, I8 shown, int x, int y, int count,
+                          float (*to)[3]) {
+    const float *r = k->axes, fy = (float)y + 0.5f;
+    EACH(j, count) {
         float n[3] = {0, 0, 0};
-        if (who >= 0) {
-            const Planes *p = planes_of(f, l, who);
-            const float fx = (float)(tile->left + x) + 0.5f;
-            EACH(i, 3) n[i] = p->normal[i][0] * fx + p->normal[i][1] * fy + p->normal[i][2];
+        if (shown[j] >= 0) {
+            const Planes *p = planes_of(f, cache, shown[j]);
+            EACH(i, 3) n[i] = at_point(p->normal[i], (float)(x + j) + 0.5f, fy);
         }
         const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         const float factor = 1 / sqrtf(square > 1e-30f ? square : 1e-30f);
         EACH(i, 3) n[i] *= factor;
-        EACH(i, 3) to[x][i] = r[3 * i] * n[0] + r[3 * i + 1] * n[1] + r[3 * i + 2] * n[2];
+        EACH(i, 3) to[j][i] = r[3 * i] * n[0] + r[3 * i + 1] * n[1] + r[3 * i + 2] * n[2];
     }
 }
 
-static void draw_tile(const Frame *f, const Camera *k, int64_t t, Tile *tile, Looks *l) {
-    const int left = f->tiles[t][1], top = f->tiles[t][2], samples = k->color ? f->sample_count : 1;
-    clear(f, tile, left, top, samples, k->near, k->far);
-    for (int64_t m = f->firsts[t], end = f->firsts[t + 1]; m < end; m++) {
+static inline int32_t instance_of(const Frame *f, int32_t who) {
+    return who < 0 ? -1 : f->parts[f->seen[who].part].instance;
+}
+
+// Depths and ids of eight pixels.
+static inline void write_surfaces(const Frame *f, I8 shown, F8 inverse, int same, int count, int64_t pixel) {
+    const F8 depth = pick(shown < 0, splat(0), 1 / inverse);
+    I8 ids = splat_int(instance_of(f, shown[0]));
+    if (!same)
+        for (int j = 1; j < LANES; j++) ids[j] = shown[j] == shown[j - 1] ? ids[j - 1] : instance_of(f, shown[j]);
+    memcpy(f->depth + pixel, &depth, sizeof(float) * (size_t)count);
+    memcpy(f->ids + pixel, &ids, sizeof(int32_t) * (size_t)count);
+}
+
+// A row of a block.
+static void draw_row(const Frame *f, const Camera *k, Work *w, int column, int block_row, int r) {
+    const Tile *t = &w->tile;
+    const int block = column * LANES + block_row, x = t->left + column * LANES;
+    const int y = t->top + block_row * BLOCK_ROWS + r, count = k->width - x < LANES ? k->width - x : LANES;
+    const int64_t pixel = k->pixel + (int64_t)y * k->width + x;
+    const int32_t flat = t->flat[column][block_row];
+    I8 shown = splat_int(flat);
+    F8 inverse;
+    int same = 1;
+    if (flat == MANY) {
+        inverse = t->inverse[block][0][r], shown = t->shown[block][0][r];
+        I8 other = shown ^ splat_int(shown[0]);
+        for (int n = 1; n < t->samples; n++) other |= t->shown[block][n][r] ^ shown;
+        same = !any(other);
+    } else {
+        const float *by = f->samples;
+        inverse = row_of(surface_of(f, t, flat), STEPS + ((float)x + 0.5f + by[0]), (float)y + 0.5f + by[1]);
+    }
+    write_surfaces(f, shown, inverse, same, count, pixel);
+    if (k->normals) write_normals(f, k, w->planes, shown, x, y, count, f->normals + pixel);
+    if (!k->color) return;
+    if (same)
+        draw_same(f, k, w, shown[0], x, y, count, f->rgb + 3 * pixel);
+    else
+        collect(f, k, w, block, r, x, y, count);
+}
+
+static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
+    Tile *t = &w->tile;
+    const int left = f->tiles[tile][1], top = f->tiles[tile][2], samples = k->color ? f->sample_count : 1;
+    clear(f, t, left, top, samples, k->near, k->far);
+    for (int64_t m = f->firsts[tile], end = f->firsts[tile + 1]; m < end; m++) {
         const char *ahead = (const char *)(f->seen + f->members[m + AHEAD < end ? m + AHEAD : m]);
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + 64);
-        cover(f, f->members[m], tile);
+        cover(f, k, f->members[m], t);
     }
-    const int width = k->width - left < TILE ? k->width - left : TILE;
-    const int height = k->height - top < TILE ? k->height - top : TILE;
-    EACH(y, height) {
-        const int64_t pixel = k->pixel + (int64_t)(top + y) * k->width + left;
-        int32_t last = -1, instance = -1;
-        EACH(x, width) {
-            const int32_t who = tile->shown[0][y * TILE + x];
-            if (who != last) last = who, instance = who < 0 ? -1 : f->parts[f->seen[who].part].instance;
-            f->ids[pixel + x] = instance;
-            f->depth[pixel + x] = who < 0 ? 0 : 1 / tile->inverse[0][y * TILE + x];
-        }
-        if (k->normals) write_normals(f, k, tile, y, width, l);
-        if (!k->color) continue;
-        float row[3][TILE] = {{0}};
-        const int count = gather(f, tile, left, y, top, width, l);
-        look_at_surfaces(f, l, (count + LANES - 1) & ~(LANES - 1));
-        add_colours(f, k, l, count, row);
-        EACH(x, width) EACH(i, 3) f->rgb[3 * (pixel + x) + i] = f->encoded[(int)(row[i][x] * 4095.0f + 0.5f)];
+    w->mixed_count = w->some_count = 0;
+    for (int c = 0; c < COLUMNS && left + c * LANES < k->width; c++)
+        for (int y = 0; y < TILE && top + y < k->height; y++) draw_row(f, k, w, c, y / BLOCK_ROWS, y % BLOCK_ROWS);
+    finish(f, k, w);
+    EACH(i, w->mixed_count) {
+        const int row = w->mixed[i], block = row / BLOCK_ROWS;
+        const int x = left + block / LANES * LANES, y = top + block % LANES * BLOCK_ROWS + row % BLOCK_ROWS;
+        const V3 c = {w->total[0][row], w->total[1][row], w->total[2][row]};
+        const int count = k->width - x < LANES ? k->width - x : LANES;
+        write_colours(f, c, count, f->rgb + 3 * (k->pixel + (int64_t)y * k->width + x));
     }
 }
 
 // All pixels of all tiles, shared by the threads.
 void morse_draw_pixels(Frame *f) {
-    Tile tile;
-    Looks l;
-    EACH(i, MOST_PLANES) l.planes[i].who = -1;
-    for (int64_t t; (t = take(f)) < f->tile_count;) draw_tile(f, f->cameras + f->tiles[t][0], t, &tile, &l);
+    Work w;
+    // lanes without a texture are computed, too
+    memset(&w.one, 0, sizeof w.one), memset(w.some, 0, sizeof w.some);
+    EACH(i, MOST_PLANES) w.planes[i].who = -1;
+    for (int64_t t; (t = take(f)) < f->tile_count;) draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
 }

@@ -13,6 +13,9 @@
 // Clusters smaller than this many pixels are left out.
 #define SMALLEST 0.25f
 
+// Limit of the coefficients of planes.
+#define LARGEST 1e30f
+
 MORSE_EXPORT int32_t morse_draw_find(Frame *f);
 MORSE_EXPORT void morse_draw_project(Frame *f);
 
@@ -87,14 +90,19 @@ static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s)
     if (s->back && !(f->materials[s->material].flags & DOUBLE_SIDED)) return 0;
     EACH(i, 3) EACH(n, 3) s->e[i][n] = (float)(volume > 0 ? e[i][n] : -e[i][n]);
     EACH(n, 3) s->w[n] = (float)((e[0][n] + e[1][n] + e[2][n]) / volume);
-    return 1;
+    // so that the values at all pixels are finite
+    const float *p = s->e[0];
+    float sums[4];
+    EACH(n, 4) sums[n] = fabsf(p[n]) + fabsf(p[4 + n]) + fabsf(n < 1 ? p[8] : s->w[n - 1]);
+    return (sums[0] < LARGEST) & (sums[1] < LARGEST) & (sums[2] < LARGEST) & (sums[3] < LARGEST);
 }
 
 void morse_draw_project(Frame *f) {
     double screen[MOST_VERTICES][5], a[3][4];
-    const double reach = f->sample_count > 1 ? 0.9 : 0.5;
     for (int64_t j; (j = take(f)) < f->job_count;) {
         const Camera *k = f->cameras + f->jobs[j][0];
+        // samples other than the centres of pixels are for colours only
+        const double reach = f->sample_count > 1 && k->color ? 0.9 : 0.5;
         const Part *part = f->parts + f->jobs[j][1];
         const Cluster *cluster = f->clusters + part->cluster;
         projection(k, f->models[part->instance], a);

@@ -2,22 +2,9 @@
 #pragma once
 #include "draw_looks.h"
 
-static inline void look_at_nothing(Looks *l, int k) {
-    l->nx[k] = l->ny[k] = l->r[k] = l->g[k] = l->b[k] = l->er[k] = l->eg[k] = l->eb[k] = l->metallic[k] = 0;
-    l->nz[k] = l->inverse[k] = l->roughness[k] = 1;
-    l->plain[k] = 0, l->texture[k] = -1;
-}
-
-static inline void look_at_texture(Looks *l, int k, const float uv[2][3], const float whole_plane[3]) {
-    const float x = l->x[k], y = l->y[k], w = 1 / (whole_plane[0] * x + whole_plane[1] * y + whole_plane[2]);
-    const float u = (uv[0][0] * x + uv[0][1] * y + uv[0][2]) * w, v = (uv[1][0] * x + uv[1][1] * y + uv[1][2]) * w;
-    l->u[k] = u, l->ux[k] = (uv[0][0] - u * whole_plane[0]) * w, l->uy[k] = (uv[0][1] - u * whole_plane[1]) * w;
-    l->v[k] = v, l->vx[k] = (uv[1][0] - v * whole_plane[0]) * w, l->vy[k] = (uv[1][1] - v * whole_plane[1]) * w;
-}
-
 // The interpolated attributes of a triangle, from the cache or computed.
-static inline const Planes *planes_of(const Frame *f, Looks *l, int32_t who) {
-    Planes *p = l->planes + (who & (MOST_PLANES - 1));
+static const Planes *planes_of(const Frame *f, Planes *cache, int32_t who) {
+    Planes *p = cache + (who & (MOST_PLANES - 1));
     if (p->who == who) return p;
     const Seen *s = f->seen + who;
     const Part *part = f->parts + s->part;
@@ -39,32 +26,50 @@ static inline const Planes *planes_of(const Frame *f, Looks *l, int32_t who) {
     return p;
 }
 
-// Interpolated once for each run of samples with the same triangle.
-static inline void look_at_surfaces(const Frame *f, Looks *l, int count) {
-    for (int i = 0, end; i < count; i = end) {
-        const int32_t who = l->who[i];
-        for (end = i + 1; end < count && l->who[end] == who; end++) {
-        }
-        if (who < 0) {
-            for (int k = i; k < end; k++) look_at_nothing(l, k);
-            continue;
-        }
-        const Planes p = *planes_of(f, l, who);
-        const Surface m = f->materials[f->seen[who].material];
-        const float *given = f->seen[who].w, w[3] = {given[0], given[1], given[2]};
-        const int32_t plain = m.flags & SHADELESS ? -1 : 0;
-        for (int k = i; k < end; k++) {
-            const float x = l->x[k], y = l->y[k];
-            l->inverse[k] = w[0] * x + w[1] * y + w[2];
-            l->nx[k] = p.normal[0][0] * x + p.normal[0][1] * y + p.normal[0][2];  // not normalised
-            l->ny[k] = p.normal[1][0] * x + p.normal[1][1] * y + p.normal[1][2];
-            l->nz[k] = p.normal[2][0] * x + p.normal[2][1] * y + p.normal[2][2];
-            l->r[k] = m.color[0], l->g[k] = m.color[1], l->b[k] = m.color[2];
-            l->er[k] = m.emission[0], l->eg[k] = m.emission[1], l->eb[k] = m.emission[2];
-            l->metallic[k] = m.metallic, l->roughness[k] = m.roughness;
-            l->plain[k] = plain, l->texture[k] = m.texture;
-        }
-        if (m.texture < 0) continue;
-        for (int k = i; k < end; k++) look_at_texture(l, k, p.uv, p.whole);
+// Eight samples without a surface; positions and shares are set already.
+static inline void look_at_nothing(Looks *l) {
+    l->nx = l->ny = l->r = l->g = l->b = l->er = l->eg = l->eb = l->metallic = splat(0);
+    l->nz = l->inverse = l->roughness = splat(1);
+    l->none = l->texture = splat_int(-1), l->plain = splat_int(0);
+}
+
+// Eight samples of the same triangle.
+static inline void look_at_triangle(const Frame *f, Planes *cache, Looks *l, int32_t who) {
+    const Surface *m = f->materials + f->seen[who].material;
+    const Planes *p = planes_of(f, cache, who);
+    const F8 x = l->x, y = l->y;
+    l->inverse = at_points(f->seen[who].w, x, y);
+    l->nx = at_points(p->normal[0], x, y), l->ny = at_points(p->normal[1], x, y), l->nz = at_points(p->normal[2], x, y);
+    l->r = splat(m->color[0]), l->g = splat(m->color[1]), l->b = splat(m->color[2]);
+    l->er = splat(m->emission[0]), l->eg = splat(m->emission[1]), l->eb = splat(m->emission[2]);
+    l->metallic = splat(m->metallic), l->roughness = splat(m->roughness);
+    l->none = splat_int(0), l->plain = splat_int(m->flags & SHADELESS ? -1 : 0), l->texture = splat_int(m->texture);
+    if (m->texture < 0) return;
+    const F8 w = 1 / at_points(p->whole, x, y), u = at_points(p->uv[0], x, y) * w, v = at_points(p->uv[1], x, y) * w;
+    l->u = u, l->ux = (p->uv[0][0] - u * p->whole[0]) * w, l->uy = (p->uv[0][1] - u * p->whole[1]) * w;
+    l->v = v, l->vx = (p->uv[1][0] - v * p->whole[0]) * w, l->vy = (p->uv[1][1] - v * p->whole[1]) * w;
+}
+
+// One sample, in a lane.
+static inline void look_at(const Frame *f, Planes *cache, Looks *l, int j, float x, float y, int32_t who) {
+    l->x[j] = x, l->y[j] = y;
+    if (who < 0) {
+        l->nx[j] = l->ny[j] = l->r[j] = l->g[j] = l->b[j] = l->er[j] = l->eg[j] = l->eb[j] = l->metallic[j] = 0;
+        l->nz[j] = l->inverse[j] = l->roughness[j] = 1;
+        l->none[j] = l->texture[j] = -1, l->plain[j] = 0;
+        return;
     }
+    const Surface *m = f->materials + f->seen[who].material;
+    const Planes *p = planes_of(f, cache, who);
+    l->inverse[j] = at_point(f->seen[who].w, x, y);
+    l->nx[j] = at_point(p->normal[0], x, y), l->ny[j] = at_point(p->normal[1], x, y);
+    l->nz[j] = at_point(p->normal[2], x, y);
+    l->r[j] = m->color[0], l->g[j] = m->color[1], l->b[j] = m->color[2];
+    l->er[j] = m->emission[0], l->eg[j] = m->emission[1], l->eb[j] = m->emission[2];
+    l->metallic[j] = m->metallic, l->roughness[j] = m->roughness;
+    l->none[j] = 0, l->plain[j] = m->flags & SHADELESS ? -1 : 0, l->texture[j] = m->texture;
+    if (m->texture < 0) return;
+    const float w = 1 / at_point(p->whole, x, y), u = at_point(p->uv[0], x, y) * w, v = at_point(p->uv[1], x, y) * w;
+    l->u[j] = u, l->ux[j] = (p->uv[0][0] - u * p->whole[0]) * w, l->uy[j] = (p->uv[0][1] - u * p->whole[1]) * w;
+    l->v[j] = v, l->vx[j] = (p->uv[1][0] - v * p->whole[0]) * w, l->vy[j] = (p->uv[1][1] - v * p->whole[1]) * w;
 }

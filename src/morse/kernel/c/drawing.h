@@ -22,7 +22,8 @@ typedef struct {
     int32_t texture, flags, spare;
 } Surface;
 
-// Sizes are powers of two; `first` are the first texels of the levels, each half as large as the one before.
+// Sizes are powers of two; `first` are the first texels of the levels, each half as large as the one before. Rows end
+// with a copy of their first texel.
 typedef struct {
     int32_t width, height, levels, spare, first[16];
 } Texture;

@@ -44,6 +44,14 @@ static inline int any(I8 mask) {
     return r != 0;
 }
 
+// A bit for each negative lane, the first is the lowest.
+static inline unsigned lanes_of(I8 a) {
+    const I8 bits = (a >> 31) & (I8){1, 2, 4, 8, 16, 32, 64, 128};
+    int32_t r = 0;
+    EACH_LANE(j) r |= bits[j];
+    return (unsigned)r;
+}
+
 // base ** exponent for positive bases, to about six digits; results are clipped to 2**-100 ... 2**100.
 static inline F8 power(F8 base, float exponent) {
     I8 bits = bits_of(base);

@@ -94,7 +94,7 @@ class Drawing(NamedTuple):
         parts: (P, 4) int32: cluster, instance, first entry in `slots`, flags (`MOVES`, `MIRRORED`).
         slots: (S,) int32, the material of each slot of each instance.
         materials: (M,) `MATERIAL`.
-        texels: (N,) int32, all levels of all textures.
+        texels: (N,) int32, all levels of all textures; each row ends with a copy of its first texel.
         textures: (X,) `TEXTURE`.
     """
 

@@ -45,8 +45,8 @@ class ReferenceDrawer:
             return reference_shadows.cast(self.drawing, parts, poses, light)
 
     def _draw(self, camera: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
-        seen = project(self.drawing, camera, poses, samples)
         count = samples if camera["color"] else 1
+        seen = project(self.drawing, camera, poses, count)
         shape = (count, int(camera["height"]), int(camera["width"]))
         inverse = np.full(shape, np.float32(1) / camera["far"], np.float32)
         shown = np.full(shape, -1, np.int32)
@@ -122,7 +122,7 @@ class ReferenceDrawer:
             texel = np.floor(place * np.float32(size))
             fine = (texel > -_FARTHEST_TEXEL) & (texel < _FARTHEST_TEXEL)
             at.append(np.where(fine, texel, 0).astype(np.int64) & (int(size) - 1))
-        alpha = d.texels[texture["first"][0] + at[1] * texture["width"] + at[0]].view(np.uint32) >> 30
+        alpha = d.texels[texture["first"][0] + at[1] * (texture["width"] + 1) + at[0]].view(np.uint32) >> 30
         return np.asarray(opaque & (alpha >= 2))
 
 

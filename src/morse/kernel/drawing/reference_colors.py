@@ -148,12 +148,14 @@ def _bilinear(
     fx, fy = np.floor(x), np.floor(y)
     ax, ay = x - fx, y - fy
     ix, iy = fx.astype(np.int32), fy.astype(np.int32)
-    x0, x1 = ix & (width - 1), (ix + 1) & (width - 1)
-    low, high = first + (iy & (height - 1)) * width, first + ((iy + 1) & (height - 1)) * width
+    # rows end with a copy of their first texel
+    x0, stride = ix & (width - 1), width + 1
+    low, high = first + (iy & (height - 1)) * stride, first + ((iy + 1) & (height - 1)) * stride
     top = ay * share
     bottom = share - top
     tr, br = top * ax, bottom * ax
-    for at, weight in ((low + x0, bottom - br), (low + x1, br), (high + x0, top - tr), (high + x1, tr)):
+    weights = (bottom - br, br, top - tr, tr)
+    for at, weight in zip((low + x0, low + x0 + 1, high + x0, high + x0 + 1), weights, strict=True):
         texel = texels[at]
         for i in range(3):
             c = ((texel >> (10 * i)) & 1023).astype(np.float32)

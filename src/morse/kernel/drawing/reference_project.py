@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.arrays import Drawing, Poses
 
 _SMALLEST = np.float32(0.25)
+_LARGEST = np.float32(1e30)
 
 
 @dataclass
@@ -114,6 +115,9 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
     edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
     inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
+    # so that the values at all pixels are finite
+    sizes = np.abs(np.concatenate([edges.reshape(-1, 9), inverse], axis=1)).reshape(-1, 3, 4)
+    chosen &= (sizes[:, 0] + sizes[:, 1] + sizes[:, 2] < _LARGEST).all(axis=1)
     numbers = np.arange(first, first + count)
     return Projected(
         edges[chosen], inverse[chosen], box[chosen], numbers[chosen],

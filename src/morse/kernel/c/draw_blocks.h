@@ -1,0 +1,152 @@
+// The samples of a tile, in blocks of 8 x 4 pixels.
+//
+// Most blocks show a single triangle. Such a block has no samples, only the number of the triangle: its depths follow
+// from the plane of the triangle when another triangle comes near.
+#pragma once
+#include <math.h>
+
+#include "draw_holes.h"
+#include "drawing.h"
+#include "simd.h"
+
+// Rows of pixels of a block, which is LANES wide; a tile has COLUMNS columns of LANES blocks.
+#define BLOCK_ROWS 4
+#define COLUMNS (TILE / LANES)
+// The triangle of a block with several triangles.
+#define MANY (-2)
+// Largest distance of a sample from the centre of its pixel, along an axis.
+#define SPREAD 0.4f
+// Bound of the rounding error of a plane, relative to the sum of its terms.
+#define ROUNDING (1.0f / (1 << 20))
+
+typedef struct {
+    F8 inverse[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];  // 1 / depth
+    I8 shown[COLUMNS * LANES][MOST_SAMPLES][BLOCK_ROWS];    // index of the triangle, -1 for none
+    // of each column, with one lane for each block
+    I8 flat[COLUMNS];                // the only triangle, -1 for none, or MANY
+    F8 low[COLUMNS], high[COLUMNS];  // bounds of 1 / depth of all samples
+    F8 dx, dy;                       // the positions of the samples of a pixel
+    I8 used;                         // the lanes of samples
+    int32_t left, top, samples;
+    float spread, nearest, empty[3];  // 1 / depth of the near plane, and the plane without a surface
+} Tile;
+
+// Pixels of a tile, inclusive.
+typedef struct {
+    int x0, y0, x1, y1;
+} Box;
+
+// Positions of the outermost samples of some pixels.
+typedef struct {
+    float x0, y0, x1, y1;
+} Extent;
+
+static const F8 STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
+#define SIGNS INT32_MIN
+
+static const I8 WHOLE_STEPS = {0, 1, 2, 3, 4, 5, 6, 7};
+
+static inline Extent extent_of(const Tile *t, Box b) {
+    const float by = t->spread, x = (float)t->left + 0.5f, y = (float)t->top + 0.5f;
+    return (Extent){x + (float)b.x0 - by, y + (float)b.y0 - by, x + (float)b.x1 + by, y + (float)b.y1 + by};
+}
+
+// Bound of the rounding error of a plane in a tile.
+static inline float error_of(const Tile *t, const float *p) {
+    return (fabsf(p[0]) * (float)(t->left + TILE) + fabsf(p[1]) * (float)(t->top + TILE) + fabsf(p[2])) * ROUNDING;
+}
+
+static inline float largest(const float *p, Extent x) {
+    return p[0] * (p[0] > 0 ? x.x1 : x.x0) + p[1] * (p[1] > 0 ? x.y1 : x.y0) + p[2];
+}
+
+static inline float smallest(const float *p, Extent x) {
+    return p[0] * (p[0] > 0 ? x.x0 : x.x1) + p[1] * (p[1] > 0 ? x.y0 : x.y1) + p[2];
+}
+
+static inline const float *surface_of(const Frame *f, const Tile *t, int32_t who) {
+    return who < 0 ? t->empty : f->seen[who].w;
+}
+
+// 1 / depth of eight samples in a row of a plane.
+static inline F8 row_of(const float *w, F8 x, float y) { return w[0] * x + (w[1] * y + w[2]); }
+
+// The part of an edge that is the same for a row. Never -0, so that the sign of the whole decides.
+static inline float above(const float *e, float y) { return e[1] * y + e[2] + 0.0f; }
+
+// Whether a plane is behind everything that a block shows in some of its pixels.
+static inline int hidden(const Frame *f, const Tile *t, int column, int row, const float *w, float error, Extent x) {
+    const int32_t flat = t->flat[column][row];
+    if (largest(w, x) + error <= t->low[column][row]) return 1;
+    if (flat == MANY) return 0;
+    const float *u = surface_of(f, t, flat), apart[3] = {w[0] - u[0], w[1] - u[1], w[2] - u[2]};
+    return largest(apart, x) < -2 * (error + error_of(t, u));
+}
+
+// Gives a block its samples.
+static inline void expand(const Frame *f, Tile *t, int column, int row) {
+    const int32_t who = t->flat[column][row];
+    if (who == MANY) return;
+    const float *w = surface_of(f, t, who);
+    const int block = column * LANES + row;
+    EACH(n, t->samples) {
+        const F8 x = STEPS + ((float)(t->left + column * LANES) + 0.5f + f->samples[2 * n]);
+        EACH(r, BLOCK_ROWS) {
+            const float y = (float)(t->top + row * BLOCK_ROWS + r) + 0.5f + f->samples[2 * n + 1];
+            t->inverse[block][n][r] = row_of(w, x, y), t->shown[block][n][r] = splat_int(who);
+        }
+    }
+    t->flat[column][row] = MANY;
+}
+
+// Gives samples in which a surface has holes a negative depth.
+static inline F8 without_holes(const Frame *f, const Seen *s, F8 z, F8 old, F8 x, float y, int px, int py) {
+    EACH_LANE(j) if (z[j] > old[j] && !opaque(f, s, x[j], y, px + j, py)) z[j] = -1;
+    return z;
+}
+
+// Writes a triangle into the samples of a block where it is the nearest; `inside` if it contains all of them.
+//
+// The signs of all conditions are collected in the sign of 1 / depth, which is positive for visible surfaces: compilers
+// narrow masks of several comparisons, and widen the result again.
+static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row, Box b,
+                               const int samples, const int inside, const int holes) {
+    const F8 nearest = splat(t->nearest);
+    const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b.x0) | (b.x1 - at);
+    const int left = t->left + column * LANES, top = t->top + row * BLOCK_ROWS, block = column * LANES + row;
+    const int low = b.y0 - row * BLOCK_ROWS, high = b.y1 - row * BLOCK_ROWS;
+    const int first = inside || low < 0 ? 0 : low, last = inside || high >= BLOCK_ROWS ? BLOCK_ROWS - 1 : high;
+    float w[3], e[3][3];
+    EACH(n, 3) w[n] = s->w[n];
+    EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
+    EACH(n, samples) {
+        const F8 x = STEPS + ((float)left + 0.5f + f->samples[2 * n]), wx = w[0] * x;
+        const F8 x0 = e[0][0] * x, x1 = e[1][0] * x, x2 = e[2][0] * x;
+        const float down = f->samples[2 * n + 1];
+        for (int r = first; r <= last; r++) {
+            const float y = (float)(top + r) + 0.5f + down;
+            F8 *inverse = &t->inverse[block][n][r];
+            I8 *shown = &t->shown[block][n][r];
+            F8 z = wx + (w[1] * y + w[2]);
+            if (!inside) {
+                const F8 y0 = x0 + above(e[0], y), y1 = x1 + above(e[1], y), y2 = x2 + above(e[2], y);
+                const I8 out = beside | bits_of(y0) | bits_of(y1) | bits_of(y2) | ~bits_of(z - nearest);
+                z = from_bits(bits_of(z) | (out & SIGNS));
+            }
+            const F8 old = *inverse;
+            if (holes) z = without_holes(f, s, z, old, x, y, left + n, top + r + 2 * n);
+            const I8 mine = z > old, before = *shown;
+            NO_MASKED_STORE;
+            *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
+        }
+    }
+}
+
+// Empties a tile.
+static inline void clear(const Frame *f, Tile *t, int left, int top, int samples, float near, float far) {
+    t->left = left, t->top = top, t->samples = samples, t->nearest = 1 / near, t->spread = samples > 1 ? SPREAD : 0;
+    t->empty[0] = t->empty[1] = 0, t->empty[2] = 1 / far;
+    EACH(c, COLUMNS) t->flat[c] = splat_int(-1), t->low[c] = t->high[c] = splat(1 / far);
+    t->dx = t->dy = splat(0), t->used = splat_int(0);
+    EACH(n, samples) t->dx[n] = f->samples[2 * n], t->dy[n] = f->samples[2 * n + 1], t->used[n] = -1;
+}
