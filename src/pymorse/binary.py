@@ -24,13 +24,13 @@ class BinaryConnection(Channel):
     """A connection that carries the binary streams of many components.
 
     Args:
-        host: name or address of the host of the simulation.
+        host: name or address of the machine of the simulation.
         port: TCP port of the binary streams.
-        poller: thread that serves the connection.
-        latest: whether to receive the next message of a stream only when the last one has been processed.
+        poller: the thread that serves the connection.
+        latest: get the next message of a stream only when the last one has been processed.
 
     Raises:
-        ConnectionError: no server listens there.
+        ConnectionError: nothing listens there.
     """
 
     def __init__(self, host: str, port: int, poller: Poller, *, latest: bool = False) -> None:
@@ -45,8 +45,7 @@ class BinaryConnection(Channel):
     def open(self, name: str) -> BinaryStream:
         """Subscribe to the stream of a component.
 
-        The method does not wait for the answer, because the simulation processes the request before any later service
-        call.
+        It does not wait for the answer: the simulation processes the request before any service call that follows.
         """
         stream = self._streams[name] = BinaryStream(name, self)
         self.request(f"subscribe {name}{' latest' if self.latest else ''}")
@@ -63,7 +62,7 @@ class BinaryConnection(Channel):
             self.request(f"unsubscribe {stream.name}")
         stream.end("it was closed")
 
-    # -- received data; called in the poll thread ---------------------------------------------
+    # -- what arrives; in the thread that serves -----------------------------------------------
 
     def received(self, data: bytes) -> None:
         """Cut received bytes into frames."""
@@ -79,7 +78,7 @@ class BinaryConnection(Channel):
                 else:
                     self._handle_message(head.stream, frame)
         except ValueError as error:
-            logger.error("%s sent invalid data for a binary stream, the connection is closed: %s", self.peer, error)
+            logger.error("%s sent what is not a binary stream, the connection is closed: %s", self.peer, error)
             self._buffer.clear()
             self.close()
             return
@@ -87,7 +86,7 @@ class BinaryConnection(Channel):
 
     def _handle_message(self, number: int, frame: bytes) -> None:
         stream = self._numbers.get(number)
-        # a message may have been sent before the simulation processed the request to unsubscribe
+        # a message may have been sent before the simulation knew that it is not wanted any more
         if stream is not None and stream is not self._streams.get(stream.name):
             stream = None
         if stream is not None:
@@ -110,19 +109,19 @@ class BinaryConnection(Channel):
             case {"error": str(text), "subject": str(name)} if name in self._streams:
                 self._streams.pop(name).end(text)
             case {"subscribed": _} | {"closed": _}:
-                pass  # the message was sent before the simulation processed the request to unsubscribe
+                pass  # it was sent before the simulation knew that the stream is not wanted any more
             case _:
                 logger.warning("%s: %s", self.peer, json.dumps(notice)[:200])
 
     def closed(self) -> None:
-        """Called when the connection has ended, and all its streams with it."""
+        """The connection has ended, and all its streams with it."""
         for stream in list(self._streams.values()):
             stream.end(Messages.ending)
         with self._news:
             self._news.notify_all()
 
     def has_received(self, count: int) -> bool:
-        """Whether that number of messages has arrived since the connection was opened."""
+        """Whether that many messages have arrived since the connection was made."""
         return self._count >= count
 
     def wait_for_message(self, timeout: float) -> None:
@@ -136,8 +135,8 @@ class BinaryStream(Messages):
     """The messages of one component on a binary connection.
 
     Attributes:
-        name: name of the component.
-        ending: the reason why no more messages will arrive, if there is one.
+        name: of the component.
+        ending: why no message will arrive, if that is so.
     """
 
     def __init__(self, name: str, connection: BinaryConnection) -> None:
@@ -160,15 +159,15 @@ class BinaryStream(Messages):
         return decode(msg)
 
     def publish(self, msg: Any) -> None:
-        """Raise an error, because sensors accept no data."""
+        """Raise, because sensors take no data."""
         raise AttributeError(f"{self.name} is a sensor and sends data: use get(), last() or subscribe()")
 
     def subscribe(self, callback: Callable[[Any], object], latest: bool = False) -> None:
         """Call ``callback(message)`` for every received message.
 
         Args:
-            latest: whether to skip messages that the simulation creates while the callback runs. They are not even
-                sent. Such callbacks run in a separate thread.
+            latest: leave out messages that the simulation makes while the callback runs. They are not even sent. Such
+                callbacks run in a thread of their own.
         """
         if not latest:
             super().subscribe(callback)
@@ -196,12 +195,12 @@ class BinaryStream(Messages):
                 other.close()
 
     def end(self, reason: str) -> None:
-        """Called when no more messages will arrive."""
+        """No message will arrive any more."""
         self.ending, self._up = reason, False
         self.ended()
 
     def drain(self, timeout: float) -> bool:
-        """Return True, because no data are ever sent."""
+        """Nothing is ever sent."""
         return True
 
     def close(self) -> None:

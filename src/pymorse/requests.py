@@ -13,7 +13,6 @@ from pymorse.future import MorseExecutor, MorseFuture
 from pymorse.stream import StreamB, to_json
 
 if TYPE_CHECKING:
-    import socket
     from collections.abc import Sequence
 
     from pymorse.poller import Poller
@@ -27,7 +26,7 @@ _WRONG_ARITY = "wrong # of parameters"
 
 
 class Response(NamedTuple):
-    """An answer; ``value`` is None if the line has none."""
+    """An answer; ``value`` is None where the line has none."""
 
     request: int
     status: str
@@ -51,20 +50,20 @@ def parse_response(line: str) -> Response:
 
 
 def format_request(request: int, component: str, service: str, arguments: Sequence[Any]) -> str:
-    """Return the line of a service call, without the line end.
+    """The line of a service call, without its end.
 
     Raises:
-        ValueError: the protocol cannot carry a name.
-        TypeError: JSON cannot represent an argument.
+        ValueError: a name that the protocol cannot carry.
+        TypeError: an argument that JSON cannot carry.
     """
     for name in (component, service):
         if not name or name.split() != [name]:
-            raise ValueError(f"{name!r} is not the name of a component or service: it is empty or contains spaces")
+            raise ValueError(f"{name!r} is not the name of a component or service: it is empty or has blanks")
     return f"{request} {component} {service} {to_json(list(arguments))}"
 
 
 class _Answer:
-    """The result of a call for which the caller waits; it takes much less time than a future."""
+    """The result of a call for which its caller waits: costs much less than a future."""
 
     def __init__(self) -> None:
         self.is_done = False
@@ -74,12 +73,12 @@ class _Answer:
         self._future: MorseFuture | None = None
 
     def set_result(self, value: Any) -> None:
-        """Called when the call has succeeded."""
+        """The call has succeeded."""
         self.value = value
         self._end()
 
     def set_exception(self, error: Exception) -> None:
-        """Called when the call has failed."""
+        """The call has failed."""
         self.error = error
         self._end()
 
@@ -109,12 +108,12 @@ class _Answer:
 class ServiceConnection(StreamB):
     """The connection to the request manager of a simulation."""
 
-    def __init__(self, host: str, port: int, poller: Poller, sock: socket.socket | None = None) -> None:
+    def __init__(self, host: str, port: int, poller: Poller) -> None:
         self.executor = MorseExecutor()
         self._lock = threading.Lock()
         self._next = 0
         self._open: dict[int, tuple[MorseFuture | _Answer, str]] = {}
-        super().__init__(host, port, 1, sock, poller=poller)
+        super().__init__(host, port, 1, poller=poller)
 
     def request(self, component: str, service: str, arguments: Sequence[Any]) -> MorseFuture:
         """Call a service.
@@ -136,12 +135,12 @@ class ServiceConnection(StreamB):
         return future
 
     def ask(self, component: str, service: str, arguments: Sequence[Any]) -> Any:
-        """Call a service and wait for its result, like `request`, but without the cost of a future.
+        """Call a service and wait for its result: as `request`, without the cost of a future.
 
         Raises:
             ConnectionError: the simulation has ended.
             MorseServiceError: the service failed or was interrupted.
-            TypeError: the number of arguments is wrong.
+            TypeError: wrong number of arguments.
         """
         answer = _Answer()
         with self._lock:
@@ -155,7 +154,7 @@ class ServiceConnection(StreamB):
             self._open.pop(number, None)
             raise
         while not answer.is_done:
-            # with short waits, Ctrl+C is processed on every platform
+            # short waits let Ctrl+C through on every platform
             if not self.poller.serve_until(lambda: answer.is_done, 0.5):
                 answer.wait(0.5)
         if answer.error is not None:
@@ -189,7 +188,7 @@ class ServiceConnection(StreamB):
         return True
 
     def handle_msg(self, msg: bytes) -> None:
-        """Called when an answer has arrived."""
+        """An answer has arrived."""
         try:
             response = parse_response(msg.decode())
         except ValueError as error:
@@ -198,19 +197,19 @@ class ServiceConnection(StreamB):
         with self._lock:
             future, name = self._open.pop(response.request, (None, ""))
         if future is None:
-            logger.warning("%s answered an unknown request: %r", self.peer, msg[:80])
+            logger.warning("%s answered a request that is not open: %r", self.peer, msg[:80])
         elif response.status == SUCCESS:
             future.set_result(response.value)
         else:
             future.set_exception(_exception(response, name))
 
     def closed(self) -> None:
-        """Called when the simulation has ended, or the connection was closed."""
+        """The simulation has ended, or we have closed the connection."""
         with self._lock:
             unanswered = list(self._open.values())
             self._open.clear()
         for future, name in unanswered:
-            future.set_exception(ConnectionError(f"{self.peer} closed the connection before it answered {name}"))
+            future.set_exception(ConnectionError(f"{self.peer} closed the connection before {name} had an answer"))
 
 
 def _exception(response: Response, name: str) -> Exception:

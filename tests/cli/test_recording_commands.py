@@ -55,8 +55,8 @@ def test_a_run_is_recorded(script, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--record", "scene.py"], "already exists"),
-        (["--record", "nowhere/run.mcap"], "an existing folder"),
+        (["--record", "scene.py"], "exists already"),
+        (["--record", "nowhere/run.mcap"], "a folder that exists"),
         (["--record", "."], "takes the path of a file"),
         (["--record-only", "robot.pose"], "give both"),
     ],
@@ -78,11 +78,11 @@ def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypat
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     run("--record", "run.mcap")
     out, _ = run_morse("replay", "run.mcap", "--resimulate")
-    assert "Equal to the bit" in out
+    assert "The same to the bit" in out
     assert "30 ticks" in out
     (tmp_path / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
     _, error = run_morse("replay", "run.mcap", "--resimulate", "--scene", "other.py", expected=1)
-    assert "differs from the recording from tick 1 on" in error
+    assert "departs from the recording at tick 1" in error
     out, _ = run_morse("export", "run.mcap", "--csv", "--topics", "/robot/pose")
     assert "30 rows of /robot/pose" in out
     assert len((tmp_path / "run" / "robot.pose.csv").read_text().splitlines()) == 31
@@ -133,13 +133,13 @@ def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(s
         assert "--trust" in error
         assert "--scene PATH" in error
     out, _ = run_morse("replay", "run.mcap", "--resimulate", "--trust")
-    assert "Equal to the bit" in out
+    assert "The same to the bit" in out
 
 
 def test_inputs_alone_are_enough_to_record_everything_afterwards(script, tmp_path, monkeypatch):
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
     run("--record", "lean.mcap", "--record-only", "none")
     out, _ = run_morse("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
-    assert "Equal to the bit: the state at the end of 30 ticks" in out
+    assert "The same to the bit: the state at the end of 30 ticks" in out
     run_morse("export", "all.mcap", "--csv")
     assert len((tmp_path / "all" / "robot.pose.csv").read_text().splitlines()) == 31

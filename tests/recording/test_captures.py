@@ -11,7 +11,7 @@ import pytest
 
 import morse
 from morse.launch.load import load
-from morse.recording import keeping
+from morse.recording import keeping, motion
 from morse.recording.captures.capture import Capture
 from morse.recording.mcap.reader import McapFile
 from morse.recording.recording import Recording
@@ -99,6 +99,7 @@ def test_they_are_those_of_the_streams(
     assert encoded["Scanners"] > 1
     assert encoded["FramesCapture"] > 20
     monkeypatch.setattr(keeping, "records", lambda: None)
+    monkeypatch.setattr(motion, "records", lambda: None)
     before = Counter(encoded)
     assert run(script, plain) == state
     assert encoded == before

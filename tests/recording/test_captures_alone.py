@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import morse
-from morse.recording import keeping
+from morse.recording import keeping, motion
 from morse.recording.captures.capture import Capture
 from morse.recording.mcap.reader import McapFile
 
@@ -87,6 +87,7 @@ def test_they_are_those_of_the_streams(tmp_path: Path, monkeypatch: pytest.Monke
     assert ticks["Scanners"] > 4
     before = dict(ticks)
     monkeypatch.setattr(keeping, "records", lambda: None)
+    monkeypatch.setattr(motion, "records", lambda: None)
     wanted, plain_state = recorded(tmp_path, "plain.mcap")
     assert ticks == before
     assert plain_state == state

@@ -77,7 +77,7 @@ def shown_time(client: Client) -> float:
 
 
 def where(view: ReplayView) -> float:
-    return float(view._simulation.robot.pose.data["x"])
+    return float(view._simulation.world.game_object("robot").worldPosition.x)
 
 
 def test_the_time_line_is_that_of_the_whole_run(view: ReplayView, client: Client) -> None:

@@ -1,4 +1,4 @@
-"""Untrusted XML files."""
+"""XML files of strangers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from morse.assets.errors import AssetError
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: maximum size, bytes, and maximum depth of nested elements
+#: bytes, and elements inside each other
 MOST_BYTES, _DEEPEST = 64 << 20, 200
 
 
@@ -19,8 +19,7 @@ def read_xml(path: Path) -> ElementTree.Element:
     """Return the root element of a file.
 
     Raises:
-        AssetError: it is not XML, too large, nested too deeply, or defines entities, whose expansion can be of any
-            size.
+        AssetError: it is not XML, too large, nested too deeply, or defines entities, which can grow without end.
         OSError: it cannot be opened.
     """
     if path.stat().st_size > MOST_BYTES:
@@ -49,7 +48,7 @@ def _check(data: bytes, path: Path) -> None:
         nonlocal depth
         depth += 1
         if depth > _DEEPEST:
-            raise AssetError(path, f"its elements are nested more than {_DEEPEST} deep")
+            raise AssetError(path, f"more than {_DEEPEST} elements are inside each other")
 
     def end(_: str) -> None:
         nonlocal depth

@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 _CREATORS: dict[str, type[Component]] = {"sensors": SensorCreator, "actuators": ActuatorCreator}
 
-#: the base classes of components, by name; they are imported on demand
+#: the base classes of components, by name, so that they are imported on demand
 _BASES = {
     "morse.core.sensor.Sensor": "sensors",
     "morse.core.actuator.Actuator": "actuators",
@@ -53,7 +53,6 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.optical_flow_camera.OpticalFlowCamera": CameraCreator,
     "morse.sensors.segmentation_camera.SegmentationCamera": CameraCreator,
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
-    "morse.sensors.thermal_camera.ThermalCamera": CameraCreator,
 }
 
 #: builder classes that are written by hand; products are named after the component class
@@ -83,7 +82,7 @@ def derived_classes(package: str, module: str) -> dict[str, type[Component]]:
     return {
         name: derived_class(entry, kind, module)
         for name, entry in catalog.components(package).items()
-        # a robot class that declares no defaults is a base class of other robots
+        # a robot class that declares no defaults is a base of others
         if kind != "robots" or entry.defaults is not None
     }
 
@@ -109,9 +108,9 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
     """The builder class of a component.
 
     Args:
-        entry: declarations of the component.
+        entry: what the component declares.
         kind: ``sensors``, ``actuators`` or ``robots``.
-        module: module of the new class.
+        module: where the class will live.
     """
     by_hand = _BY_HAND.get(_with_product(entry.classpath, entry.product))
     if by_hand is not None:
@@ -128,12 +127,12 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
 
 
 def builder_class(cls: type[Any], product: str | None = None, module: str | None = None) -> type[Component]:
-    """The builder class of a loaded component class.
+    """The builder class of a component that is loaded.
 
     Args:
-        cls: the component class.
-        product: name of one of its products; None for the class itself.
-        module: module of the new class; None for the module of the component.
+        cls: the class that runs.
+        product: the name of one of its products, or None for itself.
+        module: where the class will live; None for the module of the component.
 
     Raises:
         MorseBuilderNoComponentError: it is neither a sensor, an actuator nor a robot.
@@ -142,7 +141,7 @@ def builder_class(cls: type[Any], product: str | None = None, module: str | None
     kind = next((_BASES[path] for path in paths if path in _BASES), None)
     if kind is None:
         raise MorseBuilderNoComponentError(
-            f"{paths[0]} is not a component: its base class has to be Sensor, Actuator or Robot"
+            f"{paths[0]} is not a component: its base has to be Sensor, Actuator or Robot"
         )
     by_hand = _BY_HAND.get(_with_product(paths[0], product))
     if by_hand is not None:

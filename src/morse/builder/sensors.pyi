@@ -50,7 +50,6 @@ __all__ = [
     "Sick",
     "SickLDMRS",
     "StereoUnit",
-    "ThermalCamera",
     "Thermometer",
     "UltrasonicRangeFinder",
     "VLP16_180",
@@ -86,13 +85,13 @@ class Accelerometer(SensorCreator):
     ) -> None: ...
 
 class Airspeed(SensorCreator):
-    """A sensor returning the dynamic pressure of the air, as a Pitot tube does"""
+    """A sensor returning the difference of pressure that the speed makes, as a Pitot tube does"""
     def properties(
         self, *, ComputationMode: Literal["Automatic", "Velocity", "Position"] = ..., **kwargs: Any
     ) -> None: ...
 
 class ArmaturePose(SensorCreator):
-    """Measures the joint values of an armature"""
+    """Measures where the joints of an armature are"""
 
 class Attitude(SensorCreator):
     """A sensor returning the absolute attitude and the angular velocity of the robot"""
@@ -129,14 +128,14 @@ class Battery(SensorCreator):
     def properties(self, *, DischargingRate: float = ..., **kwargs: Any) -> None: ...
 
 class Bumper(ContactSensor):
-    """A bumper that reports whether an object presses it"""
+    """A bumper that tells whether something presses it"""
     def properties(self, *, only_objects_with_property: str = ..., Travel: float = ..., **kwargs: Any) -> None: ...
 
 class Clock(SensorCreator):
     """A sensor that publishes simulated time"""
 
 class Collision(ContactSensor):
-    """A sensor that reports which objects touch it, while there are any"""
+    """A sensor that tells which objects touch it, while they do"""
     def properties(self, *, only_objects_with_property: str = ..., **kwargs: Any) -> None: ...
 
 class DepthCamera(CameraCreator):
@@ -312,7 +311,7 @@ class Odometry(SensorCreator):
     """An odometry sensor that returns raw, partially integrated or fully integrated displacement"""
 
 class OpticalFlowCamera(CameraCreator):
-    """A camera that measures the motion of each point in the image"""
+    """A camera that measures how each point moves in the picture"""
     def properties(
         self,
         *,
@@ -393,7 +392,7 @@ class SearchAndRescue(SensorCreator):
     ) -> None: ...
 
 class SegmentationCamera(CameraCreator):
-    """A camera that measures the id and the class of the object in each pixel"""
+    """A camera that gives the id and the class of what each pixel shows"""
     def properties(
         self,
         *,
@@ -473,30 +472,6 @@ class SickLDMRS(LaserSensorWithArc):
 
 class StereoUnit(SensorCreator):
     """A pair of cameras to perform stereo vision"""
-
-class ThermalCamera(CameraCreator):
-    """A camera that measures the temperatures of surfaces"""
-    def properties(
-        self,
-        *,
-        cam_width: int = ...,
-        cam_height: int = ...,
-        cam_focal: float = ...,
-        cam_fov: float = ...,
-        cam_near: float = ...,
-        cam_far: float = ...,
-        Vertical_Flip: bool = ...,
-        retrieve_depth: bool = ...,
-        retrieve_zbuffer: bool = ...,
-        lens_model: Literal["plumb_bob", "equidistant"] = ...,
-        distortion: str = ...,
-        capturing: bool = ...,
-        DefaultTemperature: float = ...,
-        SkyTemperature: float = ...,
-        FireTag: str = ...,
-        FireTemperature: float = ...,
-        **kwargs: Any,
-    ) -> None: ...
 
 class Thermometer(SensorCreator):
     """A sensor returning the temperature, which depends on the distance of fires"""

@@ -21,9 +21,9 @@ class Filmed(NamedTuple):
 
     Attributes:
         camera: name of a camera of the scene, or None.
-        places: (x, y, z) of the viewpoint and of the point that it looks at, m; None for those of the script.
+        places: (x, y, z) of the viewpoint and of the point at which it looks, m; None for those of the script.
         size: width and height, px.
-        fov: angle of view, degrees; None for the angle of the script.
+        fov: angle of view, degrees; None for that of the script.
         fine: whether four times as many samples are drawn.
         rate: frames per simulated second.
         begin, length: simulated seconds; a length of None is the rest of the recording.
@@ -39,7 +39,7 @@ class Filmed(NamedTuple):
     length: float | None
 
     def check(self) -> None:
-        """Validate the numbers.
+        """Check the numbers.
 
         Raises:
             CommandError: a number is out of range, or options exclude each other.
@@ -51,19 +51,17 @@ class Filmed(NamedTuple):
         if self.length is not None and not 0.0 < self.length <= _LONGEST:
             raise CommandError(f"--length is a number of simulated seconds, not {self.length:g}.", 2)
         if self.camera is not None and (self.places != (None, None) or self.fov is not None):
-            raise CommandError(
-                "--camera shows the image of a camera: it cannot be combined with --from, --at and --fov.", 2
-            )
+            raise CommandError("--camera shows what a camera sees: --from, --at and --fov do not go with it.", 2)
 
 
 def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool) -> None:
-    """Simulate a recorded run again, and write a film of it.
+    """Write a film of a recorded run, from its recorded poses or, without them, from a simulation of its inputs.
 
     Args:
-        recording: recording of the run.
-        path: path of the film.
-        what: content of the film.
-        scene: path of the scene script; empty for the script that was recorded.
+        recording: of a run.
+        path: of the film.
+        what: what is shown.
+        scene: path of the scene script; empty for the one that was recorded.
         trust: see `morse.launch.recorded_run.options_of`.
 
     Raises:
@@ -74,29 +72,35 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
     from morse.launch.load import described, start
     from morse.launch.recorded_run import inputs_of, options_of
     from morse.rendering import picture_files
-    from morse.simulation.replaying import Replay
+    from morse.simulation.recorded_timeline import RecordedTimeline
+    from morse.simulation.timeline import Timeline
 
     inputs = inputs_of(recording)
     with contextlib.ExitStack() as stack:
         options = options_of(recording, scene, trust, stack, say)
         simulation = stack.enter_context(start(described(options.script, options), options))
-        replay = Replay(simulation, inputs)
+        if RecordedTimeline.is_possible(recording, inputs):
+            timeline: RecordedTimeline | Timeline = RecordedTimeline(simulation, recording, inputs)
+        else:
+            timeline = Timeline(simulation, inputs, recording.length())
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
-        last = None if what.length is None else first + round(what.length * frequency)
+        last = timeline.length if what.length is None else first + round(what.length * frequency)
         made: Any = None
-        frames = ticks = 0
-        while not replay.done and (last is None or ticks < last):
-            if ticks >= first + round(frames * frequency / what.rate):
-                # a restart creates new components
-                request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
-                if made is None:
-                    made = picture_files.film(path, shape_of(request, what.fine), what.rate)
-                made.add(drawn(request, "color", what.fine))
-                frames += 1
-            replay.step()
-            ticks += 1
+        frames = 0
+        while (position := first + round(frames * frequency / what.rate)) < min(last, timeline.length):
+            while not timeline.approach(position):
+                pass
+            if timeline.position < position:
+                break
+            # a restart makes new components
+            request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
+            if made is None:
+                made = picture_files.film(path, shape_of(request, what.fine), what.rate)
+            made.add(drawn(request, "color", what.fine))
+            frames += 1
         if made is None:
-            raise CommandError(f"The recording ends after {ticks / frequency:g} s, before the film begins.")
+            ended = timeline.length / frequency
+            raise CommandError(f"The recording ends after {ended:g} s, before the film begins.")
         made.close()
     say(f"{path}: {frames} frames of {frames / what.rate:g} s.")

@@ -1,6 +1,6 @@
 """``morseexec SCRIPT``: the same as ``morse run SCRIPT``.
 
-It is meant for the first line of a scene script, where only one word may follow the interpreter::
+Made for the first line of a scene script, where only one word may follow the interpreter::
 
     #! /usr/bin/env morseexec
 """

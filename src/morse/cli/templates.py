@@ -1,8 +1,8 @@
 """The files that ``morse create`` and ``morse add`` write.
 
-Templates are in ``data/templates/<kind>/``. Their names are those of the resulting files plus ``.tpl``. ``@env@``,
-``@name@``, ``@classname@`` and ``@shortdesc@`` are replaced in paths and contents. A template that begins with a line
-``#APPEND`` is appended to an existing file.
+Templates lie in ``data/templates/<kind>/`` under the name of the file they become plus ``.tpl``.
+``@env@``, ``@name@``, ``@classname@`` and ``@shortdesc@`` are replaced in paths and contents. A
+template that begins with a line ``#APPEND`` is added to a file that exists.
 """
 
 from __future__ import annotations
@@ -79,23 +79,23 @@ def write_environment(directory: Path, values: Values) -> list[Path]:
 
 
 def behaviour_file(directory: Path, kind: str, values: Values) -> Path:
-    """The file of the component class; if it exists, the component exists."""
+    """The file of the class that runs in the simulation; if it exists, there is such a component."""
     return directory / values.fill(_TEMPLATES[kind][0])
 
 
 def write_component(directory: Path, kind: str, values: Values) -> list[Path]:
-    """Write the files of a robot, sensor or actuator into an environment; existing files are overwritten.
+    """Write the files of a robot, sensor or actuator into an environment, over those that are there.
 
     Args:
-        directory: directory of the environment.
+        directory: of the environment.
         kind: one of `COMPONENT_KINDS`.
-        values: values of the placeholders.
+        values: what stands for the placeholders.
 
     Returns:
-        The files of the component, the file of the component class first.
+        The files of the component, the class that runs in the simulation first.
 
     Raises:
-        CommandError: a model of MORSE is missing.
+        CommandError: if MORSE lacks a model.
     """
     model = _MODELS.get(kind)
     if model is not None and not (templates_directory() / model[0]).is_file():
@@ -110,7 +110,7 @@ def write_component(directory: Path, kind: str, values: Values) -> list[Path]:
 
 
 def templates_directory() -> Path:
-    """The directory of the templates."""
+    """Where the templates are."""
     return Path(__file__).resolve().parents[1] / "data" / "templates"
 
 

@@ -1,4 +1,4 @@
-"""The base class of all objects that offer services."""
+"""What everything that offers services has in common."""
 
 from __future__ import annotations
 
@@ -66,10 +66,10 @@ class AbstractObject:
         return {}
 
     def default_action(self) -> None:
-        """Perform the work of a tick."""
+        """The work of a tick."""
 
     def action(self) -> None:
-        """Perform one tick."""
+        """One tick."""
         self.default_action()
 
     @property
@@ -83,7 +83,7 @@ class AbstractObject:
         )
 
     def restart(self) -> None:
-        """Reset the object, because the simulation starts again at tick 0."""
+        """Reset the object, since the simulation starts again at tick 0."""
 
     def get_state(self) -> Any:
         """Return the state that determines the future of the object, as plain data; None without a state."""

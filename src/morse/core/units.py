@@ -69,7 +69,7 @@ def unit(text: str) -> Unit:
     """The unit of that name.
 
     Raises:
-        UnitError: the unit is unknown.
+        UnitError: it is unknown.
     """
     if text in _ZERO_POINTS:
         factor, offset = _ZERO_POINTS[text]

@@ -1,4 +1,4 @@
-"""``morse replay``: shows a recorded run in the live view."""
+"""``morse replay``: a recorded run in the live view."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from morse.launch.load import described, resolve
 from morse.launch.recorded_run import inputs_of, options_of
 from morse.middleware.ros2.datastream import Ros2DatastreamManager
 from morse.middleware.ros2.names import Names
+from morse.recording.errors import RecordingError
+from morse.simulation.recorded_timeline import RecordedTimeline
 from morse.simulation.simulation import Simulation
 from morse.simulation.timeline import Timeline
 from morse.viewer.replay_view import ReplayView
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
     from morse.recording.recording import Recording
     from morse.scene import Scene
+    from morse.simulation.input_recording import InputRecording
 
 
 @contextlib.contextmanager
@@ -37,15 +40,15 @@ def playing(
     Args:
         recording: a recording of a run.
         scene: path of the scene script; empty for the recorded script.
-        told: callback for messages to the user.
+        told: called with remarks for the user.
         trust: see `morse.launch.recorded_run.options_of`.
         port: port of the page; 0 for any free port.
-        browser: whether to open the page.
+        browser: open the page.
 
     Raises:
         RecordingError: the recording is not sufficient.
-        MorseError: the scene cannot be loaded, or does not match the inputs.
-        OSError: the server of the page cannot be started.
+        MorseError: the scene cannot be loaded, or the inputs do not fit it.
+        OSError: the page cannot be served.
     """
     inputs = inputs_of(recording)
     with contextlib.ExitStack() as stack:
@@ -57,15 +60,26 @@ def playing(
         resolve(recorded_scene)
         simulation = stack.enter_context(Simulation(recorded_scene, options))
         simulation.load()
-        timeline = Timeline(simulation, inputs, recording.length())
+        timeline = _timeline(simulation, recording, inputs, told)
         view = ReplayView(simulation, timeline, recording, naming.topics(simulation))
         simulation.view = view
         simulation.observers.append(view)
         yield view
 
 
+def _timeline(
+    simulation: Simulation, recording: Recording, inputs: InputRecording, told: Callable[[str], object]
+) -> Timeline | RecordedTimeline:
+    if RecordedTimeline.is_possible(recording, inputs):
+        try:
+            return RecordedTimeline(simulation, recording, inputs)
+        except RecordingError as error:
+            told(f"{error}. The run is simulated again.")
+    return Timeline(simulation, inputs, recording.length())
+
+
 def play(view: ReplayView) -> None:
-    """Log the address of the page, and play until the page, Ctrl+C or a termination signal ends it."""
+    """Log the address of the page, and play until a page, Ctrl+C or a request to terminate ends it."""
     before = {number: signal.signal(number, lambda *_: view.end()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         view.announce()
@@ -88,7 +102,7 @@ class _Naming:
         }
 
     def topics(self, simulation: Simulation) -> dict[str, str]:
-        """The topic of each sensor, by the name of the sensor."""
+        """The topic of each sensor, by its name."""
         sensors = {name: simulation.context.components.get(name) for name in self._streams}
         return {
             name: self._names.topic(sensor, {"namespace": None, "topic": None, **self._streams[name]})
@@ -98,7 +112,7 @@ class _Naming:
 
 
 def _close(scene: Scene) -> None:
-    """Remove the streams and services, so that only the page is served."""
+    """Only the page takes part: no stream and no service is opened."""
     for declared in scene.components:
         declared.streams.clear()
         declared.managers.clear()

@@ -1,4 +1,4 @@
-"""The base of vectors, angles, quaternions and colours: a short sequence of floats of fixed length."""
+"""What vectors, angles, quaternions and colours share: a short row of floats of fixed length."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ else:
 
 
 def floats(values: Iterable[Any], kind: str, smallest: int, largest: int) -> list[float]:
-    """Return the values as floats.
+    """The values as floats.
 
     Raises:
         TypeError: the values are not numbers.
@@ -31,12 +31,12 @@ def floats(values: Iterable[Any], kind: str, smallest: int, largest: int) -> lis
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is an int, a float or a scalar of numpy."""
+    """True for ints, floats and the scalars of numpy."""
     return isinstance(value, (float, int, Real))
 
 
 def rounded(value: float) -> str:
-    """Return a component in the format of Blender: at most four decimals."""
+    """A component as Blender prints it: at most four decimals."""
     return f"{value:.4f}"
 
 
@@ -47,7 +47,7 @@ def _count(smallest: int, largest: int) -> str:
 class FloatSequence(_Base):
     """A sequence of floats whose length does not change when items are assigned.
 
-    The items are in `_items`: a list, a tuple after `freeze`, or the row or column of a matrix.
+    The items lie in `_items`: a list, a tuple once frozen, or the live row or column of a matrix.
     """
 
     __slots__ = ("_items",)
@@ -56,7 +56,7 @@ class FloatSequence(_Base):
 
     @classmethod
     def _wrap(cls, items: MutableSequence[float]) -> Self:
-        """Create an instance from these items, which are neither copied nor checked."""
+        """An instance upon these items: neither copied nor checked."""
         made = cls.__new__(cls)
         made._items = items
         return made
@@ -86,9 +86,7 @@ class FloatSequence(_Base):
             size = len(row)
             row[index] = floats(value, f"a slice of {type(self).__name__}", 0, size)
             if len(row) != size:
-                raise ValueError(
-                    f"the slice of {type(self).__name__} takes as many numbers as it has items, given {value!r}"
-                )
+                raise ValueError(f"the slice of {type(self).__name__} takes as many numbers as it has, given {value!r}")
             self._assign(row)
             return
         self._check_writable()
@@ -117,16 +115,16 @@ class FloatSequence(_Base):
 
     @property
     def is_frozen(self) -> bool:
-        """Whether `freeze` was called."""
+        """True after `freeze`."""
         return isinstance(self._items, tuple)
 
     def freeze(self) -> Self:
-        """Make the object immutable, so that it can be a key of a dictionary. Return the object."""
+        """Refuse changes from now on, so that it can be a key of a dict. Returns itself."""
         self._items = tuple(self._items)  # type: ignore[assignment]
         return self
 
     def copy(self) -> Self:
-        """Return a copy that is not frozen, and not a view of a matrix."""
+        """A copy that is not frozen and no view of anything."""
         return self._wrap(list(self._items))
 
     __copy__ = copy

@@ -29,7 +29,7 @@ class EarthModifier(AbstractModifier):
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
 
     def initialize(self) -> None:
-        """Read the position of the world."""
+        """Get the position of the world."""
         self.plane = LocalPlane.of(self.component_instance.context.scene.properties)
 
     @abstractmethod

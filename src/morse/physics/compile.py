@@ -10,7 +10,6 @@ import mujoco
 import numpy as np
 
 from morse.physics.articulated import Articulated, JointSlot
-from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
@@ -55,7 +54,7 @@ _TYPES = {
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
+    """The indices of a frame in the arrays of the engine; -1 or empty if the frame does not have the item.
 
     Attributes:
         body: id of the MuJoCo body.
@@ -65,7 +64,7 @@ class Slot:
         actuator: id of the wheel motor.
         geoms: geom ids by node, one for each shape of the node.
         feet: geom ids of the spheres on which a driven robot stands.
-        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
+        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first.
     """
 
     frame: Frame
@@ -81,12 +80,10 @@ class Slot:
 
     @property
     def numbers(self) -> tuple[int, int]:
-        """Number of positions and velocities of the slot in the engine."""
+        """How many positions and velocities the engine has for the slot."""
         if self.qpos < 0:
             return 0, 0
-        if self.frame.motion is Motion.FREE:
-            return 7, 6
-        return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1
+        return (7, 6) if self.frame.motion is Motion.FREE else (len(self.joints) or 1, len(self.joints) or 1)
 
 
 @dataclass(eq=False, slots=True)
@@ -96,7 +93,6 @@ class Compiled:
     Attributes:
         steps: physics steps per tick.
         geom_node: node of each geom.
-        tendon_motors: the motors of tendons.
     """
 
     model: mujoco.MjModel
@@ -104,7 +100,6 @@ class Compiled:
     slots: list[Slot]
     steps: int
     geom_node: list[Node]
-    tendon_motors: list[TendonSlot]
 
 
 def compile_scene(scene: Scene) -> Compiled:
@@ -125,13 +120,12 @@ def _compile(scene: Scene) -> Compiled:
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
-    # shown only by the viewer of MuJoCo
+    # only shown by MuJoCo's own viewer
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
-    couplings = builder.couple(slots)
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -143,7 +137,7 @@ def _compile(scene: Scene) -> Compiled:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
-    return Compiled(model, data, slots, steps, geom_node, couplings.motors)
+    return Compiled(model, data, slots, steps, geom_node)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
@@ -173,7 +167,6 @@ class _Builder:
         self._feet: list[tuple[Any, Node, Slot]] = []
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
-        self._couplings: CouplingBuilder | None = None
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
@@ -257,7 +250,7 @@ class _Builder:
     def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
         if stand is None:
             return
-        # the engine has to be prepared for weightless bodies; see resolve
+        # the engine has to expect weightless bodies; see resolve
         body.gravcomp = 1.0
         for centre in stand.feet:
             foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
@@ -336,11 +329,6 @@ class _Builder:
         # reduces the difference to the commanded speed by nine tenths in each step
         motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
-    def couple(self, slots: list[Slot]) -> CouplingBuilder:
-        """Add tendons and constraints, after all bodies and joints."""
-        self._couplings = CouplingBuilder(self._spec, slots, self._bodies)
-        return self._couplings
-
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
         self.articulated.resolve(model)
@@ -348,10 +336,6 @@ class _Builder:
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)
-        if self._couplings is not None:
-            self._couplings.resolve(model)
-            for guide, node in self._couplings.geoms:
-                geom_node[guide.id] = node
         for foot, node, slot in self._feet:
             geom_node[foot.id] = node
             slot.feet.append(foot.id)

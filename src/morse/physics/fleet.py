@@ -70,11 +70,11 @@ class Fleet:
         self._grounds = grounds
 
     def renew(self) -> None:
-        """Use the commands of all bodies again, also of those that `withdraw` removed."""
+        """All of them get their commands again."""
         self._withdrawn.clear()
 
     def withdraw(self, slot: int) -> None:
-        """Remove the command of one slot, because the slot gets no command, or a command from another caller."""
+        """Remove the command of one slot, which gets no command or a command from elsewhere."""
         self._withdrawn.add(self.rows[slot])
 
     def _row_command(self, row: int) -> Command:
@@ -100,7 +100,7 @@ class Fleet:
         """Write the velocities of most robots at the beginning of a tick.
 
         Args:
-            plain, sliding: (K,) rows; see `GliderArrays`.
+            plain, sliding: (K,) see `GliderArrays`.
 
         Returns:
             The commands of the other robots, by slot.

@@ -24,6 +24,7 @@ def place_as_compiled(state: EngineState) -> None:
     for index, slot in enumerate(state.slots):
         state.positions[index] = tuple(slot.pose.position)
         state.rotations[index] = tuple(v for row in slot.pose.rotation for v in row)
+    state.relocated.clear()
     state.quaternions = [rigid.quaternion(state.rotations[index]) for index in range(count)]
 
 

@@ -1,6 +1,6 @@
-"""The viewer of MuJoCo, for inspecting the physics.
+"""MuJoCo's own viewer, for inspecting the physics.
 
-The viewer is installed by the extra ``studio`` and runs in a browser.
+It is installed by the extra ``studio`` and runs in a browser.
 """
 
 from __future__ import annotations

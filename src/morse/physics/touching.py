@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 
-#: tolerance for rounding, m
+#: m
 _ROUNDING = 1e-6
 
 
@@ -42,8 +42,7 @@ class Touching:
         self._places, self._turns, self._radii = data.geom_xpos, data.geom_xmat, model.geom_rbound
         self._halves = np.abs(model.geom_aabb[:, :3]) + model.geom_aabb[:, 3:]
         self._feelers: dict[Node, list[int]] = {}
-        #: for each shape: static boxes, its centre, and the distance within which it can move without meeting the
-        #: boxes, m
+        #: of a shape: static boxes, its centre, and the distance within which it can move without meeting them, m
         self._clear: dict[int, tuple[object, list[float], float]] = {}
         self._others: dict[tuple[int, int], tuple[NDArray[np.intp], NDArray[np.float64]]] = {}
         self._kept: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
@@ -51,7 +50,7 @@ class Touching:
         self._loosened = False
 
     def objects(self, obj: GameObject, margin: float) -> list[GameObject]:
-        """Return the objects closer than ``margin`` (m) to the shapes of an object, except those that move with it.
+        """Return the objects nearer than ``margin`` (m) to the shapes of an object, except those that move with it.
 
         An object with several shapes is returned once.
         """

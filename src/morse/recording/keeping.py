@@ -48,6 +48,8 @@ class Captures:
         #: groups that have measured in this tick, in order
         self._fired: list[Group | Lone] = []
         self._fire = self._fired.append
+        #: whether the last `flush` has stored the poses of the nodes
+        self.kept = False
         #: components whose streams are silent while they act together
         self._quiet: set[Any] = set()
         self.forget()
@@ -65,7 +67,7 @@ class Captures:
         self._known: dict[tuple[Any, ...], tuple[Capture, Sequence[Mounting]] | None] = {}
         self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
-        self._displacements = -1
+        self._displacements = self._relocated = -1
         self._made = 0
         self._looked = False
         present = set(map(id, self._context.components.values()))
@@ -91,8 +93,14 @@ class Captures:
     def flush(self) -> bool:
         """The end of a tick. Returns False if the streams have to encode simulated time and the frames."""
         fired, world = self._fired, self._world
+        self.kept = False
         layout = self._layouts.get(tuple(fired))
-        if layout is None or world.displacements != self._displacements or self._transforms.changed:
+        if (
+            layout is None
+            or world.displacements != self._displacements
+            or len(world.relocated) != self._relocated
+            or self._transforms.changed
+        ):
             return self._look_around()
         positions = world.positions.array
         for group in layout.posed:
@@ -108,10 +116,11 @@ class Captures:
                 return self._encode_all()
         fired.clear()
         self._tape.keep(layout, positions, world.rotations.array, scans)
+        self.kept = True
         if self._frames is None:
             return False
-        joints, lines = self._others
-        if joints or lines:
+        joints, lines, looks = self._others
+        if joints or lines or looks:
             self._streams.flush_others()
         return True
 
@@ -150,10 +159,19 @@ class Captures:
         self._drop_dissolved()
         found = [(group, self._find(group)) for group in fired]
         kept = [(group, capture) for group, capture in found if capture is not None]
-        frames = self._frames
+        motion = self._streams.motion
+        assert motion is not None
+        capture = motion.capture
+        motion.renew(self._context.clock.stamp())
+        self._relocated = motion.relocated
+        if motion.capture is not capture:
+            self._layouts.clear()
+        others = [self._frames and self._frames[0], motion.capture]
         if not any(group.is_changed for group in fired):
             self._layouts[fired] = Layout(
-                [group for group, _ in kept], [capture for _, capture in kept], None if frames is None else frames[0]
+                [group for group, _ in kept],
+                [capture for _, capture in kept],
+                [capture for capture in others if capture is not None],
             )
             # one block serves the ticks of all layouts
             first = min(layout.first for layout in self._layouts.values())

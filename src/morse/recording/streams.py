@@ -12,6 +12,7 @@ from morse.middleware.ros2.definitions import definition
 from morse.recording.captures import Moments
 from morse.recording.keeping import Captures
 from morse.recording.mcap.records import Message
+from morse.recording.motion import Motion
 from morse.scene import StreamDeclaration
 
 if TYPE_CHECKING:
@@ -157,6 +158,8 @@ class RecordedStreams(Ros2DatastreamManager):
         super().__init__({**context.scene.manager_options.get(_ROS2, {}), **_ALWAYS}, context)
         #: stores data of sensors that act together, to encode them later; None: every message is encoded in the tick
         records_sensors = names is None or bool(names)
+        #: the poses of all moving nodes; None for only inputs and the log
+        self.motion = Motion(context, tape) if records_sensors else None
         self.captures = Captures.made_for(self, tape) if records_sensors and isinstance(tape, Tape) else None
         self.follow()
 
@@ -165,8 +168,12 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def follow(self) -> None:
         """Record the present sensors, and no others."""
+        if isinstance(self._tape, Tape):
+            self._tape.now()  # after a restart, the first tick is one tick later than the last one
         if self.captures is not None:
             self.captures.forget()
+        if self.motion is not None:
+            self.motion.follow()
         sensors = {
             declared.name: declared
             for declared in self.context.scene.components
@@ -203,22 +210,33 @@ class RecordedStreams(Ros2DatastreamManager):
 
     def flush(self) -> None:
         """The end of a tick; without sensors, only inputs and the log are recorded."""
-        if self.captures is not None and self.captures.flush():
+        captures, motion = self.captures, self.motion
+        if captures is not None and captures.flush():
             return
-        if self._names is None or self._names:
-            super().flush()
-        else:
+        if motion is None:
             self.write_log()
+            return
+        super().flush()
+        if captures is None or not captures.kept:
+            motion.publish(self.context.clock.stamp())
+        else:
+            motion.publish_looks()
 
     def flush_others(self) -> None:
         """Publish messages of the tick other than time and frames."""
         self.robots.publish()
         if self._log is not None:
             self._log.publish(self.context.clock.stamp())
+        if self.motion is not None:
+            self.motion.publish_looks()
 
     def others(self) -> tuple[Collection[Any], ...]:
         """Collections that are empty while `flush_others` has nothing to do."""
-        return (self.robots.stating, () if self._log is None else self._log.lines)
+        return (
+            self.robots.stating,
+            () if self._log is None else self._log.lines,
+            () if self.motion is None else self.motion.repainted,
+        )
 
     def own_channels(self) -> tuple[int, int] | None:
         """The channels of simulated time and of the frames; None if they are not in a file."""
@@ -235,6 +253,8 @@ class RecordedStreams(Ros2DatastreamManager):
         """Release the sensors."""
         if self.captures is not None:
             self.captures.close()
+        if self.motion is not None:
+            self.motion.close()
         for streams in self.streams.values():
             for stream in streams:
                 functions = stream.component_instance.output_functions

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from morse.middleware.ros2.backends.backend import Backend, Publisher, Qos, Subscription
 from morse.middleware.ros2.cdr import CdrError, decode
 from morse.recording.inputs import TOPIC as INPUTS
+from morse.recording.motion import TOPICS as MOTION
 from morse.recording.streams import LEFT_OUT
 
 if TYPE_CHECKING:
@@ -74,7 +75,8 @@ class Comparison(Backend):
         """See `Backend.publisher`; topics that are not in the recording are ignored again."""
         if topic in _FREE:
             return _Topic(lambda data: None)
-        if topic not in self._topics and type_name in LEFT_OUT:
+        # recordings of earlier versions have no poses of nodes
+        if topic not in self._topics and (type_name in LEFT_OUT or topic in MOTION):
             return None
         return _Topic(lambda data: self._compare(topic, type_name, data))
 

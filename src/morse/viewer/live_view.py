@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
 from morse.viewer.describe import describe_light
-from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
 from morse.viewer.feeds.frustums import ViewFrustums
 from morse.viewer.feeds.log import LogFeed
@@ -35,6 +34,9 @@ from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Viewpo
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
 
     from morse.simulation.simulation import Simulation
 
@@ -88,7 +90,6 @@ class View(Observer):
         self._history = Rewinder(simulation, lambda: simulation.clock.time, server)
         self._states = StatesFeed(context, server)
         self._rays = ViewRays(context, server)
-        self._clouds = ViewClouds(context, server)
         self._frustums = ViewFrustums(context, server)
         self._pictures: Feed = PicturesFeed(context, server)
         self._sounds = SoundsFeed(context, server)
@@ -96,7 +97,6 @@ class View(Observer):
             ValuesFeed(context, server),
             self._states,
             self._rays,
-            self._clouds,
             ViewOverlays(context, server),
             ViewDebug(simulation, server),
             self._frustums,
@@ -200,7 +200,7 @@ class View(Observer):
                 tick=clock.tick,
                 time=self._time(),
                 layout=world.layout,
-                poses=world.poses(),
+                poses=self._poses(),
                 status="running" if running else "paused",
                 speed=pacer.speed,
                 real_time_factor=pacer.real_time_factor if running else 0.0,
@@ -218,6 +218,9 @@ class View(Observer):
 
     def _time(self) -> float:
         return self._simulation.clock.time
+
+    def _poses(self) -> NDArray[np.float32]:
+        return self._simulation.world.poses()
 
     def _set_paused(self, paused: bool) -> None:
         if paused:
@@ -266,7 +269,6 @@ class View(Observer):
         self._services.register_all()
         self._commands.restarted()
         self._rays.restarted()
-        self._clouds.restarted()
         self._frustums.restarted()
         self._sounds.restarted()
 

@@ -6,14 +6,21 @@ import math
 import time
 from typing import TYPE_CHECKING, Any
 
+from morse.simulation.recorded_timeline import RecordedTimeline
 from morse.viewer import page_messages as page
 from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
+from morse.viewer.feeds.recorded_values import RecordedValuesFeed
+from morse.viewer.feeds.recorded_world import cast_rays
 from morse.viewer.live_view import View
 from morse.viewer.view_messages import History, Refused
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from morse.recording.mcap.reader import Channel
     from morse.recording.recording import Recording
     from morse.simulation.simulation import Simulation
     from morse.simulation.timeline import Timeline
@@ -51,18 +58,29 @@ class ReplayView(View):
     changeable = False
 
     def __init__(
-        self, simulation: Simulation, timeline: Timeline, recording: Recording, topics: Mapping[str, str]
+        self,
+        simulation: Simulation,
+        timeline: Timeline | RecordedTimeline,
+        recording: Recording,
+        topics: Mapping[str, str],
     ) -> None:
         self._timeline = timeline
         self._start = simulation.clock.time
         self._direction = 1
         self._target: int | None = None
         self._ended = False
+        self._looked = -1
         super().__init__(simulation)
         assert simulation.context.network is not None
         self._network = simulation.context.network
         self._history: Any = _NoHistory()
-        self._pictures = RecordedPicturesFeed(simulation.context, self._server, recording, topics, self._time)
+        self._recorded = timeline if isinstance(timeline, RecordedTimeline) else None
+        if self._recorded is not None:
+            channels = {name: _channels_of(recording, topic) for name, topic in topics.items()}
+            self._feeds[0] = RecordedValuesFeed(simulation.context, self._server, self._recorded, channels)
+        self._pictures = RecordedPicturesFeed(
+            simulation.context, self._server, recording, topics, self._time, looks=self._recorded is not None
+        )
         pacer = simulation.pacer
         refused = dict.fromkeys(self._handlers, self._refuse)
         own: dict[type[Any], Callable[[Any], object]] = {
@@ -97,6 +115,26 @@ class ReplayView(View):
     def _time(self) -> float:
         """The time along the recording, which resets of the run do not set back."""
         return self._start + self._timeline.position / self._simulation.clock.frequency
+
+    def _poses(self) -> NDArray[np.float32]:
+        return super()._poses() if self._recorded is None else self._recorded.poses()
+
+    def after_tick(self) -> None:
+        """See `View.after_tick`."""
+        if self._recorded is not None and self._server.watched:
+            self._look()
+        super().after_tick()
+
+    def _look(self) -> None:
+        """Cast the rays that are shown from the recorded poses."""
+        position = self._timeline.position
+        if position == self._looked:
+            return
+        self._looked = position
+        wished = self._server.wishes.overlays
+        for component in self._simulation.context.components.values():
+            if component.name() in wished or getattr(component, "visible_arc", False):
+                cast_rays(component)
 
     def _position(self, time_: float) -> int:
         return round(min(max(time_ - self._start, 0.0), 1e9) * self._simulation.clock.frequency)
@@ -162,6 +200,8 @@ class ReplayView(View):
             self._play(0)
             return
         self._timeline.forward()
+        if self._recorded is not None:
+            self.after_tick()
         self._simulation.pacer.wait()
 
     def _backward(self) -> None:
@@ -176,3 +216,11 @@ class ReplayView(View):
             self._play(0)
         while not self._ended and (rest := until - time.monotonic()) > 0.0:
             self._simulation.context.wait(rest)
+
+
+def _channels_of(recording: Recording, topic: str) -> list[Channel]:
+    return [
+        channel
+        for channel in recording.channels.values()
+        if channel.topic == topic or channel.topic.startswith(f"{topic}/")
+    ]

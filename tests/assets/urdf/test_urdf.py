@@ -218,7 +218,8 @@ def test_what_cannot_be_read_is_left_out_with_a_warning(tmp_path: Path) -> None:
         "gone.stl",
         "ROS_PACKAGE_PATH",
         "capsule",
-        "first 3 are used",
+        "'j' is floating",
+        "first 3 numbers",
         "<box>",
     ):
         assert word in text
@@ -243,12 +244,12 @@ ENDS = '<parent link="a"/><child link="b"/>'
         (f'<robot>{LINKS}<joint name="j" type="revolute">{ENDS}<axis xyz="0 nan 1"/></joint></robot>', "3 numbers"),
         (
             '<robot><link name="a"/><joint name="j" type="fixed"><parent link="a"/><child link="c"/></joint></robot>',
-            "'c', which does not exist",
+            "'c', which there is not",
         ),
         (
             f'<robot>{LINKS}<joint name="j" type="fixed">{ENDS}</joint><joint name="k" type="fixed"><parent link="b"/>'
             '<child link="a"/></joint></robot>',
-            "cycle",
+            "circle",
         ),
         ('<robot><link name="a"><inertial><mass value="-1"/></inertial></link></robot>', "mass -1"),
         ('<robot><link name="a"><inertial><mass value="inf"/></inertial></link></robot>', "a number"),

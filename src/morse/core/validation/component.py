@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 
 class Checked(Protocol):
-    """A component whose data and properties are validated.
+    """A component whose data and properties are checked.
 
     Attributes:
         local_data: the data fields, by name.

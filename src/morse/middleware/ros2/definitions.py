@@ -32,6 +32,7 @@ geometry_msgs/Point: float64 x, float64 y, float64 z
 geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w = 1
 geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
 geometry_msgs/PoseStamped: std_msgs/Header header, geometry_msgs/Pose pose
+geometry_msgs/PoseArray: std_msgs/Header header, geometry_msgs/Pose[] poses
 geometry_msgs/PoseWithCovariance: geometry_msgs/Pose pose, float64[36] covariance
 geometry_msgs/PoseWithCovarianceStamped: std_msgs/Header header, geometry_msgs/PoseWithCovariance pose
 geometry_msgs/PointStamped: std_msgs/Header header, geometry_msgs/Point point

@@ -10,5 +10,6 @@ from morse.recording.captures.groups import capture_of
 from morse.recording.captures.layout import Layout
 from morse.recording.captures.lone import Lone
 from morse.recording.captures.moments import Moments
+from morse.recording.captures.nodes import NodesCapture
 
-__all__ = ["Capture", "FramesCapture", "Layout", "Lone", "Moments", "capture_of"]
+__all__ = ["Capture", "FramesCapture", "Layout", "Lone", "Moments", "NodesCapture", "capture_of"]

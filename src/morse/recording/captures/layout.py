@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 class Layout:
     """The records of a tick in which certain groups of sensors have measured.
 
+    Args:
+        groups: groups of sensors.
+        captures: the capture of each group.
+        others: captures that do not belong to sensors.
+
     Attributes:
         offsets: offset of the records of each capture.
         size: size of all records, bytes.
@@ -28,10 +33,10 @@ class Layout:
         first, last: the rigid groups whose poses are kept: ``range(first, last)``.
     """
 
-    def __init__(self, groups: Sequence[Group | Lone], captures: Sequence[Capture], frames: Capture | None) -> None:
+    def __init__(self, groups: Sequence[Group | Lone], captures: Sequence[Capture], others: Sequence[Capture]) -> None:
         self.offsets: dict[Capture, int] = {}
         self.size = self.held = 0
-        for capture in (*captures, *(() if frames is None else (frames,))):
+        for capture in (*captures, *others):
             self.offsets[capture] = self.size
             self.size += capture.size
             self.held += capture.size + capture.held

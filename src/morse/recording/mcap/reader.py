@@ -43,11 +43,24 @@ class Channel(NamedTuple):
     schema_encoding: str
 
 
-class _Place(NamedTuple):
+class Chunk(NamedTuple):
+    """The position of a chunk.
+
+    Attributes:
+        offset, size: of its content, bytes.
+        start, end: first and last log time, ns.
+        channels: ids of the channels in its index; empty if it has no index.
+    """
+
     offset: int
     size: int
     start: int
     end: int
+    channels: set[int]
+
+    def may_hold(self, channel: int) -> bool:
+        """Whether it may have messages of a channel."""
+        return not self.channels or channel in self.channels
 
 
 class McapFile:
@@ -72,7 +85,7 @@ class McapFile:
         self.metadata: dict[str, dict[str, str]] = {}
         self.complete = False
         self._schemas: dict[int, tuple[str, str, str]] = {}
-        self._chunks: list[_Place] = []
+        self.chunks: list[Chunk] = []
         self._attachments: dict[str, tuple[int, int]] = {}
         self._tables = 0
         self._file = open(self.path, "rb")  # noqa: SIM115 (closed by `close`)
@@ -126,7 +139,10 @@ class McapFile:
         if opcode == records.CHUNK:
             fields = self._content(opcode, min(length, records.CHUNK_HEAD.size))
             start, end, _, _ = fields.numbers("<QQQI")
-            self._chunks.append(_Place(at, length, start, end))
+            self.chunks.append(Chunk(at, length, start, end, set()))
+        elif opcode == records.MESSAGE_INDEX and self.chunks:
+            (number,) = self._content(opcode, min(length, 2)).numbers("<H")
+            self.chunks[-1].channels.add(number)
         elif opcode == records.ATTACHMENT:
             fields = self._content(opcode, min(length, 1 << 16))
             fields.numbers("<QQ")
@@ -180,11 +196,17 @@ class McapFile:
         Raises:
             RecordingError: a chunk is damaged.
         """
-        for place in self._chunks:
-            yield from self._of_chunk(place, channels)
+        for chunk in self.chunks:
+            if channels is None or any(map(chunk.may_hold, channels)):
+                yield from self.messages_of(chunk, channels)
 
-    def _of_chunk(self, place: _Place, channels: Collection[int] | None) -> Iterator[Message]:
-        for opcode, content in self._plain(place).records():
+    def messages_of(self, chunk: Chunk, channels: Collection[int] | None = None) -> Iterator[Message]:
+        """Messages of a chunk, in the order in which they were written.
+
+        Raises:
+            RecordingError: the chunk is damaged.
+        """
+        for opcode, content in self._plain(chunk).records():
             if opcode in (records.SCHEMA, records.CHANNEL):
                 self._describe(opcode, Fields(content, f"{self.path}: a record in a chunk"))
             if opcode != records.MESSAGE:
@@ -203,14 +225,14 @@ class McapFile:
         Raises:
             RecordingError: a chunk is damaged.
         """
-        chunks = [place for place in self._chunks if place.start <= until][-most_chunks:]
-        for place in reversed(chunks):
-            found = [one for one in self._of_chunk(place, (channel,)) if one.log_time <= until]
+        chunks = [chunk for chunk in self.chunks if chunk.start <= until and chunk.may_hold(channel)][-most_chunks:]
+        for chunk in reversed(chunks):
+            found = [one for one in self.messages_of(chunk, (channel,)) if one.log_time <= until]
             if found:
                 return found[-1]
         return None
 
-    def _plain(self, place: _Place) -> Fields:
+    def _plain(self, place: Chunk) -> Fields:
         self._file.seek(place.offset)
         fields = self._content(records.CHUNK, place.size)
         _, _, size, checksum = fields.numbers("<QQQI")

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from morse.core.context import acting
 from morse.core.exceptions import MorseError
 from morse.middleware.ros2.cdr import CdrError, decode
 from morse.viewer.feeds.pictures import PicturesFeed, Shot, is_picture
+from morse.viewer.feeds.recorded_world import look_around
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -45,6 +47,8 @@ class RecordedPicturesFeed(PicturesFeed):
         recording: the recording of the run.
         topics: names of topics by the name of the camera, without the suffix for its images.
         time: the present time of the recording, s.
+        looks: whether cameras that were not recorded have to capture images of the present world, because nothing is
+            simulated.
     """
 
     def __init__(
@@ -54,6 +58,8 @@ class RecordedPicturesFeed(PicturesFeed):
         recording: Recording,
         topics: Mapping[str, str],
         time: Callable[[], float],
+        *,
+        looks: bool = False,
     ) -> None:
         super().__init__(context, server)
         self._recording = recording
@@ -63,13 +69,16 @@ class RecordedPicturesFeed(PicturesFeed):
             for channel in recording.channels.values():
                 if channel.type == IMAGE and (channel.topic == topic or channel.topic.startswith(f"{topic}/")):
                     self._channels.setdefault(name, channel.number)
+        self._looks = looks
+        #: times at which cameras have captured images
+        self._looked: dict[str, float] = {}
         self._known: dict[str, tuple[int, int, Shot]] = {}
 
     def shot(self, name: str, component: Any) -> Shot | None:
         """The last image of the camera at the present time of the recording."""
         channel = self._channels.get(name)
         if channel is None:
-            return super().shot(name, component)
+            return self._present(name, component)
         now = round(self._time() * 1e9) + _ROUNDING
         at, stamp, shot = self._known.get(name, (-1, -1, None))
         if at == now:
@@ -82,9 +91,17 @@ class RecordedPicturesFeed(PicturesFeed):
                 shot = _shot(message, component)
         except (CdrError, MorseError, ValueError):
             # a damaged message: show the image of the simulation instead
-            return super().shot(name, component)
+            return self._present(name, component)
         self._known[name] = (now, message.log_time, shot)
         return shot
+
+    def _present(self, name: str, component: Any) -> Shot | None:
+        """The image of the present world."""
+        if self._looks and self._looked.get(name) != self._time():
+            self._looked[name] = self._time()
+            with acting(self._context):
+                look_around(component)
+        return super().shot(name, component)
 
 
 def _shot(message: Message, component: Any) -> Shot:

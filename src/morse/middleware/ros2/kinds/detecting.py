@@ -81,12 +81,10 @@ def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
     """
     return Outlet(
         "sensor_msgs/msg/CompressedImage",
-        _compressed,
+        lambda m, f: _compressed(m, f) if capturing() else None,
         "image/compressed",
         LARGE,
         or_none=True,
-        when=capturing,
-        takes_long=True,
     )
 
 

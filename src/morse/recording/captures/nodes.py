@@ -1,0 +1,57 @@
+"""The poses of all moving nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.helpers.transformation import Transformation3d
+from morse.middleware.ros2.poses import quaternion_of
+from morse.recording.captures.poses import POSE, PosesCapture
+from morse.recording.mcap.records import MESSAGE_HEAD
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from morse.kernel.recording import NativeRecords, Poses, Rows
+    from morse.physics.snapshot import Snapshot
+    from morse.recording.captures.template import Template
+
+
+class NodesCapture(PosesCapture):
+    """``geometry_msgs/PoseArray`` with the poses of all moving nodes in the world.
+
+    Args:
+        native: the encoder.
+        template: the message.
+        snapshot: poses of the nodes.
+    """
+
+    def __init__(self, native: NativeRecords, template: Template, snapshot: Snapshot) -> None:
+        count = len(snapshot.slots)
+        places = len(template.bytes) - POSE * np.arange(count, 0, -1, dtype=np.int64)
+        super().__init__(native, template, places, snapshot.slots, snapshot.mountings)
+        self._origin = Transformation3d()
+        self._origins = np.tile(np.append(np.zeros(3), np.eye(3)), (count, 1))
+
+    def message(self, stamp: int, snapshot: Snapshot) -> bytes:
+        """Return the message of the present poses.
+
+        Args:
+            stamp: simulated time, ns.
+            snapshot: the present poses of the same nodes.
+        """
+        chunk = np.empty(self.size, dtype=np.uint8)
+        begins, moments = np.zeros(1, dtype=np.int64), np.array([[0, stamp, stamp]], dtype=np.int64)
+        self.encode(begins, moments, (snapshot.group_positions[None], snapshot.group_rotations[None], 0), chunk)
+        return chunk[MESSAGE_HEAD.size :].tobytes()
+
+    def _encoded(self, rows: Rows, poses: Poses) -> NDArray[np.uint8]:
+        return self._native.frames(rows, poses, self._origins)
+
+    def _one(self, member: int, pose: Transformation3d) -> tuple[Sequence[float], Sequence[float]]:
+        moved = self._origin.transformation3d_with(pose)
+        return (moved.x, moved.y, moved.z), quaternion_of(moved)

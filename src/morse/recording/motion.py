@@ -1,0 +1,156 @@
+"""Poses and appearance of everything that moves or changes, so that a run can be shown without simulating it."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from morse.helpers.transformation import Transformation3d
+from morse.kernel.recording import records
+from morse.middleware.ros2.backends.backend import Qos
+from morse.middleware.ros2.cdr import encode
+from morse.middleware.ros2.names import MAP
+from morse.middleware.ros2.parts import header_at, quaternion, xyz
+from morse.middleware.ros2.poses import quaternion_of
+from morse.recording.captures import NodesCapture
+from morse.recording.captures.template import Part, Template
+
+if TYPE_CHECKING:
+    from morse.core.context import Context
+    from morse.middleware.ros2.backends.backend import Backend
+
+POSES, NODES, LOOKS = "/morse/poses", "/morse/nodes", "/morse/appearance"
+TOPICS = (POSES, NODES, LOOKS)
+POSES_TYPE, TEXT_TYPE = "geometry_msgs/msg/PoseArray", "std_msgs/msg/String"
+
+
+class Motion:
+    """Publishes the poses of all moving nodes in the world in every tick, their names, and changes of appearance.
+
+    Attributes:
+        capture: encodes the poses of many ticks; None without the kernel.
+        repainted: objects whose appearance has changed since the last `publish_looks`.
+        relocated: number of static rigid groups that were moved, and are published since.
+
+    Args:
+        context: of the simulation.
+        backend: receives the messages.
+    """
+
+    def __init__(self, context: Context, backend: Backend) -> None:
+        self._world = context.world
+        self._poses = backend.publisher(POSES, POSES_TYPE, Qos(100))
+        self._nodes = backend.publisher(NODES, TEXT_TYPE, Qos(1, latched=True))
+        self._looks = backend.publisher(LOOKS, TEXT_TYPE, Qos(1000))
+        self._native = records()
+        self.capture: NodesCapture | None = None
+        self.repainted: set[Any] = set()
+        self._told: dict[str, Any] = {}
+        self._world.repaint_sinks.append(self.repainted.add)
+        self.follow()
+
+    def close(self) -> None:
+        """Stop observing the world."""
+        if self.repainted.add in self._world.repaint_sinks:
+            self._world.repaint_sinks.remove(self.repainted.add)
+
+    def follow(self) -> None:
+        """The objects may have changed."""
+        self._layout = self._displacements = self.relocated = -1
+        self._is_new = True
+
+    # -- a tick ------------------------------------------------------------------------------
+
+    def publish(self, stamp: int) -> None:
+        """Publish the poses, and what has changed.
+
+        Args:
+            stamp: simulated time, ns.
+        """
+        self.renew(stamp)
+        self.publish_looks()
+        if self._poses is not None:
+            snapshot = self._snapshots.now()
+            capture = self.capture
+            self._poses.publish(self.message(stamp) if capture is None else capture.message(stamp, snapshot))
+
+    def renew(self, stamp: int) -> None:
+        """Publish the names of the nodes if they have changed, and renew `capture` after a change of the objects."""
+        world = self._world
+        if world.layout != self._layout or len(world.relocated) != self.relocated or self._is_new:
+            if self._is_new:
+                # a restored state may place static objects elsewhere
+                world.relocated.update(world.displaced_slots())
+            self._layout, self.relocated = world.layout, len(world.relocated)
+            self._name_nodes()
+        if world.displacements != self._displacements:
+            self._displacements = world.displacements
+            self.capture = self._captured(stamp)
+        if self._is_new:
+            self._is_new = False
+            # restored objects do not report their appearance
+            self.repainted.update(world.objects())
+
+    def _name_nodes(self) -> None:
+        world = self._world
+        nodes = [node for node, _ in world.moving_nodes()]
+        nodes += [world.slots[slot].frame.node for slot in sorted(world.relocated)]
+        self._snapshots = world.snapshots([world.object_of(node) for node in nodes])
+        self._displacements = -1
+        self._template: Template | None = None
+        if self._nodes is not None:
+            self._nodes.publish(encode(TEXT_TYPE, {"data": json.dumps([node.name for node in nodes])}))
+
+    def _captured(self, stamp: int) -> NodesCapture | None:
+        if self._native is None:
+            return None
+        if self._template is None:
+            self._template = Template([Part(getattr(self._poses, "number", 0), self.message(stamp))])
+        # earlier ticks may still have to be encoded by the previous capture
+        return NodesCapture(self._native, self._template, self._snapshots.now())
+
+    def message(self, stamp: int) -> bytes:
+        """Return the message of the present poses, encoded in Python: the reference of the capture."""
+        snapshot, origin = self._snapshots.now(), Transformation3d()
+        poses = []
+        for row in range(len(snapshot.slots)):
+            pose = Transformation3d()
+            pose.set_pose(*snapshot.pose(row))
+            moved = origin.transformation3d_with(pose)
+            poses.append(
+                {"position": xyz((moved.x, moved.y, moved.z)), "orientation": quaternion(quaternion_of(moved))}
+            )
+        return encode(POSES_TYPE, {"header": header_at(stamp, MAP), "poses": poses})
+
+    # -- appearance --------------------------------------------------------------------------
+
+    def publish_looks(self) -> None:
+        """Publish the appearance of the objects that have changed."""
+        if not self.repainted:
+            return
+        changed = []
+        for obj in sorted((one for one in self.repainted if not one.invalid), key=lambda one: str(one.name)):
+            look = look_of(obj)
+            if self._told.get(obj.name) != look:
+                self._told[obj.name] = look
+                changed.append({"name": obj.name, **look})
+        self.repainted.clear()
+        if changed and self._looks is not None:
+            self._looks.publish(encode(TEXT_TYPE, {"data": json.dumps(changed)}))
+
+
+def look_of(obj: Any) -> dict[str, Any]:
+    """The appearance of an object that can change while the simulation runs."""
+    node, light = obj.node, obj.node.light
+    return {
+        "visible": bool(obj.visible),
+        "color": None if node.color is None else [float(value) for value in node.color],
+        "light": None
+        if light is None
+        else {
+            "color": [float(value) for value in light.color],
+            "energy": float(light.energy),
+            "distance": float(light.distance),
+            "spot_size": float(light.spot_size),
+        },
+    }

@@ -1,0 +1,30 @@
+"""Sensors that look at the world of a recording: their rays and images were not recorded."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from morse.core.requests import serve
+from morse.physics.rays.bundle import RayBundle
+from morse.simulation.faults import describe
+
+logger = logging.getLogger("morse.viewer")
+
+
+def look_around(camera: Any) -> None:
+    """Capture an image; errors are logged."""
+    if camera is None:
+        return
+    try:
+        serve([camera])
+        camera.action()
+    except Exception as error:  # a component of the user may fail
+        logger.debug("%s cannot look at the recorded world: %s", camera.name(), describe(error))
+
+
+def cast_rays(sensor: Any) -> None:
+    """Cast the rays of a sensor from its recorded pose."""
+    for request in sensor.requests:
+        if isinstance(request, RayBundle):
+            request.refresh()
