@@ -27,9 +27,11 @@ def components(plan: Plan) -> Iterator[Result]:
             yield failure("components", name, str(error))
             continue
         bound = None if trial.records[0]["rays"] else _WANTED.get(name, _MOST)
-        yield Result(
-            "components", name, trial.median(plan.clock("us")), "µs", None if bound is None else at_most(bound)
-        )
+        value = trial.median(plan.clock("us"))
+        if bound is None:
+            yield Result("components", name, value, "µs")
+        else:
+            yield Result("components", name, value, "µs", at_most(bound), details={"share_of_bound": value / bound})
 
 
 def _others() -> list[str]:

@@ -59,19 +59,25 @@ class InertialErrors:
     def added(self, truth: Sequence[float], passed: float) -> list[float]:
         """Return the measured values, ``passed`` seconds after the last measurement."""
         passed = max(passed, _SHORTEST)
-        white, wander, walk = self._random.standard_normal((3, 3)).tolist()
+        white_x, white_y, white_z, *others = self._random.standard_normal(9).tolist()
+        wander_x, wander_y, wander_z, walk_x, walk_y, walk_z = others
         terms = self.terms
         # a measurement is the mean over the time since the last measurement
         sigma = terms.density / math.sqrt(passed)
         keep = math.exp(-passed / terms.correlation_time)
         push = self._spread * math.sqrt(1.0 - keep * keep)
         stride = terms.random_walk * math.sqrt(passed)
-        measured = []
-        for axis in range(3):
-            self._bias[axis] = keep * self._bias[axis] + push * wander[axis]
-            self._walk[axis] += stride * walk[axis]
-            measured.append(truth[axis] + self._bias[axis] + self._walk[axis] + sigma * white[axis])
-        return measured
+        (x, y, z), (bias_x, bias_y, bias_z), (drift_x, drift_y, drift_z) = truth, self._bias, self._walk
+        bias_x = keep * bias_x + push * wander_x
+        bias_y = keep * bias_y + push * wander_y
+        bias_z = keep * bias_z + push * wander_z
+        drift_x, drift_y, drift_z = drift_x + stride * walk_x, drift_y + stride * walk_y, drift_z + stride * walk_z
+        self._bias, self._walk = [bias_x, bias_y, bias_z], [drift_x, drift_y, drift_z]
+        return [
+            x + bias_x + drift_x + sigma * white_x,
+            y + bias_y + drift_y + sigma * white_y,
+            z + bias_z + drift_z + sigma * white_z,
+        ]
 
     def get_state(self) -> dict[str, Any]:
         """Return the state that determines the future errors."""

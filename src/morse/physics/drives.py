@@ -145,7 +145,7 @@ class Drives:
         if self._fleets:
             for fleet in self._fleets:
                 commands.update(fleet.begin(self._state, gliding, self._plain, self._slides))
-            stopped = list(self._sliding.difference(commands, *(fleet.rows for fleet in self._fleets)))
+            stopped = list(self._sliding.difference(*(fleet.rows for fleet in self._fleets), commands))
         else:
             stopped = [index for index in self._sliding if index not in commands]
         for index in stopped:

@@ -38,10 +38,10 @@ class Rows:
         """Set new values for the first rows."""
         if self._is_shared:
             count = len(self._none)
-            array = np.empty_like(self._array)
-            array[count:] = self._array[count:]
-            self._array, self._first, self._is_shared = array, array[:count], False
-        self._first[:] = values
+            self._array = np.concatenate((values, self._array[count:]))
+            self._first, self._is_shared = self._array[:count], False
+        else:
+            self._first[:] = values
         self._rows[: len(self._none)] = self._none
 
     def _own(self) -> None:

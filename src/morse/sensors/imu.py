@@ -139,9 +139,8 @@ class IMU(MotionSensor):
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
         self._measured = self.clock.time
-        gyro, accelerometer = self._terms()
-        self._gyro_errors = InertialErrors(self.context.random(f"{self.name()}/gyro"), gyro)
-        self._accel_errors = InertialErrors(self.context.random(f"{self.name()}/accelerometer"), accelerometer)
+        self._gyro_errors = InertialErrors(self.context.random(f"{self.name()}/gyro"), self._gyro_terms())
+        self._accel_errors = InertialErrors(self.context.random(f"{self.name()}/accelerometer"), self._accel_terms())
         self._field = field_around(self) if has_place(self.context.scene.properties) else None
 
     @property
@@ -149,12 +148,11 @@ class IMU(MotionSensor):
         """Whether the environment has a magnetic field."""
         return self._field is not None
 
-    def _terms(self) -> tuple[ErrorTerms, ErrorTerms]:
-        time = self._correlation_time
-        return (
-            ErrorTerms(self._gyro_density, self._gyro_instability, self._gyro_walk, time),
-            ErrorTerms(self._accel_density, self._accel_instability, self._accel_walk, time),
-        )
+    def _gyro_terms(self) -> ErrorTerms:
+        return ErrorTerms(self._gyro_density, self._gyro_instability, self._gyro_walk, self._correlation_time)
+
+    def _accel_terms(self) -> ErrorTerms:
+        return ErrorTerms(self._accel_density, self._accel_instability, self._accel_walk, self._correlation_time)
 
     @property
     def field_changes(self) -> Mapping[str, Mapping[str, Any]]:
@@ -233,11 +231,9 @@ class IMU(MotionSensor):
     def _add_errors(self) -> None:
         now, data = self.clock.time, self.local_data
         passed, self._measured = now - self._measured, now
-        gyro, accelerometer = self._terms()
-        for field, errors, terms in (
-            ("angular_velocity", self._gyro_errors, gyro),
-            ("linear_acceleration", self._accel_errors, accelerometer),
-        ):
-            if terms.density or terms.instability or terms.random_walk:
-                errors.terms = terms
-                data[field] = errors.added(data[field], passed)
+        if self._gyro_density or self._gyro_instability or self._gyro_walk:
+            self._gyro_errors.terms = self._gyro_terms()
+            data["angular_velocity"] = self._gyro_errors.added(data["angular_velocity"], passed)
+        if self._accel_density or self._accel_instability or self._accel_walk:
+            self._accel_errors.terms = self._accel_terms()
+            data["linear_acceleration"] = self._accel_errors.added(data["linear_acceleration"], passed)
