@@ -21,31 +21,54 @@ Environment("empty")
 """
 
 
-@pytest.fixture
-def script(tmp_path, monkeypatch):
-    path = tmp_path / "scene.py"
-    path.write_text(SCENE)
-    monkeypatch.chdir(tmp_path)
-    return path
+HALF_A_SECOND = ("run", "--headless", "--speed", "max", "--duration", "0.5")
 
 
-def run_morse(*words, expected=0):
-    done = subprocess.run([sys.executable, "-m", "morse", *words], capture_output=True, text=True, timeout=100)
+def run(folder, *words, expected=0):
+    """Run the scene of a folder in a process."""
+    command = [sys.executable, "-m", "morse", *HALF_A_SECOND, *words, "scene.py"]
+    environment = {**os.environ, "MORSE_SOCKET_PORT": "0"}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=100)
     assert done.returncode == expected, done.stdout + done.stderr
-    return done.stdout, done.stderr
+    return done.stdout
 
 
-def run(*words, expected=0):
-    return run_morse("run", "--headless", "--speed", "max", "--duration", "0.5", *words, "scene.py", expected=expected)
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A folder with a scene, its recording, and what the run has said."""
+    folder = tmp_path_factory.mktemp("recorded")
+    (folder / "scene.py").write_text(SCENE)
+    return folder, run(folder, "--record", "run.mcap")
 
 
-def test_a_run_is_recorded(script, tmp_path, monkeypatch):
+@pytest.fixture
+def here(recorded, morse, monkeypatch):
+    """The folder with the recording, in which commands are given with `morse`."""
+    folder, _ = recorded
+    monkeypatch.chdir(folder)
     monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    out, _ = run("--record", "run.mcap")
-    assert f"the run is recorded in {tmp_path / 'run.mcap'}" in out
+    yield folder
+    (folder / "scene.py").write_text(SCENE)
+
+
+@pytest.fixture
+def told(morse):
+    """Give a command; its output and its messages."""
+
+    def command(*words, expected=0):
+        answer = morse(*words)
+        assert answer.status == expected, answer.out + answer.err
+        return answer.out, answer.err
+
+    return command
+
+
+def test_a_run_is_recorded(recorded):
+    folder, out = recorded
+    assert f"the run is recorded in {folder / 'run.mcap'}" in out
     from morse.recording.mcap.reader import McapFile
 
-    with McapFile(tmp_path / "run.mcap") as file:
+    with McapFile(folder / "run.mcap") as file:
         assert file.complete
         assert file.metadata["morse end"]["tick"] == "30"
         topics = {channel.topic: number for number, channel in file.channels.items()}
@@ -61,31 +84,29 @@ def test_a_run_is_recorded(script, tmp_path, monkeypatch):
         (["--record-only", "robot.pose"], "give both"),
     ],
 )
-def test_mistakes_on_the_command_line_are_told_at_once(script, words, said):
-    _, error = run(*words, expected=2)
+def test_mistakes_on_the_command_line_are_told_at_once(here, told, words, said):
+    _, error = told(*HALF_A_SECOND, *words, "scene.py", expected=2)
     assert said in error
-    assert script.read_text() == SCENE
+    assert (here / "scene.py").read_text() == SCENE
 
 
-def test_a_sensor_that_is_not_there_is_named_with_the_nearest(script, monkeypatch, tmp_path):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    out, _ = run("--record", "run.mcap", "--record-only", "robot.pos", expected=1)
+def test_a_sensor_that_is_not_there_is_named_with_the_nearest(tmp_path):
+    (tmp_path / "scene.py").write_text(SCENE)
+    out = run(tmp_path, "--record", "run.mcap", "--record-only", "robot.pos", expected=1)
     assert "there is no sensor 'robot.pos' to record; did you mean 'robot.pose'?" in out
     assert not (tmp_path / "run.mcap").exists()
 
 
-def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypatch):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    run("--record", "run.mcap")
-    out, _ = run_morse("replay", "run.mcap", "--resimulate")
+def test_a_recording_is_simulated_again_and_exported(here, told):
+    out, _ = told("replay", "run.mcap", "--resimulate")
     assert "The same to the bit" in out
     assert "30 ticks" in out
-    (tmp_path / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
-    _, error = run_morse("replay", "run.mcap", "--resimulate", "--scene", "other.py", expected=1)
+    (here / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
+    _, error = told("replay", "run.mcap", "--resimulate", "--scene", "other.py", expected=1)
     assert "departs from the recording at tick 1" in error
-    out, _ = run_morse("export", "run.mcap", "--csv", "--topics", "/robot/pose")
+    out, _ = told("export", "run.mcap", "--csv", "--topics", "/robot/pose")
     assert "30 rows of /robot/pose" in out
-    assert len((tmp_path / "run" / "robot.pose.csv").read_text().splitlines()) == 31
+    assert len((here / "run" / "robot.pose.csv").read_text().splitlines()) == 31
 
 
 @pytest.mark.parametrize(
@@ -100,15 +121,14 @@ def test_a_recording_is_simulated_again_and_exported(script, tmp_path, monkeypat
         (["export", "scene.py", "--csv", "--parquet"], "--csv or --parquet", 2),
     ],
 )
-def test_files_that_are_no_recordings(script, words, said, status):
-    _, error = run_morse(*words, expected=status)
+def test_files_that_are_no_recordings(here, told, words, said, status):
+    _, error = told(*words, expected=status)
     assert said in error
     assert "Traceback" not in error
 
 
-def test_a_replay_is_shown_until_ctrl_c(script, tmp_path, monkeypatch):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    run("--record", "run.mcap")
+@pytest.mark.usefixtures("here")
+def test_a_replay_is_shown_until_ctrl_c():
     command = [sys.executable, "-m", "morse", "replay", "run.mcap", "--view-port", "0", "--no-browser"]
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment) as child:
@@ -124,22 +144,19 @@ def test_a_replay_is_shown_until_ctrl_c(script, tmp_path, monkeypatch):
     assert any("the live view is at" in line for line in lines)
 
 
-def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(script, tmp_path, monkeypatch):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    run("--record", "run.mcap")
-    script.write_text(SCENE + "\n# edited")
+def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(here, told):
+    (here / "scene.py").write_text(SCENE + "\n# edited")
     for words in ([], ["--resimulate"]):
-        _, error = run_morse("replay", "run.mcap", *words, expected=1)
+        _, error = told("replay", "run.mcap", *words, expected=1)
         assert "--trust" in error
         assert "--scene PATH" in error
-    out, _ = run_morse("replay", "run.mcap", "--resimulate", "--trust")
+    out, _ = told("replay", "run.mcap", "--resimulate", "--trust")
     assert "The same to the bit" in out
 
 
-def test_inputs_alone_are_enough_to_record_everything_afterwards(script, tmp_path, monkeypatch):
-    monkeypatch.setenv("MORSE_SOCKET_PORT", "0")
-    run("--record", "lean.mcap", "--record-only", "none")
-    out, _ = run_morse("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
+def test_inputs_alone_are_enough_to_record_everything_afterwards(here, told):
+    run(here, "--record", "lean.mcap", "--record-only", "none")
+    out, _ = told("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
     assert "The same to the bit: the state at the end of 30 ticks" in out
-    run_morse("export", "all.mcap", "--csv")
-    assert len((tmp_path / "all" / "robot.pose.csv").read_text().splitlines()) == 31
+    told("export", "all.mcap", "--csv")
+    assert len((here / "all" / "robot.pose.csv").read_text().splitlines()) == 31

@@ -51,7 +51,13 @@ def differences(tmp_path: Path, component: str, ticks: int) -> list[Difference]:
 
 
 @pytest.mark.parametrize(
-    ("component", "part", "tick"), [("WallClock", "robot.eye", 5), ("Dice", "robot.eye", 60), ("Shaky", "physics", 7)]
+    ("component", "part", "tick"),
+    [
+        # as `test_the_command_says_what_differs`
+        pytest.param("WallClock", "robot.eye", 5, marks=pytest.mark.slow),
+        ("Dice", "robot.eye", 60),
+        ("Shaky", "physics", 7),
+    ],
 )
 def test_the_first_tick_and_component_that_differ_are_named(
     tmp_path: Path, component: str, part: str, tick: int
@@ -81,10 +87,9 @@ def test_the_command_says_what_differs(tmp_path: Path, capsys: pytest.CaptureFix
     err = capsys.readouterr().err
     assert "tick 5" in err
     assert "'robot.eye'" in err
-    assert execute(["verify", "--ticks", "10", scene(tmp_path, "Fair")]) == 0
 
 
-def test_options_may_follow_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_equal_runs_and_options_that_follow_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert execute(["verify", scene(tmp_path, "Fair"), "--ticks", "7"]) == 0
     said = capsys.readouterr()
     assert "7 ticks are the same" in said.out + said.err
