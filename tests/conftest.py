@@ -23,6 +23,9 @@ FLAGS = [
     "--no-sandbox",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    # without a graphics card, the page around the view is put together many times faster without OpenGL
+    "--disable-gpu-compositing",
+    "--disable-gpu-rasterization",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
@@ -45,13 +48,16 @@ _TOO_LONG_FOR_QUICK = (
 )  # fmt: skip
 _NOT_QUICK = ("slow", "soak", "browser", "blender")
 
-#: files that take more than twenty seconds
-_LONG = {
-    "test_journey", "test_docs_code", "test_view_truth", "test_view_browser", "test_view_panels", "test_view_live",
-    "test_verify_command", "test_recording_commands", "test_contract", "test_view_layout", "test_view_page",
-    "test_build", "test_sanitizers", "test_component_library", "test_abuse_crashes", "test_determinism",
-    "test_benchmarks", "test_mavlink", "test_asset_build", "test_blend_evaluation", "test_view_rereading",
-}  # fmt: skip
+#: the files that take longest, the longest first
+_LONG = (
+    "test_view_browser", "test_view_live", "test_view_truth", "test_view_panels", "test_contract", "test_view_page",
+    "test_view_layout", "test_docs_code", "test_verify_command", "test_journey", "test_original_files",
+    "test_view_lamps", "test_recording_commands", "test_view_many", "test_examples", "test_recovery", "test_assets",
+    "test_view_cameras", "test_asset_build", "test_abuse_strangers", "test_determinism", "test_abuse_crashes",
+    "test_component_library", "test_build", "test_libraries", "test_blend_evaluation", "test_sanitizers",
+    "test_mavlink", "test_rosbridge", "test_testing_harness", "test_cameras", "test_convex_parts",
+    "test_library_examples", "test_abuse_resets", "test_overlaps", "test_view_recording", "test_streams_and_locks",
+)  # fmt: skip
 
 #: the first port of the services of a worker's simulations, the distance to those of the next worker, and how many such
 #: sets of ports there are below the ports that the system gives to clients
@@ -85,9 +91,17 @@ def pytest_configure(config: pytest.Config) -> None:
         config.add_cleanup(folder.cleanup)
 
 
+def pytest_xdist_auto_num_workers() -> int | None:
+    """Three workers for two processors: many tests wait for other processes, or for time to pass."""
+    if os.environ.get("PYTEST_XDIST_AUTO_NUM_WORKERS"):
+        return None
+    return len(os.sched_getaffinity(0)) * 3 // 2 if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark quick tests, and put long files first: no worker begins one when the others have ended."""
-    items.sort(key=lambda item: item.path.stem not in _LONG)
+    place = {name: number for number, name in enumerate(_LONG)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(place)))
     quick: dict[Path, bool] = {}
     for item in items:
         if item.path not in quick:

@@ -49,6 +49,9 @@ if NAME in HOLDERS:
 if CARRIES:
     component = made(NAME)
     component.frequency(60)
+    if NAME == "Destination":
+        # as fast as the robots that are driven otherwise: its own speed leads over the edge of the floor
+        component.properties(Speed=0.5)
     # usual mounting positions: arms on top, bumpers in front
     if NAME in ("Armature", "KukaLWR", "PA10"):
         component.translate(z=1.7)

@@ -67,7 +67,7 @@ def _tests_of(name: str) -> Iterator[str]:
     """The test files that use a name: as a call, or as a quoted word."""
     used = re.compile(rf"\b{re.escape(name)}\(|['\"]{re.escape(name)}['\"]")
     for file, text in _files().items():
-        if used.search(text):
+        if name in text and used.search(text):  # the first condition alone is quick
             yield file
 
 

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import heat
 import pexpect
 from PIL import Image
 from studio import Studio, beside, save
@@ -255,8 +256,14 @@ def gallery(journey: Journey) -> None:
             save(name, [picture.convert("RGB").resize((1280, 800), Image.Resampling.LANCZOS)])
 
 
+def thermal(journey: Journey) -> None:
+    """Temperatures of a scene."""
+    heat.thermal(journey.person.folder)
+
+
 PICTURES = {
-    made.__name__: made for made in (morsy, keys, view, ranger, controller, eyes, playroom, moods, robots, gallery)
+    made.__name__: made
+    for made in (morsy, keys, view, ranger, controller, eyes, playroom, moods, robots, gallery, thermal)
 }
 
 

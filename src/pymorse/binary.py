@@ -24,13 +24,13 @@ class BinaryConnection(Channel):
     """A connection that carries the binary streams of many components.
 
     Args:
-        host: name or address of the machine of the simulation.
+        host: name or address of the host of the simulation.
         port: TCP port of the binary streams.
-        poller: the thread that serves the connection.
-        latest: get the next message of a stream only when the last one has been processed.
+        poller: thread that serves the connection.
+        latest: whether to receive the next message of a stream only when the last one has been processed.
 
     Raises:
-        ConnectionError: nothing listens there.
+        ConnectionError: no server listens there.
     """
 
     def __init__(self, host: str, port: int, poller: Poller, *, latest: bool = False) -> None:
@@ -45,7 +45,8 @@ class BinaryConnection(Channel):
     def open(self, name: str) -> BinaryStream:
         """Subscribe to the stream of a component.
 
-        It does not wait for the answer: the simulation processes the request before any service call that follows.
+        The method does not wait for the answer, because the simulation processes the request before any later service
+        call.
         """
         stream = self._streams[name] = BinaryStream(name, self)
         self.request(f"subscribe {name}{' latest' if self.latest else ''}")
@@ -62,7 +63,7 @@ class BinaryConnection(Channel):
             self.request(f"unsubscribe {stream.name}")
         stream.end("it was closed")
 
-    # -- what arrives; in the thread that serves -----------------------------------------------
+    # -- received data; called in the poll thread ---------------------------------------------
 
     def received(self, data: bytes) -> None:
         """Cut received bytes into frames."""
@@ -78,7 +79,7 @@ class BinaryConnection(Channel):
                 else:
                     self._handle_message(head.stream, frame)
         except ValueError as error:
-            logger.error("%s sent what is not a binary stream, the connection is closed: %s", self.peer, error)
+            logger.error("%s sent invalid data for a binary stream, the connection is closed: %s", self.peer, error)
             self._buffer.clear()
             self.close()
             return
@@ -86,7 +87,7 @@ class BinaryConnection(Channel):
 
     def _handle_message(self, number: int, frame: bytes) -> None:
         stream = self._numbers.get(number)
-        # a message may have been sent before the simulation knew that it is not wanted any more
+        # a message may have been sent before the simulation processed the request to unsubscribe
         if stream is not None and stream is not self._streams.get(stream.name):
             stream = None
         if stream is not None:
@@ -109,19 +110,19 @@ class BinaryConnection(Channel):
             case {"error": str(text), "subject": str(name)} if name in self._streams:
                 self._streams.pop(name).end(text)
             case {"subscribed": _} | {"closed": _}:
-                pass  # it was sent before the simulation knew that the stream is not wanted any more
+                pass  # the message was sent before the simulation processed the request to unsubscribe
             case _:
                 logger.warning("%s: %s", self.peer, json.dumps(notice)[:200])
 
     def closed(self) -> None:
-        """The connection has ended, and all its streams with it."""
+        """Called when the connection has ended, and all its streams with it."""
         for stream in list(self._streams.values()):
             stream.end(Messages.ending)
         with self._news:
             self._news.notify_all()
 
     def has_received(self, count: int) -> bool:
-        """Whether that many messages have arrived since the connection was made."""
+        """Whether that number of messages has arrived since the connection was opened."""
         return self._count >= count
 
     def wait_for_message(self, timeout: float) -> None:
@@ -135,8 +136,8 @@ class BinaryStream(Messages):
     """The messages of one component on a binary connection.
 
     Attributes:
-        name: of the component.
-        ending: why no message will arrive, if that is so.
+        name: name of the component.
+        ending: the reason why no more messages will arrive, if there is one.
     """
 
     def __init__(self, name: str, connection: BinaryConnection) -> None:
@@ -159,15 +160,15 @@ class BinaryStream(Messages):
         return decode(msg)
 
     def publish(self, msg: Any) -> None:
-        """Raise, because sensors take no data."""
+        """Raise an error, because sensors accept no data."""
         raise AttributeError(f"{self.name} is a sensor and sends data: use get(), last() or subscribe()")
 
     def subscribe(self, callback: Callable[[Any], object], latest: bool = False) -> None:
         """Call ``callback(message)`` for every received message.
 
         Args:
-            latest: leave out messages that the simulation makes while the callback runs. They are not even sent. Such
-                callbacks run in a thread of their own.
+            latest: whether to skip messages that the simulation creates while the callback runs. They are not even
+                sent. Such callbacks run in a separate thread.
         """
         if not latest:
             super().subscribe(callback)
@@ -195,12 +196,12 @@ class BinaryStream(Messages):
                 other.close()
 
     def end(self, reason: str) -> None:
-        """No message will arrive any more."""
+        """Called when no more messages will arrive."""
         self.ending, self._up = reason, False
         self.ended()
 
     def drain(self, timeout: float) -> bool:
-        """Nothing is ever sent."""
+        """Return True, because no data are ever sent."""
         return True
 
     def close(self) -> None:

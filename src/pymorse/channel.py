@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pymorse.poller import Poller
 
-#: bytes that are read at once: large pieces only where many bytes arrive, because their memory has to be mapped
+#: bytes that are read at once: large buffers are only used if many bytes arrive, because their memory has to be mapped
 _CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 18
 MAX_UNSENT = 64 << 20
 """Maximum number of unsent bytes for a simulation that does not read."""
@@ -21,8 +21,8 @@ class Channel:
     """One TCP connection.
 
     Args:
-        sock: connected; the channel owns it from now on.
-        poller: the thread that serves it.
+        sock: connected socket, which the channel owns from now on.
+        poller: thread that serves it.
     """
 
     def __init__(self, sock: socket.socket, poller: Poller) -> None:
@@ -34,7 +34,7 @@ class Channel:
         self._state = threading.Condition()
         self._up = True
         sock.setblocking(False)
-        with contextlib.suppress(OSError):  # not every socket is TCP
+        with contextlib.suppress(OSError):  # the socket may not be a TCP socket
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         poller.add(self)
 
@@ -63,7 +63,7 @@ class Channel:
                 if not data:
                     return
             elif len(self._unsent) + len(data) > MAX_UNSENT:
-                raise BufferError(f"{self.peer} has left {len(self._unsent)} bytes unread: has the simulation stopped?")
+                raise BufferError(f"{self.peer} has not read {len(self._unsent)} bytes: has the simulation stopped?")
             self._unsent += data
         self.poller.command(lambda: self.poller.watch_writable(self, True))
 
@@ -73,11 +73,11 @@ class Channel:
         except (BlockingIOError, InterruptedError):
             return 0
         except OSError:
-            # the poll thread meets the same error and ends the connection
+            # the poll thread gets the same error and closes the connection
             return 0
 
     def drain(self, timeout: float) -> bool:
-        """Wait until everything has been sent; False if that takes longer than ``timeout`` seconds."""
+        """Wait until everything has been sent; return False if this takes longer than ``timeout`` seconds."""
         deadline = time.monotonic() + timeout
         with self._state:
             while self._unsent and self._up:
@@ -137,12 +137,12 @@ def _peer(sock: socket.socket) -> str:
 
 
 def _connection(sock: socket.socket) -> str:
-    """Address and port of this end, and port of the other, as that one sees them if nothing translates between.
+    """Address and port of this end, and port of the other end, as seen from there if no router translates addresses.
 
-    All three are needed: the system gives one port to several connections if they go to different ports.
+    All three are needed, because the operating system uses the same port for several connections to different ports.
     """
     try:
         name, port = sock.getsockname(), sock.getpeername()[1]
         return f"{name[0]}:{name[1]} {port}"
-    except (OSError, IndexError, TypeError):  # not every socket is TCP
+    except (OSError, IndexError, TypeError):  # the socket may not be a TCP socket
         return ""

@@ -26,10 +26,10 @@ _WRITING = ("publish",)
 class Component:
     """A sensor or an actuator.
 
-    Its services are methods that return a `MorseFuture`; the components mounted on it are attributes.
-    A sensor has ``get(timeout=None)``, ``last(n=1)``, ``subscribe(callback)`` and
-    ``unsubscribe(callback)``, an actuator ``publish(data)``: see `pymorse.messages.Messages`. The
-    connection is made when one of them is used for the first time.
+    Its services are methods that return a `MorseFuture`; the components mounted on it are attributes. A sensor has
+    ``get(timeout=None)``, ``last(n=1)``, ``subscribe(callback)`` and ``unsubscribe(callback)``, an actuator
+    ``publish(data)``: see `pymorse.messages.Messages`. The connection is opened when one of these methods is used for
+    the first time.
 
     Args:
         name: name of the attribute of the robot.
@@ -64,7 +64,7 @@ class Component:
 
         Raises:
             AttributeError: the component has no stream.
-            ConnectionError: the simulation does not answer.
+            ConnectionError: the simulation does not respond.
         """
         if self._port is None:
             raise self._missing("stream")
@@ -81,7 +81,9 @@ class Component:
         """Make a component an attribute, and return it."""
         name = normalize_name(part.name)
         if hasattr(type(self), name) or name in vars(self):
-            logger.warning("the name of %s is taken in pymorse: reach it as %s['%s']", part.fqn, self.fqn, name)
+            logger.warning(
+                "the attribute for %s already exists in pymorse: access it as %s['%s']", part.fqn, self.fqn, name
+            )
         self._parts[name] = part
         return part
 
@@ -118,8 +120,8 @@ class Component:
         if name in (*_READING, *_WRITING, "stream"):
             if not self._directions:
                 hint = (
-                    f"the scene gives it no stream on the socket; it does with {self.name}.add_stream('socket'), "
-                    "or with add_default_interface('socket') of the robot"
+                    f"it has no stream on the socket; add one in the scene with {self.name}.add_stream('socket'), or "
+                    "with add_default_interface('socket') of the robot"
                 )
             elif name in _READING:
                 hint = "it is an actuator and takes data: use publish()"
@@ -161,7 +163,7 @@ class Robot(Component, dict[str, Component]):
         """The component of that name.
 
         Raises:
-            KeyError: the robot has none.
+            KeyError: the robot has no such component.
         """
         if name not in self._parts:
             raise self._missing(name)

@@ -19,7 +19,7 @@ def discover(morse: Morse) -> list[Robot]:
     """Return the robots of a simulation, with their components.
 
     Raises:
-        ConnectionError: the answer is not that of a simulation.
+        ConnectionError: the answer is not from a simulation.
     """
     where = f"{morse.host}:{morse.port}"
     try:
@@ -29,11 +29,11 @@ def discover(morse: Morse) -> list[Robot]:
         return [_robot(morse, robot, ports) for robot in described]
     except MorseTimeoutError:
         raise ConnectionError(
-            f"{where} did not say in {_TIMEOUT:.0f} s what is in the simulation: "
-            "is it MORSE that listens there, and is it done loading?"
+            f"{where} did not list the robots of the simulation within {_TIMEOUT:.0f} s: is this server MORSE, and "
+            "has it finished loading?"
         ) from None
     except (KeyError, TypeError, ValueError) as error:
-        raise ConnectionError(f"{where} does not describe its robots as MORSE does: {error!r}") from error
+        raise ConnectionError(f"{where} did not answer in the format of MORSE: {error!r}") from error
 
 
 def _stream_ports(morse: Morse, described: list[dict[str, Any]]) -> dict[str, int]:
@@ -60,7 +60,7 @@ def _robot(morse: Morse, described: dict[str, Any], ports: dict[str, int]) -> Ro
                 Component(morse, step, f"{holder.fqn}.{step}")
             )
         part = components[fqn]
-        # a component may have streams on other middlewares, too
+        # a component may also have streams on other middlewares
         directions = [direction for _, direction in part["stream_interfaces"]] if fqn in ports else ()
         holder._add_part(Component(morse, last, fqn, directions, ports.get(fqn), part.get("services", ())))
     return robot

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 
 class MorseServiceError(Exception):
-    """Base class of all answers other than success."""
+    """Base class for all answers other than success."""
 
 
 class MorseServiceFailed(MorseServiceError):
-    """The service could not be run, or failed; the text says why."""
+    """The service could not be run, or failed; the message contains the reason."""
 
 
 class MorseServicePreempted(MorseServiceError):
@@ -16,7 +16,7 @@ class MorseServicePreempted(MorseServiceError):
 
 
 class MorseTimeoutError(RuntimeError, TimeoutError):
-    """The simulation did not answer in the time that the caller allowed."""
+    """The simulation did not answer within the timeout."""
 
 
 class NoSuchComponentError(KeyError, AttributeError):

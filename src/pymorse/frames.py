@@ -1,4 +1,4 @@
-"""Binary frames, as ``docs/socket.md`` describes them."""
+"""Binary frames, as specified in ``docs/socket.md``."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Frame(NamedTuple):
         kind: `NOTICE`, `DATA` or `LINE`.
         stream: number of the stream.
         text: bytes of the text.
-        size: bytes of the whole frame.
+        size: size of the whole frame, bytes.
     """
 
     kind: int
@@ -42,10 +42,10 @@ class Frame(NamedTuple):
 
 
 def read_head(data: bytes | bytearray | memoryview, offset: int = 0) -> Frame | None:
-    """The head of a frame; None if it has not arrived as a whole.
+    """The head of a frame; None if it has not arrived completely.
 
     Raises:
-        ValueError: this is no frame, or it is too large.
+        ValueError: the bytes are not a frame, or the frame is too large.
     """
     begin = bytes(data[offset : offset + len(MAGIC)])
     if not MAGIC.startswith(begin):
@@ -66,10 +66,10 @@ def read_head(data: bytes | bytearray | memoryview, offset: int = 0) -> Frame | 
 def decode(frame: bytes) -> Any:
     """The message in a whole frame.
 
-    Arrays become read-only arrays of numpy if numpy is installed, else read-only memoryviews of the same shape.
+    Arrays become read-only numpy arrays if numpy is installed, otherwise read-only memoryviews of the same shape.
 
     Raises:
-        ValueError: the contents do not fit the format.
+        ValueError: the contents do not match the format.
     """
     head = read_head(frame)
     if head is None or head.size != len(frame):
@@ -83,7 +83,7 @@ def decode(frame: bytes) -> Any:
         raise ValueError(f"{contents} bytes of numbers and arrays were expected, {len(frame) - offset} arrived")
     message = dict(zip(layout.numbers, struct.unpack_from(layout.packed, frame, offset), strict=True))
     if layout.others:
-        message |= _parse(text)["fields"]  # anew, because users may change lists and dictionaries
+        message |= _parse(text)["fields"]  # a copy, because users may change lists and dictionaries
     offset += 8 * len(layout.numbers)
     for name, kind, shape, size in layout.arrays:
         message[name] = _array(frame, offset, size, kind, shape)
@@ -121,12 +121,12 @@ def _parse(text: bytes) -> Any:
     try:
         return json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise ValueError(f"the text of this frame is no JSON ({error}): {text[:80]!r}") from None
+        raise ValueError(f"the text of this frame is not JSON ({error}): {text[:80]!r}") from None
 
 
 def _count(shape: list[int]) -> int:
     if not isinstance(shape, list) or len(shape) > 32 or not all(type(n) is int and 0 <= n < 1 << 31 for n in shape):
-        raise ValueError(f"{str(shape)[:80]} is no shape of an array")
+        raise ValueError(f"{str(shape)[:80]} is not the shape of an array")
     return math.prod(shape)
 
 
@@ -142,13 +142,13 @@ def _array(frame: bytes, offset: int, size: int, kind: str, shape: list[int]) ->
         swapped.byteswap()
         content = memoryview(swapped).cast("B").toreadonly()
     if not size:
-        return memoryview(b"").cast(form)  # a memoryview has no shape with a 0
+        return memoryview(b"").cast(form)  # a memoryview cannot have a shape with a 0
     return content.cast(form, shape) if shape else content.cast(form)
 
 
 @functools.cache
 def _numpy() -> Any:
-    """The module numpy, or None: nothing that pymorse needs."""
+    """The module numpy, or None, because pymorse does not require it."""
     try:
         return importlib.import_module("numpy")
     except ImportError:

@@ -71,9 +71,9 @@ class MorseFuture(Future[Any]):
         self.set_running_or_notify_cancel()
 
     def cancel(self) -> bool:
-        """Request that the simulation aborts the service; return True if the service had not ended.
+        """Request the simulation to abort the service; return True if the service had not ended.
 
-        The result is then `MorseServicePreempted`, as soon as the simulation agrees.
+        The result is `MorseServicePreempted` as soon as the simulation has confirmed the request.
         """
         if self.done():
             return False
@@ -92,8 +92,8 @@ class MorseFuture(Future[Any]):
 
         Raises:
             MorseServiceFailed: the service failed.
-            MorseServicePreempted: it was cancelled or interrupted.
-            TypeError: wrong number of arguments.
+            MorseServicePreempted: the service was cancelled or interrupted.
+            TypeError: the number of arguments is wrong.
             ConnectionError: the simulation ended before it answered.
             TimeoutError: the service takes longer than ``timeout``; it continues to run.
         """
@@ -115,7 +115,7 @@ class MorseFuture(Future[Any]):
             left = 0.5 if deadline is None else deadline - time.monotonic()
             if left <= 0:
                 raise TimeoutError("the service has not ended yet")
-            left = min(left, 0.5)  # short waits let Ctrl+C through on every platform
+            left = min(left, 0.5)  # with short waits, Ctrl+C is processed on every platform
             if not self._serve(self.done, left):
                 with contextlib.suppress(TimeoutError):
                     super().exception(left)

@@ -1,4 +1,4 @@
-"""Ctrl+C in a client is not an error, so it prints no traceback."""
+"""Ctrl+C in a client is not an error, so that it prints no traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Received messages: the latest ones are kept, callers wait for the next one, callbacks get all."""
+"""Received messages: the latest ones are stored, callers wait for the next one, callbacks get all."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class Messages:
     ``poller``, which runs the callbacks.
 
     Args:
-        maxlen: maximum number of received messages that are kept for `last`.
+        maxlen: maximum number of received messages that are stored for `last`.
     """
 
     peer: str
     poller: Poller
-    ending = "the simulation has ended, or left us behind"
+    ending = "the simulation has ended, or closed the connection"
 
     def __init__(self, maxlen: int = 100) -> None:
         self._kept: deque[bytes] = deque(maxlen=maxlen)
@@ -44,20 +44,20 @@ class Messages:
         raise NotImplementedError
 
     def decode(self, msg: bytes) -> Any:
-        """The message in received bytes."""
+        """Return the message in received bytes."""
         return msg
 
     def subscribe(self, callback: Callable[[Any], object], latest: bool = False) -> None:
         """Call ``callback(message)`` for every received message, in the poll thread.
 
         Args:
-            latest: leave out messages that arrive while the callback runs; for connections with ``Morse(binary=True)``.
+            latest: whether to skip messages that arrive while the callback runs; only for ``Morse(binary=True)``.
 
         Raises:
             ValueError: ``latest`` without a binary connection.
         """
         if latest:
-            raise ValueError("subscribe(latest=True) needs binary streams: connect by Morse(binary=True)")
+            raise ValueError("subscribe(latest=True) needs binary streams: connect with Morse(binary=True)")
         self._subscribers.append(callback)
 
     def unsubscribe(self, callback: Callable[[Any], object]) -> None:
@@ -84,12 +84,12 @@ class Messages:
             The message, or None if none arrived in time.
 
         Raises:
-            ConnectionError: the stream ended, no message will arrive.
+            ConnectionError: the stream has ended, so that no message will arrive.
         """
         if self.poller.is_serving():
             raise RuntimeError(
-                "get() waits for the thread that runs the callbacks of subscribe(), so they cannot call it: "
-                "use last(), or the message that the callback got"
+                "get() waits for the thread that runs the callbacks of subscribe(), so that these callbacks cannot "
+                "call it: use last(), or the argument of the callback"
             )
         deadline = None if timeout is None else time.monotonic() + timeout
         with self._arrival:
@@ -100,12 +100,12 @@ class Messages:
                 left = 0.5 if deadline is None else deadline - time.monotonic()
                 if left <= 0:
                     return None
-                self._arrival.wait(min(left, 0.5))  # short waits let Ctrl+C through on every platform
+                self._arrival.wait(min(left, 0.5))  # with short waits, Ctrl+C is processed on every platform
             raw = self._kept[-1]
         return self.decode(raw)
 
     def has_received(self, count: int) -> bool:
-        """Whether that many messages have arrived since the connection was made."""
+        """Whether that number of messages has arrived since the connection was opened."""
         return self._count >= count
 
     def wait_for_message(self, timeout: float) -> None:
@@ -147,6 +147,6 @@ class Messages:
                 logger.exception("a callback of subscribe() failed on a message of %s", self.peer)
 
     def ended(self) -> None:
-        """Wake up all waiting callers, because no message will arrive any more."""
+        """Wake up all waiting callers, because no more messages will arrive."""
         with self._arrival:
             self._arrival.notify_all()

@@ -37,9 +37,9 @@ def series(names: Iterable[str]) -> dict[str, list[str]]:
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """``; did you mean 'x'?``, or ``; there is: a, b``, to end an error message with."""
+    """Return ``; did you mean 'x'?``, or ``; there is: a, b``, for the end of an error message."""
     names = sorted(known)
     close = difflib.get_close_matches(word, names, n=1)
     if close:
         return f"; did you mean '{close[0]}'?"
-    return f"; there is: {', '.join(names)}" if names else "; there is nothing of the kind"
+    return f"; there is: {', '.join(names)}" if names else "; there are none"

@@ -38,7 +38,7 @@ class Poller(threading.Thread):
 
     Args:
         name: name of the thread.
-        until_empty: end when the last channel has been closed.
+        until_empty: whether to end when the last channel has been closed.
     """
 
     def __init__(self, name: str = "pymorse", *, until_empty: bool = False) -> None:
@@ -54,7 +54,7 @@ class Poller(threading.Thread):
         self._wake_out.setblocking(False)
         self._wake_in.setblocking(False)
         self._selector.register(self._wake_out, _READ, None)
-        # the serving thread holds the turn; one guest at a time
+        # lock of the serving thread; only one guest at a time
         self._turn = threading.Lock()
         self._serving = 0
         self._guest = threading.Lock()
@@ -63,7 +63,7 @@ class Poller(threading.Thread):
         self._watchful = True
 
     def is_serving(self) -> bool:
-        """Whether the calling thread is the one that serves."""
+        """Whether the calling thread is the serving thread."""
         return self._serving == threading.get_ident()
 
     # -- commands ----------------------------------------------------------------------------
@@ -79,7 +79,7 @@ class Poller(threading.Thread):
         return True
 
     def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # it is about to wake up anyway
+        with contextlib.suppress(BlockingIOError):  # the thread is about to wake up anyway
             self._wake_in.send(b"\0")
 
     def call(self, function: Callable[[], object]) -> None:
@@ -95,7 +95,7 @@ class Poller(threading.Thread):
         if self.is_serving() or not self.is_alive() or not self.command(run):
             function()
             return
-        while not done.wait(0.5):  # short waits let Ctrl+C through on every platform
+        while not done.wait(0.5):  # with short waits, Ctrl+C is processed on every platform
             if not self.is_alive():
                 return
 
@@ -103,11 +103,11 @@ class Poller(threading.Thread):
         """Return when all data that had arrived at the time of the call have been processed."""
         if self.is_serving() or self._serve_as_guest(lambda: True, 0.0):
             return
-        # the round that runs may have begun before something arrived: the next one has not
+        # the present round may have begun before the data arrived; the next one has not
         self.call(_nothing)
         self.call(_nothing)
 
-    # -- channels; all but `add` are called by the thread that serves --------------------------
+    # -- channels; all but `add` are called in the serving thread --------------------------
 
     def add(self, channel: Channel) -> None:
         """Add a channel."""
@@ -151,7 +151,7 @@ class Poller(threading.Thread):
         """Serve from the calling thread until ``done()``, at most ``timeout`` seconds.
 
         Returns:
-            False at once if another thread does so already, or if the poller does not run.
+            False immediately if another thread is already serving, or if the poller does not run.
         """
         return not self.is_serving() and self._serve_as_guest(done, timeout)
 
@@ -178,8 +178,8 @@ class Poller(threading.Thread):
         return True
 
     def _take_turn(self) -> bool:
-        # A guest that the system has let wait for longer than the courtesy lasts finds the thread asleep, although
-        # it was not serving when the guest arrived: wake it up until the guest has the turn
+        # If the operating system delays a guest for longer than this courtesy time, the guest finds the thread asleep,
+        # although it was not serving when the guest arrived. It is woken up until the guest has the lock.
         while not self._turn.acquire(blocking=False):
             with self._lock:
                 if self._ended:
@@ -192,7 +192,7 @@ class Poller(threading.Thread):
     def _stand_back(self) -> None:
         with self._standing_back:
             while not self._stopping and self._has_guest():
-                # in short naps: a guest that leaves early does not spend time on waking anybody
+                # short sleeps, so that a guest that leaves early does not have to wake up the thread
                 self._standing_back.wait(_COURTESY)
 
     def _has_guest(self) -> bool:
@@ -219,7 +219,7 @@ class Poller(threading.Thread):
             self._serving = 0
 
     def _watch(self, timeout: float | None) -> list[tuple[selectors.SelectorKey, int]]:
-        """The sockets that are ready; polls a moment, because waking a thread up takes longer than most answers."""
+        """The sockets that are ready; polls briefly, because waking a thread up takes longer than most answers."""
         begin = now = time.perf_counter()
         ready: list[tuple[selectors.SelectorKey, int]] = []
         while self._watchful and now < begin + _WATCH and not ready:

@@ -11,15 +11,15 @@ if TYPE_CHECKING:
 
 
 class PollThread(Poller):
-    """A thread that serves every stream made while it runs.
+    """A thread that serves every stream created while it runs.
 
-    Streams made while no such thread runs bring their own. Use it as a context::
+    Streams that are created while no such thread runs have their own thread. Use it as a context manager::
 
         with PollThread():
             stream = StreamJSON("localhost", 60000)
 
     Args:
-        timeout: kept for programs written for 1.4; the thread needs no period.
+        timeout: exists for programs written for 1.4; the thread has no period.
     """
 
     def __init__(self, timeout: float = 0.01) -> None:
@@ -51,7 +51,7 @@ _public: list[PollThread] = []
 
 
 def default_poller() -> Poller:
-    """The latest `PollThread` that runs, or a new thread that ends with its last stream."""
+    """The latest running `PollThread`, or a new thread that ends with its last stream."""
     while _public:
         if _public[-1].is_alive():
             return _public[-1]

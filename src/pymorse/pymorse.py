@@ -19,7 +19,7 @@ from pymorse.interruption import end_quietly
 from pymorse.names import normalize_name, series, suggestion
 from pymorse.poller import Poller
 from pymorse.requests import ServiceConnection
-from pymorse.stream import TIMEOUT, StreamJSON, connect
+from pymorse.stream import TIMEOUT, StreamJSON, connect, connect_locally
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -41,28 +41,33 @@ _PARTING_TIMEOUT = 1.0
 class Morse:
     """A simulation, its robots and its services.
 
-    Robots are attributes; robots that a loop of the scene made (``m``, ``m_001``, ...) are also in a
-    list ``ms``. Use it as a context manager, so that published messages are sent and connections are closed::
+    Robots are attributes; robots that a loop of the scene created (``m``, ``m_001``, ...) are also in a list ``ms``.
+    Use it as a context manager, so that published messages are sent and connections are closed::
 
         with Morse() as simu:
             simu.robot.motion.publish({"v": 1.0, "w": 0.0})
             print(simu.robot.pose.get())
 
     Args:
-        host: name or address of the machine of the simulation.
-        port: TCP port of its services, which the simulation prints; if it is not given, the
-            environment variable ``MORSE_SOCKET_PORT`` tells it to both sides, or it is 4000.
-        binary: get the data of sensors as binary frames on one connection, which takes much less time on both sides.
-            Arrays, such as scans and images, are then arrays of numpy, or memoryviews if numpy is not installed.
+        host: name or address of the host of the simulation.
+        port: TCP port of its services, which the simulation prints. The default is the environment variable
+            ``MORSE_SOCKET_PORT``, which the simulation also uses, otherwise 4000.
+        binary: whether to receive the data of sensors as binary frames on one connection, which takes much less time on
+            both sides. Arrays, such as scans and images, are then numpy arrays, or memoryviews if numpy is not
+            installed.
+        path: path of the Unix socket of the simulation (its environment variable ``MORSE_SOCKET_PATH``), which carries
+            its services instead of the port.
 
     Attributes:
         robots: names of the robots.
 
     Raises:
-        ConnectionError: no simulation there, or one without binary streams.
+        ConnectionError: there is no simulation, or it has no binary streams.
     """
 
-    def __init__(self, host: str = "localhost", port: int | None = None, *, binary: bool = False) -> None:
+    def __init__(
+        self, host: str = "localhost", port: int | None = None, *, binary: bool = False, path: str | None = None
+    ) -> None:
         self.host = host
         self.port = port = _default_port() if port is None else port
         self.robots: list[str] = []
@@ -79,7 +84,7 @@ class Morse:
         self._latest: BinaryConnection | None = None
         self._service_poller.start()
         try:
-            self._services = _greet(host, port, self._service_poller)
+            self._services = _greet(host, port, self._service_poller, path)
             if binary:
                 self._binary_port = self._find_binary_port()
             self._learn()
@@ -109,7 +114,9 @@ class Morse:
 
     def _expose(self, attribute: str, value: object) -> None:
         if hasattr(type(self), attribute) or attribute in vars(self):
-            logger.warning("the name '%s' is taken in pymorse: reach the robot as simu[%r]", attribute, attribute)
+            logger.warning(
+                "the attribute '%s' already exists in pymorse: access the robot as simu[%r]", attribute, attribute
+            )
         else:
             setattr(self, attribute, value)
 
@@ -117,7 +124,7 @@ class Morse:
         """The robot of that name.
 
         Raises:
-            KeyError: there is none.
+            KeyError: there is no such robot.
         """
         if name not in self._robots:
             raise KeyError(f"no robot '{name}' in the simulation{suggestion(name, self._robots)}")
@@ -141,15 +148,15 @@ class Morse:
 
     def _check_services(self) -> None:
         if self._closed and not self._services.is_up():
-            raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+            raise ConnectionError("this connection to the simulation has been closed: create a new Morse()")
 
     def rpc(self, component: str, service: str, *args: Any) -> Any:
         """Call a service and wait for its result without a timeout.
 
         Raises:
             MorseServiceFailed: the service failed; the message contains the reason.
-            MorseServicePreempted: it was cancelled or interrupted.
-            TypeError: wrong number of arguments.
+            MorseServicePreempted: the service was cancelled or interrupted.
+            TypeError: the number of arguments is wrong.
         """
         self._check_services()
         return self._services.ask(component, service, args)
@@ -158,7 +165,7 @@ class Morse:
         """Call a service and wait at most ``timeout`` seconds for its result.
 
         Raises:
-            MorseTimeoutError: no answer within the timeout; the service continues to run.
+            MorseTimeoutError: there was no answer within the timeout; the service continues to run.
         """
         future = self.call(component, service, *args)
         try:
@@ -184,8 +191,8 @@ class Morse:
         """Move every object to its initial pose; with a seed, restart the whole simulation.
 
         Args:
-            seed: of the random numbers. Time, components and their noise begin again, too: the same seed
-                and the same commands give the same data.
+            seed: seed of the random numbers. Time, components and noise are also reset: the same seed and the same
+                commands give the same data.
         """
         if seed is None:
             return self.rpc("simulation", "reset_objects")
@@ -200,7 +207,7 @@ class Morse:
         self.rpc("simulation", "resume")
 
     def step(self, n: int = 1) -> None:
-        """Run ``n`` ticks, and wait until they are done; the simulation is paused afterwards.
+        """Run ``n`` ticks, and wait for their end; the simulation is paused afterwards.
 
         Commands that were published before take effect in the first tick. ``last()`` of a sensor that has been used
         before returns the data of the last tick.
@@ -218,9 +225,9 @@ class Morse:
         read: Iterable[_C] = (),
         n: int = 1,
     ) -> dict[_C, Any]:
-        """Give commands, run ``n`` ticks and return data, in one round trip; the simulation is paused afterwards.
+        """Send commands, run ``n`` ticks and return data, in one round trip; the simulation is paused afterwards.
 
-        It does the same as `publish`, `step` and ``last()``, in half the time, and does not use their streams::
+        The method has the effect of `publish`, `step` and ``last()`` in half the time, and does not use streams::
 
             pose = simu.exchange({simu.robot.motion: {"v": 1.0}}, [simu.robot.pose])[simu.robot.pose]
 
@@ -233,7 +240,7 @@ class Morse:
             The data by the elements of ``read``; arrays are lists.
 
         Raises:
-            MorseServiceFailed: there is no such component, or a command does not fit; then no time has passed.
+            MorseServiceFailed: there is no such component, or a command is not valid; then no time has passed.
         """
         wanted = {part: _full_name(part) for part in read}
         given = {_full_name(part): command for part, command in (commands or {}).items()}
@@ -249,7 +256,7 @@ class Morse:
         limit = _time.monotonic() + TIMEOUT
         for stream, count in expected:
             if stream.poller.is_serving():
-                continue  # a callback of the stream itself cannot wait for it
+                continue  # a callback of the stream itself cannot wait for the stream
             while not stream.has_received(count) and stream.is_up() and _time.monotonic() < limit:
                 if not stream.poller.serve_until(functools.partial(stream.has_received, count), 0.05):
                     stream.wait_for_message(0.005)
@@ -282,15 +289,15 @@ class Morse:
 
     def _check_open(self) -> None:
         if self._closed:
-            raise ConnectionError("this connection to the simulation has been closed: make a new Morse()")
+            raise ConnectionError("this connection to the simulation has been closed: create a new Morse()")
 
     def _open_stream(self, name: str, port: int, *, sends: bool) -> StreamJSON | BinaryStream:
         """Open the stream of a component.
 
         Args:
-            name: its full name.
-            port: its port.
-            sends: whether it is a sensor.
+            name: full name of the component.
+            port: port of the stream.
+            sends: whether the component is a sensor.
         """
         self._check_open()
         with self._opening:
@@ -309,7 +316,7 @@ class Morse:
         return stream
 
     def _open_latest(self, name: str) -> BinaryStream:
-        """Open the stream of a sensor for callbacks that want the latest message only."""
+        """Open the stream of a sensor for callbacks that only need the latest message."""
         self._check_open()
         with self._opening:
             if self._latest_poller is None:
@@ -339,8 +346,8 @@ class Morse:
         """Close all connections and end all threads.
 
         Args:
-            cancel_async_services: abort the services that still run, instead of waiting for them.
-            wait_publishers: send pending messages first, for at most `TIMEOUT` seconds.
+            cancel_async_services: whether to abort running services, instead of waiting for them.
+            wait_publishers: whether to send pending messages first, for at most `TIMEOUT` seconds.
         """
         if self._closed:
             return
@@ -369,7 +376,7 @@ class Morse:
         deadline = _time.monotonic() + TIMEOUT
         for stream in [part._stream for robot in self._robots.values() for part in robot._tree()]:
             if stream is not None and not stream.drain(max(0.0, deadline - _time.monotonic())):
-                logger.error("%s did not take everything that was published: it does not read", stream.peer)
+                logger.error("%s did not receive all published messages, because it does not read", stream.peer)
 
     def __enter__(self) -> Morse:
         return self
@@ -393,13 +400,15 @@ def _default_port() -> int:
     return int(text) or PORTS[0]
 
 
-def _greet(host: str, port: int, poller: Poller) -> ServiceConnection:
+def _greet(host: str, port: int, poller: Poller, path: str | None) -> ServiceConnection:
+    if path is not None:
+        return ServiceConnection(host, port, poller, connect_locally(path))
     try:
         return ServiceConnection(host, port, poller)
     except ConnectionRefusedError:
         raise ConnectionRefusedError(
-            f"no simulation listens on {host}:{port}{_elsewhere(host, port)}. "
-            "Start one with 'morse run <scene>'; its log says which port it has."
+            f"no simulation listens on {host}:{port}{_elsewhere(host, port)}. Start one with 'morse run <scene>'; "
+            "its log contains the port."
         ) from None
 
 
@@ -407,7 +416,7 @@ def _elsewhere(host: str, port: int) -> str:
     for other in PORTS:
         if other != port:
             with contextlib.suppress(OSError), connect(host, other, timeout=0.5):
-                return f", but something does on port {other}: try Morse({host!r}, {other})"
+                return f", but a server listens on port {other}: try Morse({host!r}, {other})"
     return ""
 
 

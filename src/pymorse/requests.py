@@ -13,6 +13,7 @@ from pymorse.future import MorseExecutor, MorseFuture
 from pymorse.stream import StreamB, to_json
 
 if TYPE_CHECKING:
+    import socket
     from collections.abc import Sequence
 
     from pymorse.poller import Poller
@@ -26,7 +27,7 @@ _WRONG_ARITY = "wrong # of parameters"
 
 
 class Response(NamedTuple):
-    """An answer; ``value`` is None where the line has none."""
+    """An answer; ``value`` is None if the line has none."""
 
     request: int
     status: str
@@ -50,20 +51,20 @@ def parse_response(line: str) -> Response:
 
 
 def format_request(request: int, component: str, service: str, arguments: Sequence[Any]) -> str:
-    """The line of a service call, without its end.
+    """Return the line of a service call, without the line end.
 
     Raises:
-        ValueError: a name that the protocol cannot carry.
-        TypeError: an argument that JSON cannot carry.
+        ValueError: the protocol cannot carry a name.
+        TypeError: JSON cannot represent an argument.
     """
     for name in (component, service):
         if not name or name.split() != [name]:
-            raise ValueError(f"{name!r} is not the name of a component or service: it is empty or has blanks")
+            raise ValueError(f"{name!r} is not the name of a component or service: it is empty or contains spaces")
     return f"{request} {component} {service} {to_json(list(arguments))}"
 
 
 class _Answer:
-    """The result of a call for which its caller waits: costs much less than a future."""
+    """The result of a call for which the caller waits; it takes much less time than a future."""
 
     def __init__(self) -> None:
         self.is_done = False
@@ -73,12 +74,12 @@ class _Answer:
         self._future: MorseFuture | None = None
 
     def set_result(self, value: Any) -> None:
-        """The call has succeeded."""
+        """Called when the call has succeeded."""
         self.value = value
         self._end()
 
     def set_exception(self, error: Exception) -> None:
-        """The call has failed."""
+        """Called when the call has failed."""
         self.error = error
         self._end()
 
@@ -108,12 +109,12 @@ class _Answer:
 class ServiceConnection(StreamB):
     """The connection to the request manager of a simulation."""
 
-    def __init__(self, host: str, port: int, poller: Poller) -> None:
+    def __init__(self, host: str, port: int, poller: Poller, sock: socket.socket | None = None) -> None:
         self.executor = MorseExecutor()
         self._lock = threading.Lock()
         self._next = 0
         self._open: dict[int, tuple[MorseFuture | _Answer, str]] = {}
-        super().__init__(host, port, 1, poller=poller)
+        super().__init__(host, port, 1, sock, poller=poller)
 
     def request(self, component: str, service: str, arguments: Sequence[Any]) -> MorseFuture:
         """Call a service.
@@ -135,12 +136,12 @@ class ServiceConnection(StreamB):
         return future
 
     def ask(self, component: str, service: str, arguments: Sequence[Any]) -> Any:
-        """Call a service and wait for its result: as `request`, without the cost of a future.
+        """Call a service and wait for its result, like `request`, but without the cost of a future.
 
         Raises:
             ConnectionError: the simulation has ended.
             MorseServiceError: the service failed or was interrupted.
-            TypeError: wrong number of arguments.
+            TypeError: the number of arguments is wrong.
         """
         answer = _Answer()
         with self._lock:
@@ -154,7 +155,7 @@ class ServiceConnection(StreamB):
             self._open.pop(number, None)
             raise
         while not answer.is_done:
-            # short waits let Ctrl+C through on every platform
+            # with short waits, Ctrl+C is processed on every platform
             if not self.poller.serve_until(lambda: answer.is_done, 0.5):
                 answer.wait(0.5)
         if answer.error is not None:
@@ -188,7 +189,7 @@ class ServiceConnection(StreamB):
         return True
 
     def handle_msg(self, msg: bytes) -> None:
-        """An answer has arrived."""
+        """Called when an answer has arrived."""
         try:
             response = parse_response(msg.decode())
         except ValueError as error:
@@ -197,19 +198,19 @@ class ServiceConnection(StreamB):
         with self._lock:
             future, name = self._open.pop(response.request, (None, ""))
         if future is None:
-            logger.warning("%s answered a request that is not open: %r", self.peer, msg[:80])
+            logger.warning("%s answered an unknown request: %r", self.peer, msg[:80])
         elif response.status == SUCCESS:
             future.set_result(response.value)
         else:
             future.set_exception(_exception(response, name))
 
     def closed(self) -> None:
-        """The simulation has ended, or we have closed the connection."""
+        """Called when the simulation has ended, or the connection was closed."""
         with self._lock:
             unanswered = list(self._open.values())
             self._open.clear()
         for future, name in unanswered:
-            future.set_exception(ConnectionError(f"{self.peer} closed the connection before {name} had an answer"))
+            future.set_exception(ConnectionError(f"{self.peer} closed the connection before it answered {name}"))
 
 
 def _exception(response: Response, name: str) -> Exception:

@@ -25,14 +25,14 @@ class StreamB(Channel, Messages):
     """A connection that carries lines of bytes.
 
     Args:
-        host: name or address of the machine of the simulation.
+        host: name or address of the host of the simulation.
         port: TCP port of the stream.
         maxlen: maximum number of received messages that are kept for `last`.
-        sock: a connected socket to use instead of a new connection.
-        poller: the thread that serves the stream, if not the running `PollThread` or a new one.
+        sock: connected socket to use instead of a new connection.
+        poller: thread that serves the stream; by default the running `PollThread` or a new thread.
 
     Raises:
-        ConnectionError: nothing listens there.
+        ConnectionError: no server listens there.
     """
 
     def __init__(
@@ -51,11 +51,11 @@ class StreamB(Channel, Messages):
         Channel.__init__(self, sock, poller or default_poller())
 
     def encode(self, msg: Any) -> bytes:
-        """The bytes of a message, without the separator."""
+        """Return the bytes of a message, without the separator."""
         return bytes(msg)
 
     def decode(self, msg: bytes) -> Any:
-        """The message in a line of bytes."""
+        """Return the message in a line of bytes."""
         return msg
 
     def publish(self, msg: Any) -> None:
@@ -90,11 +90,11 @@ class Stream(StreamB):
     """A connection that carries lines of text."""
 
     def encode(self, msg: Any) -> bytes:
-        """The bytes of a string."""
+        """Return the bytes of a string."""
         return str(msg).encode()
 
     def decode(self, msg: bytes) -> Any:
-        """The text in a line of bytes."""
+        """Return the text in a line of bytes."""
         return msg.decode(errors="replace")
 
 
@@ -102,19 +102,19 @@ class StreamJSON(StreamB):
     """A connection that carries lines of JSON."""
 
     def encode(self, msg: Any) -> bytes:
-        """The JSON of an object; numpy numbers and arrays are written as numbers and lists."""
+        """Return the JSON of an object; numpy numbers and arrays are written as numbers and lists."""
         return to_json(msg).encode()
 
     def decode(self, msg: bytes) -> Any:
-        """The object in a line of JSON."""
+        """Return the object in a line of JSON."""
         try:
             return json.loads(msg)
         except (ValueError, RecursionError) as error:
-            raise ValueError(f"this message is no JSON ({error}): {msg[:80]!r}") from None
+            raise ValueError(f"this message is not JSON ({error}): {msg[:80]!r}") from None
 
 
 def to_json(value: Any) -> str:
-    """A value as one line of JSON.
+    """Return a value as one line of JSON.
 
     Raises:
         TypeError: the value cannot be represented in JSON.
@@ -131,28 +131,48 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{value!r} cannot be sent: JSON has numbers, strings, booleans, None, lists and dictionaries")
 
 
-#: made once: `json.dumps` with a default makes an encoder at each call
+#: created once, because `json.dumps` with a default creates an encoder at each call
 _encode = json.JSONEncoder(default=_plain).encode
 
 
 def connect(host: str, port: int, timeout: float = TIMEOUT) -> _socket.socket:
-    """A TCP connection.
+    """Open a TCP connection.
 
     Raises:
-        ConnectionError: saying which host and port, and why.
+        ConnectionError: the message contains the host, the port and the reason.
     """
     try:
         return _socket.create_connection((host, port), timeout=timeout)
     except _socket.gaierror as error:
-        raise ConnectionError(f"there is no host '{host}' ({error.strerror}); check the name") from None
+        raise ConnectionError(f"the host '{host}' does not exist ({error.strerror}); check the name") from None
     except TimeoutError:
         raise ConnectionError(
             f"{host}:{port} did not answer in {timeout} s; check the address and the firewall"
         ) from None
     except ConnectionRefusedError:
-        raise ConnectionRefusedError(f"nothing listens on {host}:{port}") from None
+        raise ConnectionRefusedError(f"no server listens on {host}:{port}") from None
     except OSError as error:
         raise ConnectionError(f"cannot connect to {host}:{port}: {error}") from None
+
+
+def connect_locally(path: str, timeout: float = TIMEOUT) -> _socket.socket:
+    """A connection to a Unix socket.
+
+    Raises:
+        ConnectionError: saying which path, and why.
+    """
+    if not hasattr(_socket, "AF_UNIX"):
+        raise ConnectionError("this system has no Unix sockets: connect to the port of the simulation")
+    made = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM)
+    try:
+        made.settimeout(timeout)
+        made.connect(path)
+    except OSError as error:
+        made.close()
+        raise ConnectionError(
+            f"no simulation listens on {path} ({error.strerror or error}); set MORSE_SOCKET_PATH={path} for 'morse run'"
+        ) from None
+    return made
 
 
 __all__ = ["MSG_SEPARATOR", "TIMEOUT", "PollThread", "Stream", "StreamB", "StreamJSON", "connect", "to_json"]

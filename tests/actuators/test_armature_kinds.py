@@ -114,7 +114,7 @@ def test_mistakes_of_scripts_are_named(run, line, words):
 
 
 def test_a_pose_belongs_on_an_armature(run):
-    with pytest.raises(Exception, match="append it to one"):
+    with pytest.raises(Exception, match="append it to an armature"):
         run("robot = FakeRobot()\njoints = ArmaturePose()\nrobot.append(joints)")
 
 

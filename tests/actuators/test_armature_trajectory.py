@@ -139,7 +139,10 @@ def test_a_restored_state_goes_on(run):
         ({"points": [{"positions": REST, "time_from_start": "soon"}]}, r"time_from_start"),
         ({"points": [{"positions": ["a"] * 7, "time_from_start": 1.0}]}, r"7 numbers"),
         ({"points": [{"positions": REST, "velocities": [1.0], "time_from_start": 1.0}]}, r"velocities"),
-        ({"points": [{"positions": REST, "time_from_start": 1.0}] * 2}, r"more than that of the point before"),
+        (
+            {"points": [{"positions": REST, "time_from_start": 1.0}] * 2},
+            r"larger value than that of the previous point",
+        ),
         ({"points": [[0.0] * 7]}, r"object"),
         ({"starttime": "now", "points": [{"positions": REST, "time_from_start": 1.0}]}, r"starttime"),
         ({"pionts": []}, r"not 'pionts'"),

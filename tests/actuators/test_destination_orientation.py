@@ -111,3 +111,16 @@ def test_orientation_takes_the_shorter_way(run):
     assert pose(sim)["yaw"] == pytest.approx(3.0 + 0.5 * 19 / 60, abs=0.02) or pose(sim)["yaw"] < -3.0
     sim.step(30)
     assert math.remainder(pose(sim)["yaw"] + 3.0, 2 * math.pi) == pytest.approx(0.0, abs=0.021)
+
+
+def test_a_robot_that_goes_to_a_destination_glides(run):
+    sim = load(run, "Destination(); motion.properties(Speed=1.0)", yaw=0.7)
+    # the goal is above the robot: the vertical speed of a ground robot is left to the ground
+    sim.robot.motion.publish({"x": 6.0, "y": 2.0, "z": 0.5})
+    sim.step(60)
+    assert sim.context.world.gliding.glides
+    data = pose(sim)
+    # 1 m/s along a line that rises by 0.5 m in 5 m
+    assert data["x"] - 1.0 == pytest.approx(math.cos(math.atan2(0.5, 5.0)), abs=0.02)
+    assert data["y"] == pytest.approx(2.0, abs=1e-3)
+    assert data["z"] == pytest.approx(0.0, abs=1e-3)

@@ -303,7 +303,7 @@ def test_templates_outside_the_scene_are_no_parts() -> None:
 
 @pytest.mark.parametrize("roots", [[], [Node("lamp", NodeKind.LIGHT)], [solid("_private")]])
 def test_a_file_without_a_component_is_refused(roots: list[Node]) -> None:
-    with pytest.raises(AssetError, match=r"models/robot\.blend: it contains no object that can be a component"):
+    with pytest.raises(AssetError, match=r"models/robot\.blend: it contains no object that could be a component"):
         gather_under_root(library(*roots))
 
 

@@ -54,7 +54,7 @@ def test_the_unit_of_the_file_is_applied_and_its_axes_are_kept(tmp_path: Path) -
         ("<robot/>", "not COLLADA: it begins with <robot>"),
         (TRIANGLE.replace('meter="0.01"', 'meter="nan"'), "its unit is 'nan' m"),
         (TRIANGLE.replace("<?xml version=\"1.0\"?>", '<!DOCTYPE a [<!ENTITY b "c">]>'), "defines the entity 'b'"),
-        ("<a>" * 300 + "</a>" * 300, "200 elements are inside each other"),
+        ("<a>" * 300 + "</a>" * 300, "nested more than 200 deep"),
     ],
 )  # fmt: skip
 def test_damaged_files_are_refused_with_the_reason(tmp_path: Path, text: str, words: str) -> None:

@@ -213,7 +213,7 @@ def test_deleting_something_of_the_environment() -> None:
 
 def test_settings_of_the_environment() -> None:
     for call in (bpymorse.fullscreen, bpymorse.set_viewport):
-        with pytest.raises(MorseBuilderError, match="follow the Environment"):
+        with pytest.raises(MorseBuilderError, match="after the Environment is created"):
             call()
     env = Environment("empty")
     bpymorse.set_speed(120, 5, 5)

@@ -42,7 +42,7 @@ def scene(morse):
 def test_check_finds_what_the_tests_run_with(morse):
     answer = morse("check")
     assert answer.status == 0, answer.err
-    assert "All that MORSE requires is there." in answer.out
+    assert "All requirements of MORSE are met." in answer.out
     for name in ("Python", "mujoco", "native kernel", "Blender"):
         assert name in answer.out
 
@@ -51,7 +51,7 @@ def test_check_announces_nothing_that_is_not_there(morse):
     text = morse("check").out
     for absent in ("camera", "OpenGL", "YARP", "nothing:"):
         assert absent not in text
-    (line,) = [line for line in text.splitlines() if "Middlewares that MORSE speaks: " in line]
+    (line,) = [line for line in text.splitlines() if "Available middlewares: " in line]
     assert {"foxglove", "ros", "ros2", "socket"} <= set(line.partition(": ")[2].rstrip(".").split(", "))
 
 
@@ -79,7 +79,7 @@ def test_check_says_what_the_rest_would_give(morse, monkeypatch):
     monkeypatch.setenv("MORSE_BLENDER", "/nowhere/blender")
     answer = morse("check")
     assert answer.status == 0
-    assert "Blender would give" in answer.out
+    assert "Optional: Blender" in answer.out
     assert "apt-get install blender" in answer.out
 
 

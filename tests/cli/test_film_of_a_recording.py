@@ -72,7 +72,7 @@ def test_a_part_of_the_run_as_single_frames(morse, recording):
         (["--film", "--rate", "0"], "--rate is a number of frames per second up to 1000, not 0"),
         (["--film", "--begin", "-1"], "--begin is a number of simulated seconds"),
         (["--film", "--length", "nan"], "--length is a number of simulated seconds, not nan"),
-        (["--film", "--camera", "robot.eye", "--fov", "50"], "--from, --at and --fov do not go with it"),
+        (["--film", "--camera", "robot.eye", "--fov", "50"], "cannot be combined with --from, --at and --fov"),
         (["--film", "--camera", "robot.eye"], "There is no camera 'robot.eye'. The scene has none."),
         (["--film", "--begin", "5"], "The recording ends after 1 s, before the film begins"),
     ],

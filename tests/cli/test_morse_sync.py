@@ -89,7 +89,7 @@ def test_no_simulation(
     port = server.getsockname()[1]
     server.close()
     assert main(["-p", "1", "-t", "0.2", "-H", "127.0.0.1", "-P", str(port)]) == 1
-    assert f"127.0.0.1:{port}: no simulation waits for it" in capsys.readouterr().err
+    assert f"127.0.0.1:{port}: no simulation listens there" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -78,8 +78,8 @@ def test_a_run_is_recorded(recorded):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--record", "scene.py"], "exists already"),
-        (["--record", "nowhere/run.mcap"], "a folder that exists"),
+        (["--record", "scene.py"], "already exists"),
+        (["--record", "nowhere/run.mcap"], "an existing folder"),
         (["--record", "."], "takes the path of a file"),
         (["--record-only", "robot.pose"], "give both"),
     ],
@@ -99,11 +99,11 @@ def test_a_sensor_that_is_not_there_is_named_with_the_nearest(tmp_path):
 
 def test_a_recording_is_simulated_again_and_exported(here, told):
     out, _ = told("replay", "run.mcap", "--resimulate")
-    assert "The same to the bit" in out
+    assert "Equal to the bit" in out
     assert "30 ticks" in out
     (here / "other.py").write_text(SCENE.replace("MotionVW()", "MotionXYW()").replace("ATRV()", "Morsy()"))
     _, error = told("replay", "run.mcap", "--resimulate", "--scene", "other.py", expected=1)
-    assert "departs from the recording at tick 1" in error
+    assert "differs from the recording from tick 1 on" in error
     out, _ = told("export", "run.mcap", "--csv", "--topics", "/robot/pose")
     assert "30 rows of /robot/pose" in out
     assert len((here / "run" / "robot.pose.csv").read_text().splitlines()) == 31
@@ -151,12 +151,12 @@ def test_a_changed_script_is_executed_from_the_recording_only_if_it_is_trusted(h
         assert "--trust" in error
         assert "--scene PATH" in error
     out, _ = told("replay", "run.mcap", "--resimulate", "--trust")
-    assert "The same to the bit" in out
+    assert "Equal to the bit" in out
 
 
 def test_inputs_alone_are_enough_to_record_everything_afterwards(here, told):
     run(here, "--record", "lean.mcap", "--record-only", "none")
     out, _ = told("replay", "lean.mcap", "--resimulate", "--record", "all.mcap")
-    assert "The same to the bit: the state at the end of 30 ticks" in out
+    assert "Equal to the bit: the state at the end of 30 ticks" in out
     told("export", "all.mcap", "--csv")
     assert len((here / "all" / "robot.pose.csv").read_text().splitlines()) == 31

@@ -139,7 +139,7 @@ def test_a_film_as_frames(morse, scene):
         (("-o", "none/picture.png"), "there is no folder"),
         (("--film", "1", "-o", "picture.png"), "a film is a file that ends in .gif"),
         (("--film", "1", "-o", "f_%d_%d.png"), "one number"),
-        (("--camera", "robot.eye", "--fov", "30"), "do not go with it"),
+        (("--camera", "robot.eye", "--fov", "30"), "cannot be combined with"),
     ],
 )
 def test_mistakes_on_the_command_line(morse, scene, words, said):

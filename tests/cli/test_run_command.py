@@ -49,6 +49,12 @@ def test_the_environment_of_the_tutorial(morse, project, started):
     assert not options.profile
 
 
+@pytest.mark.parametrize("word", ["max", "inf"])
+def test_as_fast_as_possible(morse, project, started, word):
+    assert morse("run", "--speed", word, "ranger_sim").status == 7
+    assert started[0].speed == math.inf
+
+
 def test_models_of_the_project_are_found(morse, project, started):
     (project / "data").mkdir()
     morse("run", "ranger_sim")
@@ -311,7 +317,7 @@ def test_headless_means_no_view(morse, project, started):
 @pytest.mark.parametrize(
     "words",
     [
-        *(["--speed", value] for value in ("0", "-1", "nan", "inf", "-inf", "fast", "", "1e999", "MAX ")),
+        *(["--speed", value] for value in ("0", "-1", "nan", "-inf", "fast", "", "1e999", "MAX ")),
         *(["--duration", value] for value in ("0", "-1", "nan", "inf", "max", "", "1e-999")),
         *(["--seed", value] for value in ("-1", "1.5", "x", "")),
         *(["--view-port", value] for value in ("-1", "65536", "http", "")),

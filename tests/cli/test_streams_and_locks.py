@@ -58,7 +58,7 @@ def test_closed_streams_stop_no_run(shell, redirection):
 def test_a_full_disk_for_the_log_is_said_once(shell):
     done = shell(f"{RUN} scene.py > {FULL}")
     assert done.returncode == 0
-    assert done.stderr == "* the log cannot be written from here on: No space left on device\n"
+    assert done.stderr == "* the log can no longer be written: No space left on device\n"
 
 
 def test_a_reader_that_leaves_is_no_error(shell):

@@ -31,5 +31,5 @@ def test_properties_and_levels():
 
 
 def test_declarations_belong_in_a_class():
-    with pytest.raises(SyntaxError, match="body of the class"):
+    with pytest.raises(SyntaxError, match="in the body of a component class"):
         add_data("lost", 0)

@@ -314,8 +314,8 @@ def declare(**slots):
         ({"kind": "imu", "angular_velocty": "three"}, "did you mean 'angular_velocity'"),
         ({"kind": "range", "distance": "heat"}, "kind 'range' needs the slot 'min', 'max', 'fov', 'radiation'"),
         ({"kind": "attitude"}, "kind 'attitude' needs one of the slots"),
-        ({"kind": "temperature", "temperature": "heat"}, "it takes °C, field 'heat' has W; known: K, degC, °F"),
-        ({"kind": "temperature", "temperature": "level"}, "it takes °C, field 'level' has no unit"),
+        ({"kind": "temperature", "temperature": "heat"}, "it takes °C; field 'heat' has W; known: K, degC, °F"),
+        ({"kind": "temperature", "temperature": "level"}, "it takes °C; field 'level' has no unit"),
         ({"kind": "temperature", "temperature": "haet"}, "no field 'haet'; did you mean 'heat'"),
         ({"kind": "clock", "now": "three"}, r"it takes the shape \(\), field 'three' has \(3,\)"),
         ({"kind": "clock", "now": prop("_x")}, "no property '_x'"),
@@ -345,7 +345,7 @@ def test_two_kinds_cannot_have_one_topic():
         add_kind("clock", now="t")
         add_kind("clock", now="t")
 
-    with pytest.raises(KindError, match="have one topic"):
+    with pytest.raises(KindError, match="have the same topic"):
         spoken(Two)
 
 

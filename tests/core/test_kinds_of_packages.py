@@ -64,9 +64,9 @@ def test_a_component_speaks_a_kind_of_a_package_and_broken_ones_are_named(site: 
     done = run(site, USE)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "echo float32"
-    assert "'pose' of my_lab:POSE exists already" in done.stderr
+    assert "'pose' of my_lab:POSE already exists" in done.stderr
     assert "my_lab:MISSING cannot be loaded" in done.stderr
-    assert "my_lab:NOTHING brings something that is not a message kind" in done.stderr
+    assert "my_lab:NOTHING provides an object that is not a message kind" in done.stderr
 
 
 def test_without_the_package_the_kind_is_unknown(tmp_path: Path) -> None:

@@ -343,7 +343,7 @@ def test_fields_that_cannot_be_are_refused_with_class_and_line(arguments, expect
 
 
 def test_properties_that_cannot_be_are_refused():
-    with pytest.raises(MorseDeclarationError, match="property 'P': the default 'c' is none of the choices"):
+    with pytest.raises(MorseDeclarationError, match="property 'P': the default 'c' is not one of the choices"):
 
         class Wrong:
             add_property("_p", "c", "P", choices=("a", "b"))

@@ -119,7 +119,7 @@ def test_the_documentation_builds_without_a_warning(tmp_path: Path):
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=110,
+        timeout=1200,
         check=False,
     )
     assert done.returncode == 0, done.stderr

@@ -328,4 +328,4 @@ def test_chapter_six_the_actuator_keeps_the_contract(person):
         "--robot",
         "ranger_sim.builder.robots.Ranger",
     )
-    assert "Mood keeps the contract" in said
+    assert "Mood satisfies the contract" in said

@@ -68,7 +68,7 @@ def test_wrong_rows_are_refused():
         m[0] = (1, 2)
     with pytest.raises(IndexError):
         m[3]
-    with pytest.raises(IndexError, match="number 3"):
+    with pytest.raises(IndexError, match="index 3"):
         m.col[3]
     with pytest.raises(AttributeError, match="3x3"):
         _ = m.translation

@@ -140,7 +140,7 @@ def test_angle():
     assert math.isclose(Vector((1, 0, 0)).angle((-2, 0, 0)), math.pi)
     assert math.isclose(Vector((1, 0, 0)).angle((1, 1e-9, 0)), 1e-9)
     assert Vector().angle((1, 0, 0), None) is None
-    with pytest.raises(ValueError, match="null vector"):
+    with pytest.raises(ValueError, match="zero vector"):
         Vector().angle((1, 0, 0))
 
 

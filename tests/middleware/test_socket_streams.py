@@ -332,7 +332,7 @@ def test_complaints_are_counted_not_repeated(caplog: pytest.LogCaptureFixture) -
     assert [record.getMessage() for record in caplog.records] == ["it hurts", "it itches"]
     now[0] = 11.0
     complaints.warn("a", "it hurts")
-    assert caplog.records[-1].getMessage() == "it hurts (99 more of the kind)"
+    assert caplog.records[-1].getMessage() == "it hurts (99 more of this kind)"
 
 
 class Kelvin(SocketPublisher):

@@ -186,7 +186,7 @@ def test_something_that_comes_onto_a_sleeper_wakes_it():
 def test_a_name_that_is_taken_is_refused(name):
     w = world(ground(), rigid("block", box(1, 1, 1), at=(5, 5, 0.5)))
     before, roots = bits(w.get_state()), list(w.scene.roots)
-    with pytest.raises(ValueError, match=f"called '{name}' already"):
+    with pytest.raises(ValueError, match=f"there is already an object '{name}'"):
         w.add([rigid("new", box(1, 1, 1), at=(0, 0, 5)), rigid(name, box(1, 1, 1), at=(0, 0, 9))])
     assert w.scene.roots == roots
     assert bits(w.get_state()) == before

@@ -161,7 +161,7 @@ def test_a_simulation_without_binary_streams_says_so(simulation: ScriptedSimulat
         (struct.pack("<2sBBIII", b"MF", 1, 1, 5, 1 << 31, 8), "larger than"),
         (struct.pack("<2sBBIII", b"MF", 1, 9, 5, 8, 8), "kind 9"),
         (struct.pack("<2sBBIII", b"MF", 1, 1, 5, 7, 8), "expected a frame"),
-        (struct.pack("<2sBBIII", b"MF", 1, 0, 0, 8, 0) + b"no JSON!", "no JSON"),
+        (struct.pack("<2sBBIII", b"MF", 1, 0, 0, 8, 0) + b"no JSON!", "not JSON"),
         (struct.pack("<2sBBIII", b"MF", 1, 0, 0, 8, 0) + b"{}      " + b"timestamp", "expected a frame"),
     ],
 )

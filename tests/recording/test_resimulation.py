@@ -156,7 +156,7 @@ def test_a_script_that_was_changed_since_is_taken_from_the_recording(script: Pat
         with Recording(tmp_path / "run.mcap") as recording:
             assert resimulate(recording, told=remarks.append, trust=True).departure is None
     assert len(remarks) == 2
-    assert all("the recorded script is taken" in remark for remark in remarks)
+    assert all("the recorded script is used" in remark for remark in remarks)
 
 
 def test_what_cannot_be_simulated_again_says_why(script: Path, tmp_path: Path) -> None:

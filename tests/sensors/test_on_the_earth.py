@@ -87,7 +87,7 @@ def test_extended(simulate):
 
 @pytest.mark.parametrize("parts", [gps("raw"), "m = Magnetometer()\nrobot.append(m)\n"])
 def test_a_world_that_is_nowhere(simulate, parts):
-    with pytest.raises(Exception, match=r"longitude and latitude and altitude missing; say env.properties\(longitude"):
+    with pytest.raises(Exception, match=r"longitude and latitude and altitude missing; use env.properties\(longitude"):
         world(simulate, parts, env="")
 
 

@@ -71,5 +71,5 @@ def test_on_something_that_the_unit_carries(load):
 
 
 def test_without_a_unit(load):
-    with pytest.raises(Exception, match="it measures a pan-tilt unit: append it to one"):
+    with pytest.raises(Exception, match="it measures a pan-tilt unit: append it to a pan-tilt unit"):
         load("robot")

@@ -237,7 +237,7 @@ def test_a_restart_gives_the_numbers_of_a_new_simulation(simulate):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("pose.delay(-0.1)", r"Pose.delay\(seconds\) takes a number from 0 upward, got -0.1"),
+        ("pose.delay(-0.1)", r"Pose.delay\(seconds\) takes a number of at least 0, got -0.1"),
         ("pose.delay(math.nan)", r"Pose.delay\(seconds\) takes a finite number"),
         ("pose.delay('soon')", r"Pose.delay\(seconds\) takes a number, got 'soon'"),
         ("pose.phase(-1)", r"Pose.phase\(seconds\)"),
@@ -247,7 +247,10 @@ def test_a_restart_gives_the_numbers_of_a_new_simulation(simulate):
         ("pose.noise(quantization='fine')", r"Pose.noise\(quantization\)"),
         ("pose.noise(dropout=1.5)", r"Pose.noise\(dropout\) takes a probability from 0 to 1"),
         ("pose.noise(gaussian=1, field='jaw')", r"no data field 'jaw'; did you mean 'yaw'"),
-        ("Sick().noise(gaussian=1, field='point_list')", r"'point_list' follows 'range_list', which can have noise"),
+        (
+            "Sick().noise(gaussian=1, field='point_list')",
+            r"'point_list' is computed from 'range_list', which can have noise",
+        ),
         ("pose.noise(gaussian=1, field='timestamp')", r"'timestamp' is not a measured number"),
         ("pose.frequency(-1)", r"frequency"),
         ("pose.frequency(math.nan)", r"frequency"),

@@ -86,7 +86,7 @@ def test_healing_takes_ten_measurements(scene):
     [
         (victim("bob", 2.5, 0.0), "", "farther than Heal_range"),
         (victim("bob", 1.5, 0.0), "sar.properties(Abilities='7')", "requires one of the abilities"),
-        (victim("bob", -1.5, 0.0), "", "sees no victim"),
+        (victim("bob", -1.5, 0.0), "", "detects no victim"),
     ],
 )
 def test_healing_that_fails_at_once(scene, victims, setting, reason):
@@ -109,7 +109,7 @@ def test_healing_that_loses_its_victim(scene):
     healing = simulation.robot.sar.heal()
     simulation.robot.motion.publish({"x": -2.0, "y": 0.0, "w": 0.0})
     simulation.step(60)
-    with pytest.raises(Exception, match="'bob' is not within reach any more"):
+    with pytest.raises(Exception, match="'bob' is no longer within reach"):
         healing.result(timeout=1.0)
 
 

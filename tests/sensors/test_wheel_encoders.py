@@ -75,7 +75,7 @@ def test_four_wheels(simulate):
 
 
 def test_a_robot_without_wheels(simulate):
-    with pytest.raises(Exception, match="has no driven wheels: wheel encoders belong on one whose wheels turn"):
+    with pytest.raises(Exception, match="has no driven wheels: append wheel encoders to a robot whose wheels turn"):
         simulate(SCRIPT.format(robot="ATRV", setting="").replace("MotionVWDiff", "MotionVW"))
 
 

@@ -190,7 +190,7 @@ def test_the_log_level(simu: Morse) -> None:
     with pytest.raises(MorseServiceFailed, match="'warnin' is not a log level; did you mean 'warning'"):
         call(simu, "set_log_level", "core.request_manager", "warnin")
     for name in ("core.request_manage", "a" + ".b" * 30_000):
-        with pytest.raises(MorseServiceFailed, match="nothing that is called"):
+        with pytest.raises(MorseServiceFailed, match="there is no logger"):
             call(simu, "set_log_level", name, "warning")
 
 

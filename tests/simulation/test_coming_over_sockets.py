@@ -81,7 +81,7 @@ def test_services_let_robots_come_and_refuse_what_cannot(running: Callable[..., 
     assert simu.rpc("simulation", "list_robots") == ["robot"]
     simu.rpc("simulation", "restore", "here")
     assert simu.rpc("simulation", "list_robots") == ["robot", "late"]
-    with pytest.raises(MorseServiceFailed, match="no state is called 'her'; did you mean 'here'"):
+    with pytest.raises(MorseServiceFailed, match="there is no state 'her'; did you mean 'here'"):
         simu.rpc("simulation", "restore", "her")
     with pytest.raises(MorseServiceFailed):
         simu.rpc("simulation", "save", "../up")

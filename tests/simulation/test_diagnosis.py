@@ -42,13 +42,13 @@ def diagnose(tick: float, share: float = 1.0, component: float = 0.0) -> str:
 
 def test_a_component_that_takes_most_of_the_tick_is_named() -> None:
     assert diagnose(0.030, component=0.025) == (
-        "most time goes to robot.eyes: 25.0 ms a tick of the 16.0 ms that it may take"
+        "most time goes to robot.eyes: 25.0 ms per tick of the 16.0 ms that it may take"
     )
 
 
 def test_ticks_that_are_quick_enough_are_no_cause() -> None:
     assert diagnose(0.002, component=0.001) == (
-        "the machine is busy with something else: a tick takes 2.0 ms of the 16.0 ms that it may take"
+        "the machine is busy with other work: a tick takes 2.0 ms of the 16.0 ms that it may take"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -182,12 +183,13 @@ def _names(data: Any, path: tuple[int, ...] = ()) -> Iterator[tuple[int, ...]]:
             yield from _names(item, (*path, place))
 
 
-def test_names_that_are_damaged_are_refused_or_harmless(simulation: Any) -> None:
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.slow)])
+def test_names_that_are_damaged_are_refused_or_harmless(simulation: Any, every: int) -> None:
     """A renamed attribute is missing under its own name: changes before the detection are undone."""
     kept = simulation.save()
     refusals = 0
     for part, saved in kept.parts.items():
-        for place in _names(saved):
+        for place in itertools.islice(_names(saved), 0, None, every):
             parts = {**kept.parts, part: copy.deepcopy(saved)}
             data = parts[part]
             for step in place[:-1]:
@@ -200,7 +202,7 @@ def test_names_that_are_damaged_are_refused_or_harmless(simulation: Any) -> None
                 assert simulation.state_hash() == kept.hash(), (part, place)
             simulation.restore(kept)
             assert simulation.state_hash() == kept.hash(), (part, place)
-    assert refusals > 50
+    assert refusals > 50 // every
 
 
 def test_a_state_that_lacks_parts_or_has_others_is_refused(simulation: Any) -> None:

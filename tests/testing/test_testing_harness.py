@@ -209,7 +209,7 @@ def test_a_case_without_a_scene_says_so() -> None:
 
 @pytest.mark.parametrize("mode", [2, "Fast", None, 1.5])
 def test_an_unknown_time_mode_is_refused(mode: object) -> None:
-    with pytest.raises(ValueError, match="is not a time mode: there are BestEffort, FixedSimulationStep"):
+    with pytest.raises(ValueError, match="is not a time mode: expected one of BestEffort, FixedSimulationStep"):
         MorseSwitchTimeMode([], mode)
 
 

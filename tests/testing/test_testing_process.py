@@ -84,7 +84,7 @@ def test_a_simulation_that_broke_off_is_reported(tmp_path: Path, fake_morse: Ins
     fake_morse(SERVES + 'print("oops", flush=True); os._exit(7)')
     process = start(tmp_path)
     process.wait_initialized()
-    with pytest.raises(MorseTestingError, match=r"(?s)broke off, with status 7.*oops"):
+    with pytest.raises(MorseTestingError, match=r"(?s)failed, with status 7.*oops"):
         process.stop()
 
 

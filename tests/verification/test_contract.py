@@ -73,7 +73,7 @@ def test_the_command_prints_the_report(sonar: Path, capsys: pytest.CaptureFixtur
     said = capsys.readouterr()
     assert "sonar.py:12: the data field 'distance' has no unit" in said.out
     assert "* Sonar: 1 fault." in said.out
-    assert "* Clock keeps the contract." in said.out
+    assert "* Clock satisfies the contract." in said.out
 
 
 @pytest.mark.parametrize(

@@ -92,7 +92,7 @@ def test_the_command_says_what_differs(tmp_path: Path, capsys: pytest.CaptureFix
 def test_equal_runs_and_options_that_follow_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert execute(["verify", scene(tmp_path, "Fair"), "--ticks", "7"]) == 0
     said = capsys.readouterr()
-    assert "7 ticks are the same" in said.out + said.err
+    assert "7 ticks are equal" in said.out + said.err
 
 
 def test_a_scene_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page
 
 
-#: a processor draws slowly, and a page that draws all the time leaves little of it to the test: 10 frames a second do
+#: a processor draws slowly, and a page that draws all the time leaves little of it to the test: 5 frames a second do
 FEW_FRAMES = """
 (() => {
     const request = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (draw) => setTimeout(() => request(draw), 100);
+    window.requestAnimationFrame = (draw) => setTimeout(() => request(draw), 200);
     window.cancelAnimationFrame = clearTimeout.bind(window);
 })();
 """

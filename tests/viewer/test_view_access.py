@@ -48,10 +48,10 @@ def test_token(make_server) -> None:
     for address in (base, base + "?token=wrong", base + "?token="):
         status, _, body = fetch(address)
         assert status == 403
-        assert b"wants the token" in body
+        assert b"requires the token" in body
         with pytest.raises(InvalidStatus) as error:
             Client(base, query=address.partition("?")[2])
-        assert "wants the token" in refused(error.value)
+        assert "requires the token" in refused(error.value)
 
 
 def test_token_shown_once_becomes_a_cookie(make_server) -> None:

@@ -14,8 +14,9 @@ from view_worlds import playground
 
 from morse.viewer.feeds.frustums import rim
 from morse.viewer.feeds.id_colors import as_colors
-from morse.viewer.feeds.pictures import as_jpeg, depth_levels
+from morse.viewer.feeds.pictures import as_heat, as_jpeg, depth_levels
 from morse.viewer.view_messages import (
+    Cloud,
     ComponentDescription,
     FieldDescription,
     Frustum,
@@ -168,6 +169,37 @@ def test_depths_have_colours_and_a_scale(cameras) -> None:
         readings.append(page.locator(".reading").inner_text())
     assert readings.pop() == "nothing"
     assert [float(text.strip("≈ m")) for text in readings] == pytest.approx([2.0, 3.0, 6.0], abs=0.1)
+
+
+def test_hot_surfaces_are_bright(cameras) -> None:
+    server, page = cameras
+    page.evaluate("morse.components.selected.set('robot0.left')")
+    until(lambda: server.wishes.images == {EYES[0]})
+    heat = np.full((16, 48), 15.0, np.float32)
+    heat[:, 16:32], heat[:, 32:] = 36.5, 60.0
+    levels = depth_levels(heat)
+    server.send(
+        Picture(as_jpeg(levels.grey), EYES[0], 48, 16, "image/jpeg", 0.0, "temperature", levels.low, levels.high, "°C")
+    )
+    until(lambda: page.locator(".image .scale").is_visible())
+    assert page.locator(".image .scale").inner_text().split("\n") == ["15.0 °C", "60.0 °C"]
+    seen = pixels(page, EYES[0])[8, [8, 24, 40]]
+    assert (np.diff(seen @ (0.299, 0.587, 0.114)) > 20).all()
+    np.testing.assert_allclose(seen, as_heat(heat)[8, [8, 24, 40]], atol=12)
+
+
+def test_the_points_of_a_cloud_are_drawn_where_they_are(cameras) -> None:
+    server, page = cameras
+    layer = "morse.panels.layers.list.find((one) => one.id === 'rays')"
+    page.evaluate("morse.panels.layers.switch('rays', true)")
+    until(lambda: set(EYES) <= server.wishes.overlays)
+    cloud = np.array([[1, 2, 3], [4, 5, 6.5]], np.float32)
+    server.send(Cloud(cloud.tobytes(), EYES[1]))
+    until(lambda: page.evaluate(f"{layer}.drawn.has('{EYES[1]}')"))
+    drawn = page.evaluate(f"[...{layer}.drawn.get('{EYES[1]}').hits.geometry.attributes.position.array]")
+    assert drawn == cloud.ravel().tolist()
+    page.evaluate("morse.panels.layers.switch('rays', false)")
+    assert page.evaluate(f"{layer}.root.children.length") == 0
 
 
 def test_a_panel_grows_and_shrinks(cameras) -> None:

@@ -268,7 +268,7 @@ def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None
     page = open_page(url, **WIDE)
     assert driver.server.wishes.overlays == frozenset()
     page.locator("summary[title=view]").click()
-    page.get_by_label("laser rays and hits").check()
+    page.get_by_label("rays and points").check()
     until(lambda: driver.server.wishes.overlays == {"robot0.lidar", "robot1.lidar", "robot2.lidar"})
     rays = "morse.panels.layers.list.find(l => l.id === 'rays').drawn.get('robot1.lidar')"
     until(lambda: page.evaluate(f"!!{rays}"))
@@ -279,7 +279,7 @@ def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None
     assert lengths[::2].max() < 1.0
     assert np.hypot(ends[0, 0, 0], ends[0, 0, 1]) == pytest.approx(3.0, abs=1e-3)
     assert page.evaluate(f"{rays}.hits.geometry.attributes.position.count") == 30
-    page.get_by_label("laser rays and hits").uncheck()
+    page.get_by_label("rays and points").uncheck()
     until(lambda: driver.server.wishes.overlays == frozenset())
     assert page.evaluate("morse.panels.layers.list.find(l => l.id === 'rays').root.children.length") == 0
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from morse.sensors.thermal_camera import ThermalCamera
 from morse.viewer.feeds.pictures import FARTHEST_LEVEL, PicturesFeed, as_pixels, depth_levels, sightings
 from morse.viewer.hub import Wishes
 from morse.viewer.view_messages import Sighting
@@ -151,6 +152,18 @@ def test_depths_are_sent_with_their_range() -> None:
     middle = (255 + FARTHEST_LEVEL) / 2
     assert grey[:3].tolist() == pytest.approx([255, middle, FARTHEST_LEVEL], abs=4)
     assert grey[3] < FARTHEST_LEVEL / 2
+
+
+def test_the_unit_tells_temperatures_from_depths() -> None:
+    class Thermal(Camera, ThermalCamera):
+        def __init__(self, image: Any) -> None:
+            Camera.__init__(self, image)
+
+    pictures, server = feed(Thermal(np.array([[15.0, 36.5]], np.float32)))
+    server.wishes = Wishes(images=frozenset({"eye"}))
+    pictures.update()
+    (sent,) = server.sent
+    assert (sent.meaning, sent.low, sent.high, sent.unit) == ("temperature", 15.0, 36.5, "°C")
 
 
 def test_depths_of_any_kind_have_levels() -> None:

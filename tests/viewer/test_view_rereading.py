@@ -84,7 +84,7 @@ def test_a_script_with_a_mistake_is_not_taken(edited: Edited) -> None:
     with Client(edited.url) as page:
         page.expect("seat", pages=1)
         page.send("reset")
-        until(lambda: "the edited scene is not taken" in edited.log(), limit=60.0)
+        until(lambda: "the edited scene cannot be loaded" in edited.log(), limit=60.0)
         log = edited.log()
         assert "ATVR" in log
         assert "scene.py:5" in log

@@ -16,7 +16,8 @@ import numpy as np
 from PIL import Image
 
 import morse
-from morse.viewer.feeds.pictures import as_coordinates
+from morse.core.declarations import fields_of_component
+from morse.viewer.feeds.pictures import as_coordinates, as_heat
 
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
@@ -38,16 +39,16 @@ _BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _ENVIRONMENT = "env = Environment('empty')"
 #: objects around the robot, for sensors
 _THINGS = """
-for _name, _place, _colour in (
-    ("red", (5.0, 1.5), (0.8, 0.1, 0.1)),
-    ("blue", (3.0, -3.0), (0.1, 0.2, 0.8)),
-    ("green", (-2.0, 4.0), (0.1, 0.6, 0.2)),
+for _name, _place, _colour, _heat in (
+    ("red", (5.0, 1.5), (0.8, 0.1, 0.1), 60.0),
+    ("blue", (3.0, -3.0), (0.1, 0.2, 0.8), 20.0),
+    ("green", (-2.0, 4.0), (0.1, 0.6, 0.2), 36.0),
 ):
     _box = Cube(_name)
     _box.location = (*_place, 0.5)
     _box.scale = (0.5, 0.5, 0.5)
     _box.set_color(*_colour)
-    _box.properties(Object=True, Type="box", Injured=True, Fire=True)
+    _box.properties(Object=True, Type="box", Injured=True, Fire=True, Temperature=_heat)
     _box._bpy_object.game.physics_type = "STATIC"
 """
 #: the robot drives, so that the data of sensors change
@@ -88,7 +89,8 @@ def _pictures(name: str, simulation: Simulation, clients: list[str], *, sensor: 
     image = None if component is None else component.local_data.get("image")
     if image is not None and np.ndim(image) >= 2:
         path = PICTURES / f"{name}-image.webp"
-        _as_image(np.asarray(image)).resize((400, 400), Image.Resampling.NEAREST).save(path, "WEBP", quality=80)
+        drawn = _as_image(component, np.asarray(image))
+        drawn.resize((400, 400), Image.Resampling.NEAREST).save(path, "WEBP", quality=80)
         yield path
     elif (points := _points(component)) is not None and len(points):
         path = PICTURES / f"{name}-points.webp"
@@ -163,13 +165,15 @@ def _map(points: np.ndarray) -> Image.Image:
     return Image.fromarray(pixels)
 
 
-def _as_image(pixels: np.ndarray) -> Image.Image:
+def _as_image(component: Any, pixels: np.ndarray) -> Image.Image:
     if pixels.dtype == np.uint8:
         return Image.fromarray(pixels[..., :3])
     if pixels.ndim == 3 and pixels.shape[2] == 3:
         return Image.fromarray(as_coordinates(pixels))
     finite = np.where(np.isfinite(pixels), pixels, np.nan)
     near, far = np.nanmin(finite), np.nanmax(finite)
+    if fields_of_component(component)["image"].unit == "°C":
+        return Image.fromarray(as_heat(pixels))
     grey = 255.0 * (1.0 - (np.nan_to_num(finite, nan=far) - near) / max(far - near, 1e-9))
     return Image.fromarray(grey.astype(np.uint8)).transpose(Image.Transpose.FLIP_TOP_BOTTOM)
 

@@ -35,7 +35,7 @@ class Armature(DynamicJoints):
     If the joints are dynamic (property ``Dynamic``), motors move them against gravity, contacts and friction. The
     motors control position, velocity or effort (property ``Control``, service ``set_control``): the field of a joint is
     then in rad, rad/s or N·m, or in m, m/s or N for prismatic joints. Services for motions, trajectories and targets
-    require position control.
+    require position control. Motors of tendons have a field each, with the command that the file defines.
     """
 
     _name = "Armature Actuator"
@@ -82,6 +82,8 @@ class Armature(DynamicJoints):
 
     def default_action(self) -> None:
         """Move the joints by one tick."""
+        if self._tendons:
+            self._pull()
         if self._trajectory is not None:
             self._go_along(self._trajectory)
             return

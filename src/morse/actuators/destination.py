@@ -1,10 +1,20 @@
 """Moves a robot to a position on a straight line."""
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING
 
 from morse.actuators.going import TRANSIT, Going
 from morse.core.limits import LENGTH
+from morse.core.robot import drives_body
 from morse.helpers.components import add_kind, add_property
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: cosine of the largest tilt of a robot that stands upright
+_UPRIGHT = 0.5
 
 
 class Destination(Going):
@@ -36,6 +46,10 @@ class Destination(Going):
         share = min(self._speed, distance * self.frequency) / distance
         r = self.robot_parent.bge_object.world_pose()[1]
         dx, dy, dz = share * dx, share * dy, share * dz
+        if self._is_level(r):
+            # the vertical speed of a ground robot is left to the ground; a command in its plane lets it glide
+            self._drive(((r[4] * dx - r[1] * dy) / r[8], (r[0] * dy - r[3] * dx) / r[8], 0.0))
+            return
         self._drive(
             (
                 r[0] * dx + r[3] * dy + r[6] * dz,
@@ -43,3 +57,8 @@ class Destination(Going):
                 r[2] * dx + r[5] * dy + r[8] * dz,
             )
         )
+
+    def _is_level(self, r: Sequence[float]) -> bool:
+        """Whether the robot stands upright on the ground."""
+        robot = self.robot_parent
+        return bool(robot._is_ground_robot) and r[8] > _UPRIGHT and drives_body(robot)

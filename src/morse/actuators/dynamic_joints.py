@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from morse.scene import JointDynamics
+
+logger = logging.getLogger(__name__)
 
 _UNITS = {
     Control.POSITION: ("rad", "m"),
@@ -53,19 +56,31 @@ class DynamicJoints(JointServices):
 
     _control: str
 
-    not_state: ClassVar[tuple[str, ...]] = ("_motors",)
+    not_state: ClassVar[tuple[str, ...]] = ("_motors", "_tendons")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         self._motors: Any = None
         self._controls: dict[str, Control] = {}
+        #: motors of tendons: the range of the commands, and the last commands
+        self._tendons: dict[str, tuple[float, float]] = {}
+        self._pulled: dict[str, float] = {}
         super().__init__(obj, parent)
         self._motors = obj.joints()
+        if self._motors is None and self.chain.loose:
+            names = ", ".join(
+                f"'{self.chain.bones[index].name}' ({self.chain.bones[index].kind})" for index in self.chain.loose
+            )
+            logger.warning("%s: %s stay fixed, because the property Dynamic is False", self.name(), names)
         if self._motors is not None:
             controls = controls_of(obj.node)
             self._controls = {name: controls[name] for name in self.joints if controls[name] is not Control.POSITION}
             for number, name in enumerate(self.joints):
                 if name in self._controls:
                     self.local_data[name] = self._values[number] = 0.0
+
+            for slot in self._motors.tendon_motors:
+                self._tendons[slot.motor.name] = slot.motor.commands
+                self._pulled[slot.motor.name] = self.local_data[slot.motor.name] = slot.start
 
     def _named(self, control: Control) -> tuple[str, ...]:
         return tuple(name for name in self.joints if self._controls.get(name, Control.POSITION) is control)
@@ -109,7 +124,20 @@ class DynamicJoints(JointServices):
                     0.0, "float", f"{word} of the motor", unit=_UNITS[control][slides], frame="joint",
                     low=-_MOST, high=_MOST,
                 )  # fmt: skip
+        for name in self._tendons:
+            found[name] = DataField(
+                self._pulled[name], "float", "Command of the motor of a tendon, as the file defines it", frame="joint",
+                low=-_MOST, high=_MOST,
+            )  # fmt: skip
         return found
+
+    def _pull(self) -> None:
+        """Pass new commands to the motors of tendons."""
+        data = self.local_data
+        told = {name: min(max(float(data[name]), low), high) for name, (low, high) in self._tendons.items()}
+        if told != self._pulled:
+            self._pulled = told
+            self._motors.pull(told)
 
     @property
     def joint_values(self) -> tuple[float, ...]:
@@ -125,6 +153,16 @@ class DynamicJoints(JointServices):
     def joint_efforts(self) -> tuple[float, ...] | None:
         """The present efforts of the motors, N m or N; None if the joints are not dynamic."""
         return None if self._motors is None else tuple(self._motors.efforts(self.joints))
+
+    def loose_joint(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a ball, a planar or a floating joint; see `JointHandle.loose`."""
+        return ([], []) if self._motors is None else self._motors.loose(name)
+
+    @service(changes=False)
+    def get_tendons(self) -> dict[str, dict[str, float]]:
+        """Return the tendons that have a motor: name of the motor to ``length`` (m), ``speed`` (m/s), ``force`` (N)."""
+        found = {} if self._motors is None else self._motors.tendons()
+        return {name: {"length": a, "speed": b, "force": c} for name, (a, b, c) in found.items()}
 
     @service(changes=False)
     def get_controls(self) -> dict[str, str]:

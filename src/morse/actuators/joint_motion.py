@@ -24,7 +24,7 @@ class JointMotion(Actuator):
     ``local_data`` contains the setpoint of each joint. Joints stay within their limits.
     """
 
-    not_state: ClassVar[tuple[str, ...]] = ("chain", "_linkage", "_usual")
+    not_state: ClassVar[tuple[str, ...]] = ("chain", "_linkage", "_usual", "_told", "_clamped")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -38,6 +38,9 @@ class JointMotion(Actuator):
         self.chain = Chain(node.bones, sum(float(stretch[i][i]) for i in range(3)) / 3.0)
         self._values = list(self.chain.start)
         self.local_data.update(zip(self.chain.names, self._values, strict=True))
+        #: the last setpoints, and the same within their limits
+        self._told: list[Any] = []
+        self._clamped: list[float] = []
         self._linkage = self.context.world.linkage(obj, self.chain.linked, list(self._hanging(obj)))
 
     @property
@@ -84,9 +87,17 @@ class JointMotion(Actuator):
                 yield child, index, turn_back(r, (x - px, y - py, z - pz)), product(back, tuple(turned))
 
     def _wanted(self) -> list[float]:
-        """Return the setpoints, clamped to the limits."""
+        """Return the setpoints, clamped to the limits; the list must not be modified."""
         data = self.local_data
-        return [min(max(float(data[name]), low), high) for name, low, high in self.chain.limits]
+        told = [data[name] for name in self.chain.names]
+        if told != self._told:
+            # most setpoints stay for many ticks
+            self._told = told
+            self._clamped = [
+                low if value < low else high if value > high else value
+                for value, (_, low, high) in zip(map(float, told), self.chain.limits, strict=True)
+            ]
+        return self._clamped
 
     def _move_to(self, values: Sequence[float]) -> None:
         """Set the joint values immediately, and move the attached objects."""

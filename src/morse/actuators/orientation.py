@@ -14,6 +14,9 @@ from morse.mathutils.rotations import rotation_from_euler
 _ALIKE = 1e-9
 
 
+_STILL = (0.0, 0.0, 0.0)
+
+
 class Orientation(Actuator):
     """Sets the orientation of the robot, immediately or at limited speed, without changing its position.
 
@@ -87,7 +90,7 @@ class Orientation(Actuator):
         if max(map(abs, map(sub, wanted, now))) > _ALIKE:
             obj.set_pose(place, wanted)
         # a robot that does not turn is not driven, so that it can come to rest
-        if any(obj.velocity()[1]):
+        if obj.velocity()[1] != _STILL:
             obj.set_velocity(None, (0.0, 0.0, 0.0))
 
 

@@ -8,9 +8,14 @@ from typing import Any
 from morse.core.actuator import Actuator
 from morse.core.limits import FORCE, TORQUE
 from morse.helpers.components import add_property
+from morse.helpers.transformation import euler_angles
 
+_ORIGIN = (0.0, 0.0, 0.0)
 #: m/s^2
 GRAVITY = 9.81
+
+_MOST_FORCE: float = FORCE["high"]
+_MOST_TORQUE: float = TORQUE["high"]
 
 _Three = tuple[float, float, float]
 
@@ -33,27 +38,30 @@ class Rotorcraft(Actuator):
 
     def _angles(self) -> _Three:
         """Roll, pitch and yaw of the robot, rad."""
-        pose = self.robot_parent.position_3d
-        pose.update(self.robot_parent.bge_object)
-        _, _, _, yaw, pitch, roll = pose.numbers()
-        return roll, pitch, yaw
+        return euler_angles(self.robot_parent.bge_object.world_pose()[1])
 
     def _torque(self, errors: _Three, kp: _Three, kd: _Three, share: float) -> _Three:
         """Torque about each axis, N m, in the axes of the errors."""
         before = errors if self._errors is None else self._errors
         self._errors = errors
         rate = self.frequency
-        turn = [math.remainder(now - then, 2.0 * math.pi) for now, then in zip(errors, before, strict=True)]
-        x, y, z = (
-            i * (p * e + d * c * rate) * share
-            for i, p, d, e, c in zip(self._inertia, kp, kd, errors, turn, strict=True)
+        (x, y, z), (was_x, was_y, was_z), (i_x, i_y, i_z) = errors, before, self._inertia
+        (p_x, p_y, p_z), (d_x, d_y, d_z) = kp, kd
+        return (
+            i_x * (p_x * x + d_x * math.remainder(x - was_x, math.tau) * rate) * share,
+            i_y * (p_y * y + d_y * math.remainder(y - was_y, math.tau) * rate) * share,
+            i_z * (p_z * z + d_z * math.remainder(z - was_z, math.tau) * rate) * share,
         )
-        return x, y, z
 
     def _push(self, thrust: float, torque: _Three) -> None:
         """Apply a thrust along Z, N, and a torque, N m, both in the axes of the robot."""
-        x, y, z = (_limited(value, TORQUE["high"]) for value in torque)
-        self.robot_parent.bge_object.wrench((0.0, 0.0, _limited(thrust, FORCE["high"])), (x, y, z), True)
+        x, y, z = torque
+        # comparisons with NaN are false
+        if not (abs(x) <= _MOST_TORQUE and abs(y) <= _MOST_TORQUE and abs(z) <= _MOST_TORQUE):
+            x, y, z = _limited(x, _MOST_TORQUE), _limited(y, _MOST_TORQUE), _limited(z, _MOST_TORQUE)
+        if not abs(thrust) <= _MOST_FORCE:
+            thrust = _limited(thrust, _MOST_FORCE)
+        self.robot_parent.bge_object.wrench((0.0, 0.0, thrust), (x, y, z), True)
 
 
 def _limited(value: float, most: float) -> float:
@@ -107,6 +115,8 @@ class BankingRotorcraft(Rotorcraft):
         """Velocity of the centre of mass in the world, m/s; the velocity of the origin varies with the bank angle."""
         body = self.robot_parent.bge_object
         (vx, vy, vz), (wx, wy, wz) = body.velocity()
+        if self._centre == _ORIGIN:
+            return vx, vy, vz
         r, (a, b, c) = body.world_pose()[1], self._centre
         x, y, z = r[0] * a + r[1] * b + r[2] * c, r[3] * a + r[4] * b + r[5] * c, r[6] * a + r[7] * b + r[8] * c
         return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x

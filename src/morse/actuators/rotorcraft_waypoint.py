@@ -119,7 +119,7 @@ class RotorcraftWaypoint(BankingRotorcraft):
             self._marked = place
         body = self.robot_parent.bge_object
         position, velocity = body.world_pose()[0], self._velocity_of_mass()
-        dx, dy, dz = (wanted - now for wanted, now in zip(place, position, strict=True))
+        dx, dy, dz = place[0] - position[0], place[1] - position[1], place[2] - position[2]
         if math.sqrt(dx * dx + dy * dy + dz * dz) <= data["tolerance"]:
             if place != self._called_off:
                 self._arrive()

@@ -230,7 +230,8 @@ class Waypoint(Going):
 
     def _around(self, speed: float, rate: float, *, aside: bool) -> tuple[float, float] | None:
         """Return forward speed and yaw rate for obstacle avoidance; None without obstacles."""
-        left, right = self.radars.look([name.strip() for name in self._ignore.split(",") if name.strip()])
+        ignored = [name.strip() for name in self._ignore.split(",") if name.strip()] if self._ignore else ()
+        left, right = self.radars.look(ignored)
         near = min(left, right)
         if near < math.inf:
             if not self._side:

@@ -76,7 +76,7 @@ def settle(
     """Combine the settings of an object by precedence.
 
     Args:
-        name: of the object, for warnings.
+        name: name of the object, for warnings.
         properties: its custom properties.
         rigid_body: fields of `BodySettings` from rigid body settings.
         game: fields of `BodySettings` from old game engine settings.

@@ -29,7 +29,7 @@ class Revision:
     Attributes:
         use: the record of the nodes after the change.
         replaced: pairs of old and new trees of the scene.
-        moved: nodes of other origin, and their new parents.
+        moved: pairs of nodes that the file does not contain, and their new parents.
         come: new trees without a parent.
         gone: trees of the scene that are no longer in the file.
         warnings: warnings for the user.
@@ -76,7 +76,7 @@ def resolve(revisions: Sequence[Revision]) -> list[str]:
 
 @contextmanager
 def _hanging(replaced: Sequence[tuple[Node, Node]]) -> Iterator[None]:
-    """Attach new trees to their future parents inside the block, whose scale affects the shapes."""
+    """Attach new trees to their future parents inside the block, because the scale of a parent affects the shapes."""
     for now, after in replaced:
         after.parent = now.parent
     try:
@@ -128,7 +128,7 @@ class _Following:
         return names
 
     def _leave_out_deleted(self) -> None:
-        """Leave out nodes that a script has deleted."""
+        """Remove nodes that a script has deleted."""
         for name in [name for name in self._after if name in self._use.originals and name not in self._now]:
             self._after.pop(name).detach()
 
@@ -174,7 +174,7 @@ class _Following:
             strangers = [below.name for below in node.walk() if id(below) not in self._own]
             if strangers:
                 self._revision.warnings.append(
-                    f"'{node.name}' is in the file no more; it stays, since '{strangers[0]}' hangs on it"
+                    f"'{node.name}' is no longer in the file; it is kept, because '{strangers[0]}' is attached to it"
                 )
                 continue
             covered.update(id(below) for below in node.walk())

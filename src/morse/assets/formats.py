@@ -27,19 +27,19 @@ _READERS = {
 
 #: the suffixes, the preferred one first
 SUFFIXES = tuple(_READERS)
-#: those of files that hold nothing but meshes
+#: suffixes of files that contain only meshes
 MESH_SUFFIXES = tuple(suffix for suffix, reader in _READERS.items() if reader.startswith("morse.assets.meshfiles"))
 
 
 class UnsupportedFormatError(ValueError):
-    """No reader for this kind of file."""
+    """There is no reader for this kind of file."""
 
 
 def reader_of(path: Path) -> Callable[[Path], Library]:
     """The function that reads a file.
 
     Raises:
-        UnsupportedFormatError: there is none for its suffix.
+        UnsupportedFormatError: there is no reader for its suffix.
     """
     entry = _READERS.get(path.suffix.lower())
     if entry is None:

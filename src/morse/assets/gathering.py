@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def gather_under_root(library: Library) -> Node:
     """Return the root node of a robot, sensor or actuator whose file may contain several loose objects.
 
-    The root is the object named like the file, else the first one that has children, physics or no mesh, else the
+    The root is the object with the name of the file, else the first one that has children, physics or no mesh, else the
     first mesh. All other objects become children of the root with their present poses. Lights, cameras and objects
     whose names begin with ``_`` are dropped.
 
@@ -26,7 +26,7 @@ def gather_under_root(library: Library) -> Node:
     placed = [root for root in library.roots if root.name not in library.outside_scene]
     loose = [part for root in placed or library.roots for part in _without_lights(root)]
     if not loose:
-        raise AssetError(library.path, "it contains no object that can be a component: add a mesh or an empty")
+        raise AssetError(library.path, "it contains no object that could be a component: add a mesh or an empty")
     root = _choose(loose, Path(library.path).stem)
     for part in loose:
         if part is not root:

@@ -1,4 +1,4 @@
-"""Masses of links as model files give them."""
+"""Masses and inertias of links from model files."""
 
 from __future__ import annotations
 
@@ -14,22 +14,21 @@ if TYPE_CHECKING:
 
     from morse.mathutils import Matrix
 
-#: kg/m^3, for the inertia of a mass without one
+#: kg/m^3; density for the inertia of a link that has a mass but no inertia
 _DENSITY = 1000.0
-#: a moment may exceed the sum of the others by this share of it, because files round
+#: tolerance: a moment may exceed the sum of the others by this share of the sum, because files contain rounded numbers
 _ROUNDING = 1e-3
 
 
 def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) -> tuple[Inertial, str]:
-    """Return the inertial of a link, and a remark if the file is wrong (else an empty string).
+    """Return the inertial of a link, and a warning if the file is wrong (else an empty string).
 
-    An inertia that is not positive is replaced by that of a ball of water of the same mass. If a principal moment is
-    larger
-    than the sum of the others, which no body can have, the smaller ones are enlarged.
+    An inertia that is not positive is replaced by that of a ball of water of the same mass. In a real body no principal
+    moment is larger than the sum of the others. If one is larger, the others are enlarged.
 
     Args:
         mass: kg.
-        origin: 4x4, centre of mass and axes of the moments in the frame of the link.
+        origin: 4x4, centre of mass and principal axes in the frame of the link.
         moments: ixx, iyy, izz, ixy, ixz, iyz about the centre of mass, kg m^2; None if the file does not contain them.
     """
     x, y, z = origin.translation
@@ -46,8 +45,7 @@ def inertial_of(mass: float, origin: Matrix, moments: Sequence[float] | None) ->
             if mass and (values != 0.0).any():
                 remark = (
                     f"its inertia has the principal moments {_listed(values.tolist())} kg m^2, expected positive "
-                    f"numbers; it gets "
-                    "that of a ball"
+                    "numbers; it is replaced by that of a ball"
                 )
             inertia = ball * np.eye(3)
         elif values[2] > (values[0] + values[1]) * (1.0 + _ROUNDING):

@@ -1,4 +1,4 @@
-"""Collision shapes that this process has computed before: for a scene that is loaded again, a robot that is spawned."""
+"""Cache of computed collision shapes, for scenes that are loaded again and robots that are spawned."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SHAPE_BYTES = 300  # a shape without its points
 
 
 class KnownShapes:
-    """Results by content, the one that was used last at the end; the first ones are dropped when there are too many.
+    """Results by content, the one that was used last at the end; if the cache is full, the first ones are removed.
 
-    Shapes are shared between scenes: nothing changes a shape once it is computed.
+    Shapes are shared between scenes, because computed shapes are never modified.
 
     Args:
-        most: largest size of all results together, bytes.
+        most: maximum size of all results together, bytes.
     """
 
     def __init__(self, most: int = 64_000_000) -> None:
@@ -38,7 +38,7 @@ class KnownShapes:
         self._lock = Lock()
 
     def get(self, key: Hashable) -> Found | None:
-        """The result that was put under the key, if it is still kept."""
+        """The result that was stored under the key; None if it was removed."""
         with self._lock:
             found = self._results.get(key)
             if found is not None:
@@ -46,7 +46,7 @@ class KnownShapes:
             return found
 
     def put(self, key: Hashable, found: Found) -> None:
-        """Keep a result."""
+        """Store a result."""
         with self._lock:
             if key in self._results:
                 return
@@ -58,7 +58,7 @@ class KnownShapes:
 
 
 def content(mesh: Mesh) -> bytes:
-    """A digest of the vertices and triangles of a mesh: equal for equal arrays, whatever object holds the arrays."""
+    """A digest of the vertices and triangles of a mesh: equal for equal arrays, in whatever object."""
     digest = hashlib.blake2b(digest_size=32)
     for array in (mesh.vertices, mesh.triangles):
         _add(digest, np.asarray(array))

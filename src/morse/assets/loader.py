@@ -26,7 +26,7 @@ def load(path: str | Path) -> Library:
     Raises:
         OSError: the file is missing or cannot be read.
         UnsupportedFormatError: there is no reader for this kind of file.
-        ValueError: the file is damaged (the reader's own kinds of error).
+        ValueError: the file is damaged (the readers have their own subclasses).
     """
     path = Path(path).absolute()
     read = reader_of(path)

@@ -12,7 +12,7 @@ from morse.mathutils import Matrix
 if TYPE_CHECKING:
     from morse.scene import Material, Node
 
-#: fields of a node that depend on its place in the scene, or are derived from other fields
+#: fields of a node that depend on its parent in the scene, or are derived from other fields
 _APART = ("name", "parent", "children", "source_name", "location", "materials", "shapes")
 
 
@@ -107,7 +107,7 @@ def _materials(before: Node, now: Node, after: Node) -> list[Material | None]:
 
 
 def _slots(node: Node) -> list[Material | None]:
-    """Return the materials of a node: its own, else those of its mesh."""
+    """Return the materials of a node: its own, or else those of its mesh."""
     defaults = list(node.mesh.materials) if node.mesh is not None else []
     slots = [*node.materials, *defaults[len(node.materials) :]]
     return [own if own is not None else defaults[i] if i < len(defaults) else None for i, own in enumerate(slots)]

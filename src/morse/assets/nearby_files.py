@@ -1,4 +1,4 @@
-"""The files that a model of a robot may name: those of its package, and of folders that the user lists."""
+"""The files that a model of a robot may refer to: those of its package, and of folders that the user lists."""
 
 from __future__ import annotations
 
@@ -11,27 +11,26 @@ from morse.assets import search
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: files that only the folder of a package has
+#: files that mark the folder of a package
 _MARKS = ("package.xml", "model.config", "manifest.xml")
-#: folders above a model that may be its package
+#: maximum number of folders above a model that are searched for its package
 _LEVELS = 4
 
 
 class FileRefusedError(ValueError):
-    """A file is missing or must not be read; the message says why."""
+    """A file is missing or must not be read; the message contains the reason."""
 
 
 def find_near(name: str, model: Path) -> Path:
-    """Return the file that a model names: ``package://robot/meshes/arm.stl``, ``file:///...`` or a path.
+    """Return the file that a model refers to: ``package://robot/meshes/arm.stl``, ``file:///...`` or a path.
 
-    A package is a folder above the model, a folder beside one of them, or one that ROS_PACKAGE_PATH lists or holds. A
-    file
-    is read only if it is, links resolved, in the package of the model (the folder of the model and the folder above
-    it, if
-    no package says how far it reaches), or in a folder of ROS_PACKAGE_PATH, MORSE_RESOURCE_PATH or of the project.
+    A package is a folder above the model, a folder beside one of these folders, or a folder in ROS_PACKAGE_PATH or
+    directly below one of them. After symbolic links are resolved, a file must be in the package of the model, or in a
+    folder of ROS_PACKAGE_PATH, MORSE_RESOURCE_PATH or of the project. If no file marks the package of the model, the
+    folder of the model and its parent are used.
 
     Raises:
-        FileRefusedError: there is no such file, or it is elsewhere.
+        FileRefusedError: the file does not exist, or is in another folder.
     """
     is_package = name.startswith(("package://", "model://"))
     elsewhere = None
@@ -44,14 +43,15 @@ def find_near(name: str, model: Path) -> Path:
         elsewhere = elsewhere or real
     if elsewhere is not None:
         raise FileRefusedError(
-            f"it is at {elsewhere}, outside of the package of the model; MORSE_RESOURCE_PATH may list the folder"
+            f"it is at {elsewhere}, outside of the package of the model; "
+            "to allow it, add the folder to MORSE_RESOURCE_PATH"
         )
-    hint = "; ROS_PACKAGE_PATH may list more folders" if is_package else ""
-    raise FileRefusedError(f"there is no file{hint}")
+    hint = "; add more folders with ROS_PACKAGE_PATH" if is_package else ""
+    raise FileRefusedError(f"the file does not exist{hint}")
 
 
 def _folders(model: Path) -> Iterator[Path]:
-    """The folders of which all files may be read."""
+    """The folders whose files may all be read."""
     folder = model.absolute().parent
     yield folder
     above = [one for one in (folder, *folder.parents) if any((one / mark).is_file() for mark in _MARKS)]
@@ -69,7 +69,7 @@ def _listed() -> list[Path]:
 
 
 def _candidates(name: str, model: Path) -> Iterator[tuple[Path, tuple[Path, ...]]]:
-    """Yield paths, each with a folder of which it may be besides the usual ones."""
+    """Yield possible paths of the file, each with a folder that may contain it in addition to the usual folders."""
     if "\0" in name:
         return
     scheme, separator, rest = name.partition("://")

@@ -69,7 +69,7 @@ def _package_dirs(package: str) -> list[Path]:
         spec = importlib.util.find_spec(package)
         if spec is not None and spec.submodule_search_locations:
             return [Path(directory) for directory in spec.submodule_search_locations]
-        error: object = "there is no such package"
+        error: object = "the package does not exist"
     except Exception as raised:  # importing a parent package runs third-party code
         error = repr(raised)
     logger.warning("the models of the installed package '%s' are left out: %s", package, error)

@@ -1,4 +1,4 @@
-"""Meshes of simple bodies."""
+"""Meshes of simple solids."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _ring(radius: float, z: float, count: int = _SEGMENTS) -> list[_Point]:
 
 @cache
 def cube() -> Mesh:
-    """2 x 2 x 2 m."""
+    """A cube of 2 x 2 x 2 m."""
     points = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return _mesh("Cube", points, faces)
@@ -45,13 +45,13 @@ def cube() -> Mesh:
 
 @cache
 def plane() -> Mesh:
-    """2 x 2 m, facing Z."""
+    """A square of 2 x 2 m, facing Z."""
     return _mesh("Plane", [(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)], [(0, 1, 2, 3)])
 
 
 @cache
 def cylinder() -> Mesh:
-    """Radius 1 m, 2 m high, along Z."""
+    """A cylinder of radius 1 m, 2 m high, along Z."""
     n = _SEGMENTS
     points = _ring(1.0, -1.0) + _ring(1.0, 1.0)
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
@@ -60,7 +60,7 @@ def cylinder() -> Mesh:
 
 @cache
 def cone() -> Mesh:
-    """Radius 1 m at the bottom, 2 m high, along Z."""
+    """A cone of radius 1 m at the bottom, 2 m high, along Z."""
     n = _SEGMENTS
     points = [*_ring(1.0, -1.0), (0.0, 0.0, 1.0)]
     return _mesh("Cone", points, [*((i, (i + 1) % n, n) for i in range(n)), tuple(range(n - 1, -1, -1))])
@@ -68,7 +68,7 @@ def cone() -> Mesh:
 
 @cache
 def sphere() -> Mesh:
-    """Radius 1 m, of rings and meridians."""
+    """A sphere of radius 1 m, of rings and meridians."""
     n, rings = _SEGMENTS, 16
     points: list[_Point] = [(0.0, 0.0, 1.0)]
     for ring in range(1, rings):
@@ -86,7 +86,7 @@ def sphere() -> Mesh:
 
 @cache
 def ico_sphere(subdivisions: int = 2) -> Mesh:
-    """Radius 1 m, of triangles of nearly equal size: an icosahedron with each face cut in four, repeatedly."""
+    """A sphere of radius 1 m, of triangles of nearly equal size: an icosahedron, its faces repeatedly cut in four."""
     golden = (1.0 + math.sqrt(5.0)) / 2.0
     corners = [(0.0, a, b * golden) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
     points = [_unit(p) for x, y, z in corners for p in ((x, y, z), (y, z, x), (z, x, y))]
@@ -111,7 +111,7 @@ def _unit(point: _Point) -> _Point:
 
 
 def _adjacent(points: Sequence[_Point], i: int, j: int) -> bool:
-    # the edge of an icosahedron in the unit sphere is 1.05 long, the next distance is 1.70
+    # the edge of an icosahedron in the unit sphere has the length 1.05; the next distance between vertices is 1.70
     return math.dist(points[i], points[j]) < 1.2
 
 

@@ -21,7 +21,7 @@ _HEADER = struct.Struct("<BBB5xHHHHBB")
 _TRUE_COLOR, _RUN_LENGTH = 2, 10
 #: maximum number of pixels of an image
 _MAX_PIXELS = 1 << 25
-#: maximum number of run-length packets of an image, which take 0.5 s
+#: maximum number of run-length packets of an image; this number takes 0.5 s
 _MAX_PACKETS = 1 << 21
 _RIGHT_TO_LEFT, _TOP_FIRST, _INTERLEAVED = 0x10, 0x20, 0xC0
 _ALPHA_BITS = 0x0F
@@ -113,7 +113,7 @@ def _unpacked(data: bytes, header: _Header, size: int) -> bytearray:
 def _png(pixels: NDArray[np.uint8]) -> bytes:
     """The bytes of a PNG file; pixels (H, W, 3 or 4), 8 bits, top row first."""
     height, width, channels = pixels.shape
-    # each row begins with the number of its filter: none
+    # each row begins with the number of its filter: 0, none
     rows = np.zeros((height, 1 + width * channels), np.uint8)
     rows[:, 1:] = pixels.reshape(height, -1)
     head = struct.pack(">IIBBBBB", width, height, 8, _RGBA if channels == 4 else _RGB, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""XML files of strangers."""
+"""Untrusted XML files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from morse.assets.errors import AssetError
 if TYPE_CHECKING:
     from pathlib import Path
 
-#: bytes, and elements inside each other
+#: maximum size, bytes, and maximum depth of nested elements
 MOST_BYTES, _DEEPEST = 64 << 20, 200
 
 
@@ -19,7 +19,8 @@ def read_xml(path: Path) -> ElementTree.Element:
     """Return the root element of a file.
 
     Raises:
-        AssetError: it is not XML, too large, nested too deeply, or defines entities, which can grow without end.
+        AssetError: it is not XML, too large, nested too deeply, or defines entities, whose expansion can be of any
+            size.
         OSError: it cannot be opened.
     """
     if path.stat().st_size > MOST_BYTES:
@@ -48,7 +49,7 @@ def _check(data: bytes, path: Path) -> None:
         nonlocal depth
         depth += 1
         if depth > _DEEPEST:
-            raise AssetError(path, f"more than {_DEEPEST} elements are inside each other")
+            raise AssetError(path, f"its elements are nested more than {_DEEPEST} deep")
 
     def end(_: str) -> None:
         nonlocal depth

@@ -111,6 +111,7 @@ from morse.builder.sensors import SemanticCamera as SemanticCamera
 from morse.builder.sensors import Sick as Sick
 from morse.builder.sensors import SickLDMRS as SickLDMRS
 from morse.builder.sensors import StereoUnit as StereoUnit
+from morse.builder.sensors import ThermalCamera as ThermalCamera
 from morse.builder.sensors import Thermometer as Thermometer
 from morse.builder.sensors import UltrasonicRangeFinder as UltrasonicRangeFinder
 from morse.builder.sensors import VN100 as VN100
@@ -260,6 +261,7 @@ __all__ = [
     "StereoUnit",
     "Submarine",
     "Teleport",
+    "ThermalCamera",
     "Thermometer",
     "TimeStrategies",
     "Torus",

@@ -65,7 +65,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         if obj is not None:
             self.set_blender_object(obj)
 
-    if not TYPE_CHECKING:  # hidden from type checkers, which then find misspelt names
+    if not TYPE_CHECKING:  # hidden from type checkers, so that they report misspelt names
 
         def __getattr__(self, name: str) -> NoReturn:
             if not self.is_complete:
@@ -105,7 +105,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         if not isinstance(obj, SceneObject):
             raise TypeError(f"set_blender_object takes an object of the scene, got {checks.shown(obj)}")
         if not self.is_complete:
-            # not earlier: a script may go on after a model that was not found
+            # not checked earlier: a script may continue after a model was not found
             workspace.current().components.append(self)
         self._bpy_object = obj
 
@@ -165,7 +165,7 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
             if (found := naming.name_in_frame(obj, self, frame)) is not None:
                 obj.suggest_name(found, Strength.VARIABLE)
             naming.name_unparented(frame.f_locals, Strength.GUESSED)
-        # an object that the model holds below this one already stays where it is
+        # an object of the model that is already below this one keeps its pose
         is_below = obj.parent is None and any(above is mount.node for above in obj.scene_node.ancestors())
         try:
             if not is_below:
@@ -292,8 +292,8 @@ class AbstractComponent(Placement, Interfaces, Models, Part):
         classpath = calling_module or getattr(type(self), "_classpath", None)
         if classpath is None:
             raise MorseBuilderError(
-                f"{type(self).__name__} does not say which class runs: give its path, "
-                "e.g. morseable('my_sim.sensors.sonar.Sonar')"
+                f"{type(self).__name__} does not declare a component class: give the path of a class, e.g. "
+                "morseable('my_sim.sensors.sonar.Sonar')"
             )
         self.scene_node.properties["Component_Tag"] = True
         self.scene_node.properties["classpath"] = checks.text(classpath, "morseable(calling_module)")

@@ -1,4 +1,4 @@
-"""Simple visual objects: bodies, lamps, cameras. By default they do not collide."""
+"""Simple visual objects: solids, lamps, cameras. By default they do not collide."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class BlenderObject(AbstractComponent):
     """An object without behaviour.
 
     Args:
-        name: its name, if not that of the variable that holds it.
+        name: its name, if it differs from the name of the variable that refers to it.
     """
 
     _node_kind = NodeKind.EMPTY
@@ -37,7 +37,7 @@ class BlenderObject(AbstractComponent):
             self.name = name
 
     def _furnish(self, node: Node) -> None:
-        """Fill the node for this kind of object."""
+        """Set up the node for this kind of object."""
 
 
 class Empty(BlenderObject):
@@ -45,7 +45,7 @@ class Empty(BlenderObject):
 
 
 class Mesh(BlenderObject):
-    """A body: a mesh of one colour."""
+    """A solid: a mesh of one colour."""
 
     _node_kind = NodeKind.MESH
 
@@ -133,7 +133,7 @@ class Spot(BlenderObject):
     """A lamp that shines along its -Z axis.
 
     Args:
-        name: its name, if not that of the variable that holds it.
+        name: its name, if it differs from the name of the variable that refers to it.
         lamp_type: ``SPOT``, ``POINT``, ``SUN``, ``AREA`` or ``HEMI``.
     """
 

@@ -40,7 +40,7 @@ def get_object(name: str) -> SceneObject:
     """The object of that name.
 
     Raises:
-        MorseBuilderNoComponentError: there is none.
+        MorseBuilderNoComponentError: there is no such object.
     """
     node = workspace.current().find(checks.text(name, "bpymorse.get_object(name)"))
     if node is None:
@@ -58,7 +58,7 @@ def get_material(name: str) -> ObjectMaterial:
     """Return the material of that name from the first object that uses it.
 
     Raises:
-        MorseBuilderNoComponentError: there is none.
+        MorseBuilderNoComponentError: there is no such material.
     """
     known = set()
     for node in workspace.current().nodes():
@@ -94,7 +94,7 @@ def get_context_object() -> SceneObject | None:
 
 
 def delete(objects: SceneObject | str | Iterable[SceneObject | str]) -> None:
-    """Remove objects, given as objects or by name, from the scene; their children stay.
+    """Remove objects, given as objects or by name, from the scene; their children are kept.
 
     Raises:
         MorseBuilderNoComponentError: there is no object of such a name.
@@ -135,7 +135,9 @@ def set_viewport(viewport_shade: str = "WIREFRAME", clip_end: float = 1000.0) ->
 def _environment(function: str) -> Any:
     environment = workspace.current().environment
     if environment is None:
-        raise MorseBuilderError(f"bpymorse.{function} has to follow the Environment: write env.{function}(...)")
+        raise MorseBuilderError(
+            f"bpymorse.{function} has to be called after the Environment is created: write env.{function}(...)"
+        )
     return environment
 
 

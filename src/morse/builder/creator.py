@@ -26,17 +26,17 @@ class ComponentCreator(Component):
     """A sensor or actuator.
 
     Args:
-        name: its name, if not that of the variable or attribute that holds it.
+        name: its name, if it differs from the name of the variable or attribute that refers to it.
         category: ``sensors`` or ``actuators``.
-        action: ``APPEND_EMPTY`` makes a frame without a body, ``USE_BLEND`` loads a model,
-            ``LINK_EXISTING_OBJECT`` takes an object that is in the scene already.
+        action: ``APPEND_EMPTY`` creates a frame without a body, ``USE_BLEND`` loads a model, ``LINK_EXISTING_OBJECT``
+            uses an object that is already in the scene.
         blendfile: name of the model for ``USE_BLEND``.
         blendobject: name of the object in the model, or of the existing object.
-        make_morseable: assign its component class.
+        make_morseable: whether to assign its component class.
 
     Attributes:
         _classpath: class path of the component class; subclasses set it.
-        _blendname: the name of the model, if ``blendfile`` is not given; subclasses may set it.
+        _blendname: name of the model if ``blendfile`` is not given; subclasses may set it.
         _product: name of the product that this class represents, or None for the component class itself.
     """
 

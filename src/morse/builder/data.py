@@ -1,4 +1,4 @@
-"""Tables of available names, for scripts that look names up."""
+"""Tables of available names, for scripts that search for names."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MORSE_SERVICE_DICT = MappingProxyType(
     {name: m.request_manager for name, m in registry.installed().items() if m.request_manager is not None}
 )
 
-#: name of a middleware to the classes that carry data, by direction; a middleware maps message kinds, not components
+#: name of a middleware to the classes that carry data, by direction; empty, because middlewares map message kinds
 MORSE_DATASTREAM_DICT = MappingProxyType(
     {name: {"OUT": m.default_publisher, "IN": m.default_reader} for name, m in registry.installed().items()}
 )

@@ -30,7 +30,7 @@ logger = logging.getLogger(__name__)
 
 _CREATORS: dict[str, type[Component]] = {"sensors": SensorCreator, "actuators": ActuatorCreator}
 
-#: the base classes of components, by name, so that they are imported on demand
+#: the base classes of components, by name; they are imported on demand
 _BASES = {
     "morse.core.sensor.Sensor": "sensors",
     "morse.core.actuator.Actuator": "actuators",
@@ -53,6 +53,7 @@ _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.optical_flow_camera.OpticalFlowCamera": CameraCreator,
     "morse.sensors.segmentation_camera.SegmentationCamera": CameraCreator,
     "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
+    "morse.sensors.thermal_camera.ThermalCamera": CameraCreator,
 }
 
 #: builder classes that are written by hand; products are named after the component class
@@ -82,7 +83,7 @@ def derived_classes(package: str, module: str) -> dict[str, type[Component]]:
     return {
         name: derived_class(entry, kind, module)
         for name, entry in catalog.components(package).items()
-        # a robot class that declares no defaults is a base of others
+        # a robot class that declares no defaults is a base class of other robots
         if kind != "robots" or entry.defaults is not None
     }
 
@@ -108,9 +109,9 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
     """The builder class of a component.
 
     Args:
-        entry: what the component declares.
+        entry: declarations of the component.
         kind: ``sensors``, ``actuators`` or ``robots``.
-        module: where the class will live.
+        module: module of the new class.
     """
     by_hand = _BY_HAND.get(_with_product(entry.classpath, entry.product))
     if by_hand is not None:
@@ -127,12 +128,12 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
 
 
 def builder_class(cls: type[Any], product: str | None = None, module: str | None = None) -> type[Component]:
-    """The builder class of a component that is loaded.
+    """The builder class of a loaded component class.
 
     Args:
-        cls: the class that runs.
-        product: the name of one of its products, or None for itself.
-        module: where the class will live; None for the module of the component.
+        cls: the component class.
+        product: name of one of its products; None for the class itself.
+        module: module of the new class; None for the module of the component.
 
     Raises:
         MorseBuilderNoComponentError: it is neither a sensor, an actuator nor a robot.
@@ -141,7 +142,7 @@ def builder_class(cls: type[Any], product: str | None = None, module: str | None
     kind = next((_BASES[path] for path in paths if path in _BASES), None)
     if kind is None:
         raise MorseBuilderNoComponentError(
-            f"{paths[0]} is not a component: its base has to be Sensor, Actuator or Robot"
+            f"{paths[0]} is not a component: its base class has to be Sensor, Actuator or Robot"
         )
     by_hand = _BY_HAND.get(_with_product(paths[0], product))
     if by_hand is not None:

@@ -19,7 +19,7 @@ class LibrariesFirst:
 
     Args:
         script: name of the scene script, without suffix; it is never imported.
-        directories: directories whose files do not hide the standard library either.
+        directories: other directories whose files do not hide the standard library.
     """
 
     def __init__(self, script: str, directories: Iterable[str]) -> None:
@@ -31,7 +31,7 @@ class LibrariesFirst:
         if path is not None or (name != self._script and name not in sys.stdlib_module_names):
             return None
         if PathFinder.find_spec(name, self._directories) is None:
-            return None  # nothing hides it
+            return None  # no file hides the library
         hiding = {Path(directory).resolve() for directory in self._directories}
         spec = PathFinder.find_spec(name, [entry for entry in sys.path if Path(entry).resolve() not in hiding])
         # a folder of that name is not a library

@@ -106,5 +106,5 @@ class Submarine(DeclaredRobot, Robot):
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...
 
 class Victim(DeclaredRobot, GroundRobot):
-    """A person to be found and healed (see the sensor SearchAndRescue)."""
+    """A person who can be found and healed (see the sensor SearchAndRescue)."""
     def properties(self, *, NoGravity: bool = ..., GroundRobot: bool = ..., **kwargs: Any) -> None: ...

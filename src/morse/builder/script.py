@@ -45,7 +45,7 @@ def load_scene(options: RunOptions, *, anew: bool = False) -> Scene:
     `morse.core.project_imports`. They are stored in the attribute ``project`` of the scene.
 
     Args:
-        anew: ignore cached compiled files, because the sources may have been saved a moment ago.
+        anew: whether to ignore cached compiled files, because the sources may have been saved a moment ago.
 
     Raises:
         ScriptError: the script has an error.
@@ -78,8 +78,8 @@ def build(
     """Return the scene that a function describes with `morse.builder`.
 
     Args:
-        script: name in error messages.
-        resource_paths: searched for models before ``MORSE_RESOURCE_PATH``.
+        script: name of the scene in error messages.
+        resource_paths: directories searched for models before ``MORSE_RESOURCE_PATH``.
         interfaces: middlewares to which all components are connected, in addition to those of the scene.
 
     Raises:
@@ -126,7 +126,7 @@ def _run(script: Path, project: ProjectImports) -> None:
     module.__file__ = str(script)
     project.prepare(module)
     before = sys.modules["__main__"]
-    # classes of the script look their module up by name
+    # classes of the script look up their module by name
     sys.modules["__main__"] = module
     try:
         exec(code, module.__dict__)

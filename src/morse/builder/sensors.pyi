@@ -50,6 +50,7 @@ __all__ = [
     "Sick",
     "SickLDMRS",
     "StereoUnit",
+    "ThermalCamera",
     "Thermometer",
     "UltrasonicRangeFinder",
     "VLP16_180",
@@ -85,13 +86,13 @@ class Accelerometer(SensorCreator):
     ) -> None: ...
 
 class Airspeed(SensorCreator):
-    """A sensor returning the difference of pressure that the speed makes, as a Pitot tube does"""
+    """A sensor returning the dynamic pressure of the air, as a Pitot tube does"""
     def properties(
         self, *, ComputationMode: Literal["Automatic", "Velocity", "Position"] = ..., **kwargs: Any
     ) -> None: ...
 
 class ArmaturePose(SensorCreator):
-    """Measures where the joints of an armature are"""
+    """Measures the joint values of an armature"""
 
 class Attitude(SensorCreator):
     """A sensor returning the absolute attitude and the angular velocity of the robot"""
@@ -128,14 +129,14 @@ class Battery(SensorCreator):
     def properties(self, *, DischargingRate: float = ..., **kwargs: Any) -> None: ...
 
 class Bumper(ContactSensor):
-    """A bumper that tells whether something presses it"""
+    """A bumper that reports whether an object presses it"""
     def properties(self, *, only_objects_with_property: str = ..., Travel: float = ..., **kwargs: Any) -> None: ...
 
 class Clock(SensorCreator):
     """A sensor that publishes simulated time"""
 
 class Collision(ContactSensor):
-    """A sensor that tells which objects touch it, while they do"""
+    """A sensor that reports which objects touch it, while there are any"""
     def properties(self, *, only_objects_with_property: str = ..., **kwargs: Any) -> None: ...
 
 class DepthCamera(CameraCreator):
@@ -311,7 +312,7 @@ class Odometry(SensorCreator):
     """An odometry sensor that returns raw, partially integrated or fully integrated displacement"""
 
 class OpticalFlowCamera(CameraCreator):
-    """A camera that measures how each point moves in the picture"""
+    """A camera that measures the motion of each point in the image"""
     def properties(
         self,
         *,
@@ -392,7 +393,7 @@ class SearchAndRescue(SensorCreator):
     ) -> None: ...
 
 class SegmentationCamera(CameraCreator):
-    """A camera that gives the id and the class of what each pixel shows"""
+    """A camera that measures the id and the class of the object in each pixel"""
     def properties(
         self,
         *,
@@ -472,6 +473,30 @@ class SickLDMRS(LaserSensorWithArc):
 
 class StereoUnit(SensorCreator):
     """A pair of cameras to perform stereo vision"""
+
+class ThermalCamera(CameraCreator):
+    """A camera that measures the temperatures of surfaces"""
+    def properties(
+        self,
+        *,
+        cam_width: int = ...,
+        cam_height: int = ...,
+        cam_focal: float = ...,
+        cam_fov: float = ...,
+        cam_near: float = ...,
+        cam_far: float = ...,
+        Vertical_Flip: bool = ...,
+        retrieve_depth: bool = ...,
+        retrieve_zbuffer: bool = ...,
+        lens_model: Literal["plumb_bob", "equidistant"] = ...,
+        distortion: str = ...,
+        capturing: bool = ...,
+        DefaultTemperature: float = ...,
+        SkyTemperature: float = ...,
+        FireTag: str = ...,
+        FireTemperature: float = ...,
+        **kwargs: Any,
+    ) -> None: ...
 
 class Thermometer(SensorCreator):
     """A sensor returning the temperature, which depends on the distance of fires"""

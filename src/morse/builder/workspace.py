@@ -18,13 +18,13 @@ _SUFFIX = re.compile(r"\.\d{3,}$")
 
 
 class Workspace:
-    """Every node and component made so far, with unique names.
+    """All nodes and components created so far, with unique names.
 
     Attributes:
-        roots: nodes without a parent, in the order in which they were made.
-        components: robots, sensors, things, ... in the order in which they were made.
-        models: the model files that nodes came from.
-        environment: the environment, once the script has made it.
+        roots: nodes without a parent, in the order of creation.
+        components: robots, sensors, other objects, ... in the order of creation.
+        models: the model files from which nodes were loaded.
+        environment: the environment, once the script has created it.
         selected: the last selected node.
         speed: frequency that ``bpymorse.set_speed`` has set before the environment exists.
         script: the script itself, kept so that its functions still find their names.
@@ -63,7 +63,7 @@ class Workspace:
         """Make a node the child of another one.
 
         Raises:
-            ValueError: if that would make the node its own ancestor.
+            ValueError: the node would become its own ancestor.
         """
         was_root = child.parent is None
         parent.attach(child, keep_world_pose=keep_world_pose)
@@ -150,7 +150,7 @@ def reset() -> Workspace:
 
 @contextmanager
 def described() -> Iterator[Workspace]:
-    """An empty scene, which is the current one within the block."""
+    """An empty scene, which is the current scene within the block."""
     global _current, _described
     before, _current = _current, Workspace()
     _described += 1

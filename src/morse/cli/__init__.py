@@ -23,7 +23,7 @@ def run_and_exit(arguments: Sequence[str]) -> NoReturn:
 
         status = execute(arguments)
     except KeyboardInterrupt:
-        # Ctrl+C ends the command at any moment, even while it is being loaded
+        # Ctrl+C ends the command at any time, even while it is being loaded
         status = 130
     sys.exit(status)
 
@@ -38,7 +38,7 @@ def _open_closed_streams() -> None:
         try:
             os.fstat(descriptor)
         except OSError:
-            # the lowest free number: this one
+            # open returns the lowest free descriptor, which is this one
             os.open(os.devnull, os.O_RDWR)
     for name in ("stdin", "stdout", "stderr"):
         if getattr(sys, name) is None:

@@ -15,20 +15,21 @@ from morse.cli.names import class_name, component_name, environment_name
 from morse.cli.sites import Sites
 from morse.cli.templates import COMPONENT_KINDS, Values, behaviour_file, write_component
 
-# the equipment in the template of a robot, which a class of the same name would hide
+# sensors and actuators in the template of a robot; a robot class of the same name would hide them
 _EQUIPMENT_OF_ROBOTS = ("Keyboard", "Pose")
 
 
 def command(
-    kind: Annotated[str, typer.Argument(metavar="robot|sensor|actuator", help="What to make.")],
-    name: Annotated[str, typer.Argument(help="Its name: letters and digits.")],
+    kind: Annotated[str, typer.Argument(metavar="robot|sensor|actuator", help="Kind of component.")],
+    name: Annotated[str, typer.Argument(help="Name of the component: letters and digits.")],
     env: Annotated[str, typer.Argument(help="A registered environment.")],
     force: Annotated[bool, typer.Option("-f", "--force", help="Replace a component of that name.")] = False,
 ) -> None:
     """Add a new robot, sensor or actuator to an environment, from a template."""
     if kind not in COMPONENT_KINDS:
         raise CommandError(
-            f"'{kind}' is not one of {', '.join(COMPONENT_KINDS)}: those can be added.{nearest(kind, COMPONENT_KINDS)}",
+            f"'{kind}' is not a kind of component that can be added; expected one of "
+            f"{', '.join(COMPONENT_KINDS)}.{nearest(kind, COMPONENT_KINDS)}",
             status=2,
         )
     directory = Sites().directory(env.rstrip("/"))
@@ -38,12 +39,12 @@ def command(
         warn(f"'{name}' is called '{safe_name}' in Python: names of components consist of letters and digits.")
     class_ = class_name(safe_name)
     if kind == "robot" and class_ in _EQUIPMENT_OF_ROBOTS:
-        raise CommandError(f"A robot cannot be called '{name}': it would hide the {class_} that it carries.")
+        raise CommandError(f"A robot cannot be called '{name}': its class would hide the {class_} on it.")
     values = Values(package, safe_name, class_)
     if not force and (behaviour := behaviour_file(directory, kind, values)).exists():
         raise CommandError(
-            f"There is a {kind} '{safe_name}' in '{env}' already ({behaviour}). "
-            "Choose another name, or replace it with -f."
+            f"There is already a {kind} '{safe_name}' in '{env}' ({behaviour}). Choose another name, or replace it "
+            "with -f."
         )
     if kind != "robot":
         values = replace(values, shortdesc=_ask_for_description(kind, safe_name))
@@ -55,7 +56,7 @@ def command(
 
 
 def _package(directory: Path, name: str) -> str:
-    """The package of an environment: its name, in the spelling of the folder if that has capitals."""
+    """The package of an environment: its name, capitalised as the folder if the folder has capitals."""
     source = directory / "src"
     folders = [path.name for path in source.iterdir() if path.is_dir()] if source.is_dir() else []
     return name if name in folders else next((f for f in folders if f.lower() == name.lower()), name)
@@ -76,7 +77,7 @@ def _explain(kind: str, package: str, name: str, class_: str, directory: Path) -
     source = directory / "src" / package
     lines = [
         "",
-        f"To use it, import it at the top of {directory / 'default.py'}"
+        f"To use it, import it at the beginning of {directory / 'default.py'}"
         + ("" if kind == "robot" else f",\nor of a robot in {source / 'builder' / 'robots'}"),
         "",
         f"    from {package}.builder.{kind}s import {class_}",
@@ -84,7 +85,7 @@ def _explain(kind: str, package: str, name: str, class_: str, directory: Path) -
     ]
     if kind == "robot":
         lines += [
-            "and put one in the scene:",
+            "and add one to the scene:",
             "",
             f"    robot = {class_}()",
             "    robot.translate(1.0, 0.0, 0.0)",
@@ -102,6 +103,6 @@ def _explain(kind: str, package: str, name: str, class_: str, directory: Path) -
             f"    robot.append({name})",
             "",
             f"What it does:          {source / f'{kind}s' / f'{name}.py'}",
-            f"How scripts see it:    {source / 'builder' / f'{kind}s' / f'{name}.py'} (seldom needs a change)",
+            f"How scripts see it:    {source / 'builder' / f'{kind}s' / f'{name}.py'} (seldom has to be changed)",
         ]
     typer.echo("\n".join(lines))

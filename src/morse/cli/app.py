@@ -34,14 +34,14 @@ _MODULES = {
 
 @dataclass(frozen=True, slots=True)
 class GlobalOptions:
-    """The options that stand before the sub-command."""
+    """The options before the subcommand."""
 
     color: bool = False
     reverse_color: bool = False
 
 
 class _Commands(typer.core.TyperGroup):
-    """Imports the module of a sub-command only when it is needed, so that ``morse -v`` answers at once.
+    """Imports the module of a subcommand only when it is needed, so that ``morse -v`` responds at once.
 
     (The type of a parser's context is private to Typer, hence ``Any``.)
     """
@@ -105,8 +105,8 @@ def execute(arguments: Sequence[str]) -> int:
         arguments: the words after ``morse``.
 
     Returns:
-        The exit status: 0, 1 for a failed command, 2 for an error on the command line, 130
-        after Ctrl+C, or what the simulation returned.
+        The exit status: 0, 1 for a failed command, 2 for an error on the command line, 130 after Ctrl+C, or the status
+        that the simulation returned.
     """
     try:
         status = typer.main.get_command(app).main(args=list(arguments), prog_name="morse", standalone_mode=False)
@@ -114,8 +114,8 @@ def execute(arguments: Sequence[str]) -> int:
         complain(str(error))
         return error.status
     except typer.TyperException as error:
-        # options and arguments that the parser refuses
-        complain(f"{error.format_message()} (`{_help_line(error)}` lists what there is.)")
+        # options and arguments that the parser rejects
+        complain(f"{error.format_message()} (`{_help_line(error)}` lists all options.)")
         return error.exit_code
     except (typer.Abort, KeyboardInterrupt):
         complain("Interrupted.")

@@ -10,16 +10,16 @@ INSTALL = "sudo apt-get install blender, or https://www.blender.org/download; th
 
 
 def find() -> tuple[str | None, str]:
-    """The Blender to use.
+    """The Blender program to use.
 
     Returns:
-        The path of the program, or None, and where it comes from or why there is none.
+        The path of the program and its origin; or None and the reason.
     """
     if given := os.environ.get("MORSE_BLENDER"):
         path = shutil.which(given)
         return (path, "$MORSE_BLENDER") if path else (None, f"MORSE_BLENDER is '{given}', which is not a program")
     path = shutil.which("blender")
-    return (path, "PATH") if path else (None, "neither MORSE_BLENDER nor the PATH has it")
+    return (path, "PATH") if path else (None, "neither MORSE_BLENDER nor the PATH contains it")
 
 
 def version(program: str) -> str:
@@ -30,4 +30,4 @@ def version(program: str) -> str:
         ).stdout
     except (OSError, subprocess.SubprocessError) as error:
         return f"{program} does not run: {error}"
-    return output.strip().splitlines()[0] if output.strip() else f"{program} says nothing of its version"
+    return output.strip().splitlines()[0] if output.strip() else f"{program} does not print its version"

@@ -33,7 +33,7 @@ def command(
         typer.Option(
             "--robot",
             metavar="CLASS",
-            help="What carries the components: a robot of MORSE, or package.module.Class of the project.",
+            help="Robot for the components: a robot of MORSE, or package.module.Class of the project.",
         ),
     ] = None,
 ) -> int:
@@ -51,17 +51,17 @@ def command(
     typer.echo(f"MORSE {__version__}")
     results = list(findings())
     Console().print(_table(results))
-    say(f"Middlewares that MORSE speaks: {', '.join(registry.installed())}.")
+    say(f"Available middlewares: {', '.join(registry.installed())}.")
     _say_places()
     missing = [result for result in results if result.required and not result.found]
     for result in missing:
         say(f"Missing: {result.name} ({result.detail}). To install it: {result.install}")
     for result in results:
         if not result.found and not result.required and result.install:
-            say(f"Not needed, but {result.name} would give: {result.gives}. To get it: {result.install}")
+            say(f"Optional: {result.name}, for {result.gives}. To install it: {result.install}")
     if missing:
         raise typer.Exit(1)
-    say("All that MORSE requires is there.")
+    say("All requirements of MORSE are met.")
     return 0
 
 

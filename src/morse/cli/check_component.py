@@ -23,13 +23,13 @@ def check_components(names: Sequence[str], robot: str | None) -> int:
 
     Args:
         names: classes of scene scripts, or files.
-        robot: class of the robot that is to carry them.
+        robot: class of the robot for the components.
 
     Returns:
         The exit status: 1 if a component breaks a rule.
 
     Raises:
-        CommandError: there is nothing to check.
+        CommandError: no component was given.
     """
     if not names:
         raise CommandError(f"Which component? {_USAGE}", status=2)
@@ -56,7 +56,7 @@ def _print(report: Report) -> None:
         typer.echo(f"  {'NO ' if faults else 'yes'} {rule}")
         for fault in faults:
             typer.echo(f"      {fault.where or report.name}: {fault.text}")
-    say(f"{report.name} keeps the contract." if report.passed else f"{report.name}: {_count(len(report.faults))}.")
+    say(f"{report.name} satisfies the contract." if report.passed else f"{report.name}: {_count(len(report.faults))}.")
 
 
 def _count(faults: int) -> str:

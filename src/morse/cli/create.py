@@ -16,7 +16,7 @@ from morse.cli.templates import Values, write_environment
 
 def command(
     env: Annotated[str, typer.Argument(help="Name of the new environment: letters, digits and underscores.")],
-    force: Annotated[bool, typer.Option("-f", "--force", help="Replace what is there.")] = False,
+    force: Annotated[bool, typer.Option("-f", "--force", help="Replace an existing directory.")] = False,
 ) -> None:
     """Create a new simulation environment in the current directory, with an example scene."""
     name = environment_name(env)
@@ -25,20 +25,20 @@ def command(
     registered = sites.find(name)
     if registered is not None and not force:
         raise CommandError(
-            f"There is an environment '{name}' already, at {registered}. Choose another name, "
-            f"replace it with `morse create -f {name}`, or remove it with `morse rm {name}`."
+            f"The environment '{name}' already exists, at {registered}. Choose another name, replace it with `morse "
+            f"create -f {name}`, or remove it with `morse rm {name}`."
         )
     _make_room(directory, force)
     written = write_environment(directory, Values(name))
     sites.register(name, directory)
 
-    say(f"Made the environment '{name}' in {directory}:")
+    say(f"Created the environment '{name}' in {directory}:")
     for path in written:
         typer.echo(f"    {path.relative_to(directory.parent)}")
     say(f"Start it with:           morse run {name}")
     say(f"Change the scene in:     {directory / 'default.py'}")
     say(f"Drive its robot from:    {directory / 'scripts' / f'{name}_client.py'}")
-    say(f"Add a robot of your own: morse add robot my_robot {name}")
+    say(f"Add your own robot: morse add robot my_robot {name}")
 
 
 def _make_room(directory: Path, force: bool) -> None:
@@ -48,7 +48,7 @@ def _make_room(directory: Path, force: bool) -> None:
         raise CommandError(f"{directory} exists and is not a directory: move it, or choose another name.")
     if not force:
         raise CommandError(
-            f"{directory} exists already. Register it with `morse import {directory.name}`, choose another name, "
-            f"or replace it and all that is in it with `morse create -f {directory.name}`."
+            f"{directory} exists already. Register it with `morse import {directory.name}`, choose another name, or "
+            f"replace it and everything in it with `morse create -f {directory.name}`."
         )
     shutil.rmtree(directory)

@@ -27,25 +27,25 @@ _PATIENCE = 5.0
 
 def command(
     name: Annotated[
-        str | None, typer.Argument(help="Which example; without it, all are listed.", show_default=False)
+        str | None, typer.Argument(help="Name of the example; without it, all examples are listed.", show_default=False)
     ] = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="No live view; the simulation ends with the client.")
     ] = False,
-    client: Annotated[bool, typer.Option("--client/--no-client", help="Run the client of the example, too.")] = True,
+    client: Annotated[bool, typer.Option("--client/--no-client", help="Also run the client of the example.")] = True,
     speed: Annotated[
         str | None,
-        typer.Option("--speed", metavar="X|max", help="Simulated seconds a second, or as fast as possible."),
+        typer.Option("--speed", metavar="X|max", help="Simulated seconds per second, or as fast as possible."),
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
     copy: Annotated[
-        Path | None, typer.Option("--copy", metavar="FOLDER", help="Do not run it: copy it there, to be changed.")
+        Path | None, typer.Option("--copy", metavar="FOLDER", help="Do not run the example: copy it to this folder.")
     ] = None,
 ) -> int:
-    """List the examples, or run one: a scene in the live view, and a client that drives it."""
+    """List the examples, or run one: a scene in the live view, and a client that drives the robot."""
     if name is None:
         if copy is not None or headless:
-            raise CommandError("Which example? `morse demo` lists all.", status=2)
+            raise CommandError("Which example? `morse demo` lists all examples.", status=2)
         _list()
         return 0
     chosen = example(name)
@@ -76,13 +76,13 @@ def _list() -> None:
     width = max(map(len, found))
     for each in found.values():
         typer.echo(f"{each.name:<{width}}  {each.what}")
-    say("Run one: morse demo NAME. Take it as a start for your own: morse demo NAME --copy FOLDER")
+    say("Run one: morse demo NAME. Copy it as a starting point: morse demo NAME --copy FOLDER")
 
 
 def _copy(chosen: Example, folder: Path) -> None:
     target = folder / chosen.name
     if target.exists():
-        raise CommandError(f"There is a '{target}' already: choose another folder.")
+        raise CommandError(f"'{target}' already exists: choose another folder.")
     shutil.copytree(chosen.scene.parent, target, ignore=shutil.ignore_patterns("__pycache__"))
     say(f"Run it:    morse run {target / 'scene.py'}")
     say(f"Drive it:  python3 {target / 'client.py'}")
@@ -103,7 +103,7 @@ class _Client:
         self.status = 0
 
     def start(self, simulation: Simulation) -> None:
-        """Start the program, which finds the simulation by its port."""
+        """Start the program, which gets the port of the simulation."""
         managers: list[Any] = list(simulation.context.services.request_managers().values())
         port = next(manager.port for manager in managers if hasattr(manager, "port"))
         environment = {**os.environ, "MORSE_SOCKET_PORT": str(port), "PYTHONUNBUFFERED": "1"}

@@ -26,16 +26,17 @@ def command(
         list[str] | None,
         typer.Argument(
             metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
-            help="As of `morse run`.",
+            help="As for `morse run`.",
             show_default=False,
         ),
     ] = None,
     base: Annotated[
-        str | None, typer.Option("-b", "--base", help="The .blend file to open, instead of that of the scene.")
+        str | None, typer.Option("-b", "--base", help="The .blend file to open, instead of the world of the scene.")
     ] = None,
-    name: Annotated[str | None, typer.Option("--name", help="Accepted as by `morse run`.")] = None,
+    name: Annotated[str | None, typer.Option("--name", help="Accepted as in `morse run`.")] = None,
     geometry: Annotated[
-        str | None, typer.Option("-g", "--geometry", metavar="WxH[+dx,dy]", help="Size and place of Blender's window.")
+        str | None,
+        typer.Option("-g", "--geometry", metavar="WxH[+dx,dy]", help="Size and position of the window of Blender."),
     ] = None,
 ) -> int:
     """Open the model of a scene's world in Blender, without starting the simulation."""
@@ -58,7 +59,7 @@ def command(
 
 
 def _window(geometry: str | None) -> list[str]:
-    """Blender's own option for ``WxH[+dx,dy]``."""
+    """The option of Blender for ``WxH[+dx,dy]``."""
     if geometry is None:
         return []
     size, _, offset = geometry.partition("+")
@@ -75,20 +76,20 @@ def _model(name: str) -> Path:
 
 
 def _world(script: Path) -> Path:
-    """The model of the world in which a scene takes place."""
+    """The model of the world of a scene."""
     if script.suffix == ".blend":
         return script
     name = _environment_name(script)
     if name is None:
         raise CommandError(
-            f"{script} does not name its world in plain text, as in Environment('sandbox'): "
-            "say which .blend file to open with `morse edit -b FILE`."
+            f"{script} does not contain the name of its world as a literal, as in Environment('sandbox'): give the "
+            ".blend file to open with `morse edit -b FILE`."
         )
     return _model(name)
 
 
 def _environment_name(script: Path) -> str | None:
-    """The name in the first ``Environment('name')`` of a script, which is read, not run."""
+    """The name in the first ``Environment('name')`` of a script; the script is parsed, but not executed."""
     try:
         tree = ast.parse(script.read_bytes(), str(script))
     except (SyntaxError, ValueError) as error:

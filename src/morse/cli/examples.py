@@ -13,10 +13,10 @@ FOLDER = Path(__file__).resolve().parents[1] / "data" / "examples"
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A scene script and a program that talks to it.
+    """A scene script and a client program for it.
 
     Attributes:
-        name: of its folder.
+        name: name of its folder.
         what: a description in one line.
     """
 
@@ -43,11 +43,13 @@ def example(name: str) -> Example:
     """The example of that name.
 
     Raises:
-        CommandError: there is none.
+        CommandError: there is no such example.
     """
     found = examples()
     if name not in found:
-        raise CommandError(f"There is no example '{name}'.{nearest(name, found)} `morse demo` lists all.", status=2)
+        raise CommandError(
+            f"There is no example '{name}'.{nearest(name, found)} `morse demo` lists all examples.", status=2
+        )
     return found[name]
 
 

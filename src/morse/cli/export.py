@@ -18,14 +18,18 @@ CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 def command(
     file: Annotated[str, typer.Argument(metavar="FILE.mcap", help="A recording.", show_default=False)],
-    csv: Annotated[bool, typer.Option("--csv", help="Text that every spreadsheet reads.")] = False,
-    parquet: Annotated[bool, typer.Option("--parquet", help="With types, for pandas, Polars, DuckDB, ...")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="As text, for spreadsheets.")] = False,
+    parquet: Annotated[
+        bool, typer.Option("--parquet", help="As typed columns, for pandas, Polars, DuckDB, ...")
+    ] = False,
     to: Annotated[
         str | None,
-        typer.Option("--to", metavar="FOLDER", help="A new folder (default: the name of the file, without .mcap)."),
+        typer.Option(
+            "--to", metavar="FOLDER", help="New folder for the tables (default: the name of the file, without .mcap)."
+        ),
     ] = None,
     topics: Annotated[
-        str | None, typer.Option("--topics", metavar="TOPIC[,TOPIC]", help="Some topics (default: all).")
+        str | None, typer.Option("--topics", metavar="TOPIC[,TOPIC]", help="Topics to export (default: all).")
     ] = None,
     film: Annotated[bool, typer.Option("--film", help="A film of the run.")] = False,
     output: Annotated[
@@ -34,7 +38,7 @@ def command(
             "-o",
             "--output",
             metavar="FILE",
-            help="The film: .gif (default), .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
+            help="File of the film: .gif (default), .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
         ),
     ] = None,
     origin: Annotated[
@@ -42,12 +46,12 @@ def command(
         typer.Option("--from", metavar="X,Y,Z", help="Viewpoint of the film, m (default: that of the script)."),
     ] = None,
     target: Annotated[
-        str | None, typer.Option("--at", metavar="X,Y,Z", help="What the film looks at, m (default: the origin).")
+        str | None, typer.Option("--at", metavar="X,Y,Z", help="Point that the film looks at, m (default: the origin).")
     ] = None,
     camera: Annotated[
-        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="Film what a camera of the scene sees.")
+        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="Film the image of a camera of the scene.")
     ] = None,
-    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of the film.")] = "1280x720",
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Size of the film, pixels.")] = "1280x720",
     fov: Annotated[float | None, typer.Option("--fov", help="Angle of view of the film, degrees.")] = None,
     rate: Annotated[float, typer.Option("--rate", help="Frames per simulated second.")] = 20.0,
     begin: Annotated[float, typer.Option("--begin", metavar="S", help="Simulated seconds before the film.")] = 0.0,
@@ -56,23 +60,23 @@ def command(
     ] = None,
     fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
     scene: Annotated[
-        str | None, typer.Option("--scene", metavar="PATH", help="Film: the scene script, if it is another one.")
+        str | None, typer.Option("--scene", metavar="PATH", help="Film: another scene script than the recorded one.")
     ] = None,
     trust: Annotated[
-        bool, typer.Option("--trust", help="Film: execute the script in the recording if need be.")
+        bool, typer.Option("--trust", help="Film: execute the script in the recording if necessary.")
     ] = False,
 ) -> int:
     """Write a table for each topic of a recording, or a film of the run.
 
-    A row is a message; its columns are simulated time and the fields of the message. A film shows the
-    recorded poses, rendered as by `morse render`; without them, the scene is simulated again with the recorded inputs.
+    Each row is a message; the columns are simulated time and the fields of the message. A film shows the recorded
+    poses, rendered as by `morse render`; without them, the scene is simulated again with the recorded inputs.
     """
     from morse.core.exceptions import MorseError
     from morse.recording.export import export
     from morse.recording.mcap.reader import McapFile
 
     if [csv, parquet, film].count(True) != 1:
-        raise CommandError("Say --csv or --parquet for tables, or --film.", 2)
+        raise CommandError("Give --csv or --parquet for tables, or --film.", 2)
     if film:
         what = Filmed(
             camera,
@@ -90,14 +94,14 @@ def command(
     try:
         with McapFile(file) as recording:
             if not recording.complete:
-                say("The recording breaks off: what is there is written.")
+                say("The recording is incomplete: its intact part is exported.")
             written, remarks = export(recording, folder, "csv" if csv else "parquet", chosen)
     except MorseError as error:
         raise CommandError(str(error)) from None
     for remark in remarks:
         say(remark)
     for one in written:
-        without = f", without {', '.join(one.left_out)} (--parquet holds them)" if one.left_out else ""
+        without = f", without {', '.join(one.left_out)} (--parquet exports them)" if one.left_out else ""
         say(f"{one.path}: {one.rows} rows of {one.topic}{without}")
     return 0
 
@@ -119,7 +123,7 @@ def _film(file: str, path: Path, what: Filmed, scene: str, trust: bool) -> int:
     except MorseError as error:
         raise CommandError(str(error)) from None
     except OSError as error:
-        raise CommandError(f"{path} could not be written, or {file} not be read: {error}") from None
+        raise CommandError(f"{path} could not be written, or {file} could not be read: {error}") from None
     except (ValueError, LookupError) as error:
         raise CommandError(f"The scene cannot be simulated again: {describe(error)}") from None
     return 0

@@ -21,9 +21,9 @@ class Filmed(NamedTuple):
 
     Attributes:
         camera: name of a camera of the scene, or None.
-        places: (x, y, z) of the viewpoint and of the point at which it looks, m; None for those of the script.
+        places: (x, y, z) of the viewpoint and of the point that it looks at, m; None for those of the script.
         size: width and height, px.
-        fov: angle of view, degrees; None for that of the script.
+        fov: angle of view, degrees; None for the angle of the script.
         fine: whether four times as many samples are drawn.
         rate: frames per simulated second.
         begin, length: simulated seconds; a length of None is the rest of the recording.
@@ -39,7 +39,7 @@ class Filmed(NamedTuple):
     length: float | None
 
     def check(self) -> None:
-        """Check the numbers.
+        """Validate the numbers.
 
         Raises:
             CommandError: a number is out of range, or options exclude each other.
@@ -51,17 +51,19 @@ class Filmed(NamedTuple):
         if self.length is not None and not 0.0 < self.length <= _LONGEST:
             raise CommandError(f"--length is a number of simulated seconds, not {self.length:g}.", 2)
         if self.camera is not None and (self.places != (None, None) or self.fov is not None):
-            raise CommandError("--camera shows what a camera sees: --from, --at and --fov do not go with it.", 2)
+            raise CommandError(
+                "--camera shows the image of a camera: it cannot be combined with --from, --at and --fov.", 2
+            )
 
 
 def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: bool) -> None:
     """Write a film of a recorded run, from its recorded poses or, without them, from a simulation of its inputs.
 
     Args:
-        recording: of a run.
-        path: of the film.
-        what: what is shown.
-        scene: path of the scene script; empty for the one that was recorded.
+        recording: recording of the run.
+        path: path of the film.
+        what: content of the film.
+        scene: path of the scene script; empty for the script that was recorded.
         trust: see `morse.launch.recorded_run.options_of`.
 
     Raises:
@@ -93,7 +95,7 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
                 pass
             if timeline.position < position:
                 break
-            # a restart makes new components
+            # a restart creates new components
             request = request_of(simulation, what.camera, what.places, what.size, what.fov, what.fine, color=True)
             if made is None:
                 made = picture_files.film(path, shape_of(request, what.fine), what.rate)

@@ -43,11 +43,11 @@ class Finding:
     """The result of one check.
 
     Attributes:
-        name: as the user knows it.
+        name: name for the user.
         found: whether it is installed and works.
         detail: version or location, or a description of the problem.
         gives: its purpose.
-        install: how to get it; empty if it would be of no use.
+        install: how to install it; empty if that would be of no use.
         required: whether MORSE requires it.
     """
 
@@ -92,7 +92,7 @@ def _module(module: str, distribution: str, gives: str, install: str, *, require
         detail = importlib.metadata.version(distribution)
     except importlib.metadata.PackageNotFoundError:
         return Finding(module, True, "of unknown version", gives, install, required)
-    except Exception as error:  # a broken binary package fails in its own way
+    except Exception as error:  # a broken binary package may raise any exception
         return Finding(module, False, f"{type(error).__name__}: {error}", gives, install, required)
     return Finding(module, True, detail, gives, install, required)
 
@@ -102,7 +102,7 @@ def _kernel() -> Finding:
     return Finding(
         "native kernel",
         loaded is not None,
-        Path(loaded._name).name if loaded is not None else "numpy does its work",
+        Path(loaded._name).name if loaded is not None else "numpy is used",
         "laser scanners up to 100 times faster",
         "pip install --force-reinstall morse-simulator",
     )

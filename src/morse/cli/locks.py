@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Acquire the lock file, waiting for other processes; it is released at the latest when the process ends.
+    """Acquire the lock file, and wait for other processes; it is released when the process ends, if not before.
 
     Raises:
-        OSError: the file cannot be made or locked.
+        OSError: the file cannot be created or locked.
     """
     descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
@@ -32,7 +32,7 @@ if sys.platform == "win32":
     def _lock(descriptor: int) -> None:
         import msvcrt
 
-        # the system call gives up after ten attempts, one second apart
+        # the system call fails after ten attempts, one second apart
         msvcrt.locking(descriptor, msvcrt.LK_LOCK, 1)
 
 else:

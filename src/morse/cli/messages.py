@@ -15,7 +15,7 @@ class CommandError(Exception):
     """A command failed; the message contains the reason and the correction.
 
     Args:
-        message: shown to the user.
+        message: text for the user.
         status: exit status of the process; 2 for a mistake on the command line itself.
     """
 
@@ -25,22 +25,22 @@ class CommandError(Exception):
 
 
 def say(message: str) -> None:
-    """Tell the user something, on the standard output."""
+    """Print a message on the standard output."""
     typer.echo(f"* {message}")
 
 
 def warn(message: str) -> None:
-    """Tell the user of something unexpected, on the standard error."""
+    """Print a warning on the standard error."""
     typer.echo(f"* Warning: {message}", err=True)
 
 
 def complain(message: str) -> None:
-    """Tell the user why a command failed, on the standard error."""
+    """Print the reason why a command failed on the standard error."""
     typer.echo(f"* {message}", err=True)
 
 
 def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str:
-    """A hint such as `` Did you mean 'ranger_sim'?``, or nothing if no candidate is like the word."""
+    """A hint such as `` Did you mean 'ranger_sim'?``, or an empty string if no candidate is similar to the word."""
     known = {candidate.lower(): candidate for candidate in candidates}
     matches = difflib.get_close_matches(word.lower(), known, n=1, cutoff=cutoff)
     return f" Did you mean '{known[matches[0]]}'?" if matches else ""

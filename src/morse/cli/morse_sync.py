@@ -33,7 +33,7 @@ class Pace:
     between two sleeps.
 
     Args:
-        period: wanted duration of a round, s.
+        period: duration of a round, s.
     """
 
     def __init__(self, period: float) -> None:
@@ -47,7 +47,7 @@ class Pace:
         self._samples.clear()
 
     def took(self, duration: float) -> None:
-        """Take note of how long a round was, s."""
+        """Record the duration of a round, s."""
         self._samples.append(duration)
         if len(self._samples) == _SAMPLES:
             error = self.period - sum(self._samples) / _SAMPLES
@@ -77,13 +77,13 @@ def _parser() -> argparse.ArgumentParser:
         description="Paces a simulation whose scene has env.configure_stream_manager('socket', time_sync=True). "
         "Commands on the standard input: set_period SECONDS, quit.",
     )
-    parser.add_argument("-p", "--period", type=_positive, required=True, help="seconds of wall-clock time a tick")
+    parser.add_argument("-p", "--period", type=_positive, required=True, help="wall-clock time per tick, s")
     parser.add_argument(
-        "-t", "--timeout", type=_positive, default=10.0, help="how long to wait for the simulation to listen, s"
+        "-t", "--timeout", type=_positive, default=10.0, help="timeout for the connection to the simulation, s"
     )
-    parser.add_argument("-H", "--host", default="localhost", help="where the simulation runs")
+    parser.add_argument("-H", "--host", default="localhost", help="host of the simulation")
     parser.add_argument("-P", "--port", type=int, default=6000, help="its sync_port")
-    parser.add_argument("-d", "--debug", action="store_true", help="say how long each period was")
+    parser.add_argument("-d", "--debug", action="store_true", help="print the duration of each period")
     return parser
 
 
@@ -104,7 +104,7 @@ def _connect(host: str, port: int, timeout: float) -> socket.socket:
             connection = socket.create_connection((host, port), timeout=timeout)
         except ConnectionRefusedError:
             if time.monotonic() > deadline:
-                raise TimeoutError(f"no simulation waits for it there after {timeout:g} s") from None
+                raise TimeoutError(f"no simulation listens there after {timeout:g} s") from None
             time.sleep(_RETRY)
         else:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -150,7 +150,7 @@ def _obey(line: str, pace: Pace) -> bool:
         except argparse.ArgumentTypeError as error:
             print(f"* set_period: {error}", file=sys.stderr)
     elif words:
-        print(f"* '{line.strip()}' is not a command: there are 'set_period SECONDS' and 'quit'", file=sys.stderr)
+        print(f"* '{line.strip()}' is not a command; expected 'set_period SECONDS' or 'quit'", file=sys.stderr)
     return True
 
 

@@ -1,6 +1,6 @@
 """``morseexec SCRIPT``: the same as ``morse run SCRIPT``.
 
-Made for the first line of a scene script, where only one word may follow the interpreter::
+It is meant for the first line of a scene script, where only one word may follow the interpreter::
 
     #! /usr/bin/env morseexec
 """

@@ -16,30 +16,32 @@ def environment_name(text: str) -> str:
     """Validate the name of an environment, which is also the name of its directory and of its Python package.
 
     Raises:
-        CommandError: for a path, for what Python could not import, and for the names of modules that
-            the environment would hide.
+        CommandError: the name is a path, or not a valid name of a Python module, or the environment would hide a
+            module.
     """
     name = text.rstrip("/\\") if text.strip("/\\") else text
     if any(separator in name for separator in "/\\") or name in ("", ".", "..") or ":" in name:
         raise CommandError(
-            f"'{text}' is a path: give the plain name of the environment, which is made in the current directory."
+            f"'{text}' is a path: give the plain name of the environment, which is created in the current directory."
         )
     package = _identifier(name, keep="_", replace="_")
     if package != name:
         raise CommandError(
-            f"'{text}' cannot be the name of a Python package, which an environment is. "
-            + (f"'{package}' can." if package.strip("_") else "Use letters, digits and underscores.")
+            f"'{text}' cannot be the name of an environment, because it is not a valid name of a Python package. "
+            + (f"Use '{package}', for example." if package.strip("_") else "Use letters, digits and underscores.")
         )
     if name in sys.stdlib_module_names or name in _OWN_PACKAGES:
-        raise CommandError(f"'{text}' would hide the Python module '{name}' from your scripts. '{name}_sim' would not.")
+        raise CommandError(
+            f"'{text}' would hide the Python module '{name}' from your scripts. Use, for example, '{name}_sim'."
+        )
     return name
 
 
 def registered_name(text: str) -> str:
-    """A name under which the configuration file can hold an existing directory.
+    """A name for an existing directory in the configuration file.
 
     Raises:
-        CommandError: for a name that the file could not hold.
+        CommandError: the configuration file cannot contain the name.
     """
     name = text.strip()
     if not name or not name.isprintable() or name[0] in "#;[" or any(c in "=:/\\" for c in name):
@@ -48,10 +50,10 @@ def registered_name(text: str) -> str:
 
 
 def component_name(text: str) -> str:
-    """The safe form of the name of a component: its letters and digits alone.
+    """The safe form of the name of a component: only its letters and digits.
 
     Raises:
-        CommandError: for a path, and for a name without letters and digits.
+        CommandError: the name is a path, or has no letters and digits.
     """
     if any(separator in text for separator in "/\\") or text in (".", ".."):
         raise CommandError(f"'{text}' is a path: give the plain name of the component.")
@@ -67,7 +69,7 @@ def class_name(name: str) -> str:
 
 
 def _identifier(text: str, keep: str, replace: str) -> str:
-    """A form of the text that can be the name of a Python module, of a class and of a file."""
+    """A form of the text that is valid as the name of a Python module, of a class and of a file."""
     # Python normalises identifiers to this form, but file systems do not
     normal = unicodedata.normalize("NFKC", text)
     name = "".join(c if c in keep or (c.isalnum() and ("a" + c).isidentifier()) else replace for c in normal)

@@ -1,4 +1,4 @@
-"""``morse render``: a picture or a film of a scene, without a window."""
+"""``morse render``: an image or a film of a scene, without a window."""
 
 from __future__ import annotations
 
@@ -27,21 +27,22 @@ def command(
         typer.Argument(metavar="ENVIRONMENT [FILE] | PATH", help="The scene, as for `morse run`.", show_default=False),
     ],
     output: Annotated[
-        str, typer.Option("-o", "--output", metavar="FILE", help="picture.png, .jpg or .webp; with --film see there.")
+        str, typer.Option("-o", "--output", metavar="FILE", help="picture.png, .jpg or .webp; for a film, see --film.")
     ] = "picture.png",
     origin: Annotated[
         str | None,
-        typer.Option("--from", metavar="X,Y,Z", help="Where to look from, m (default: the viewpoint of the script)."),
+        typer.Option("--from", metavar="X,Y,Z", help="Position of the viewpoint, m (default: that of the script)."),
     ] = None,
     target: Annotated[
-        str | None, typer.Option("--to", metavar="X,Y,Z", help="What to look at, m (default: the origin).")
+        str | None, typer.Option("--to", metavar="X,Y,Z", help="Point to look at, m (default: the origin).")
     ] = None,
     camera: Annotated[
-        str | None, typer.Option("--camera", metavar="ROBOT.CAMERA", help="What a camera of the scene sees instead.")
+        str | None,
+        typer.Option("--camera", metavar="ROBOT.CAMERA", help="Draw the image of a camera of the scene instead."),
     ] = None,
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels.")] = "1280x720",
     fov: Annotated[
-        float | None, typer.Option("--fov", help="Angle of view from left to right, degrees (default: of the script).")
+        float | None, typer.Option("--fov", help="Horizontal angle of view, degrees (default: that of the script).")
     ] = None,
     show: Annotated[str, typer.Option("--show", metavar="color|depth|ids", help="What to draw.")] = "color",
     time: Annotated[float, typer.Option("--time", min=0.0, help="Simulated seconds before the picture.")] = 0.5,
@@ -50,14 +51,15 @@ def command(
         typer.Option(
             "--film",
             metavar="SECONDS",
-            help="A film of so many simulated seconds: .gif, .webp, frame_%04d.png, or with ffmpeg .mp4, .webm, .mkv.",
+            help="Draw a film of this length, simulated seconds: .gif, .webp, frame_%04d.png, or with ffmpeg .mp4, "
+            ".webm, .mkv.",
         ),
     ] = None,
-    rate: Annotated[float, typer.Option("--rate", help="Frames of a film in a second.")] = 20.0,
+    rate: Annotated[float, typer.Option("--rate", help="Frames per simulated second of a film.")] = 20.0,
     fine: Annotated[bool, typer.Option("--fine", help="Draw four times as many pixels, for smoother edges.")] = False,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = None,
 ) -> int:
-    """Draw a picture or a film of a scene: the same file on every machine, without a window or a graphics card."""
+    """Draw an image or a film of a scene: the same file on every machine, without a window or a graphics card."""
     from morse.rendering import picture_files
 
     path = Path(output)
@@ -100,9 +102,11 @@ def _check(
     if film is not None and not 0.0 < film <= _LONGEST:
         raise CommandError(f"--film is a number of simulated seconds up to {_LONGEST:g}, not {film:g}.", status=2)
     if not 0.0 < rate <= 1000.0:
-        raise CommandError(f"--rate is a number of frames in a second up to 1000, not {rate:g}.", status=2)
+        raise CommandError(f"--rate is a number of frames per second up to 1000, not {rate:g}.", status=2)
     if camera is not None and any(other is not None for other in others):
-        raise CommandError("--camera shows what a camera sees: --from, --to and --fov do not go with it.", status=2)
+        raise CommandError(
+            "--camera shows the image of a camera: it cannot be combined with --from, --to and --fov.", status=2
+        )
 
 
 def _load(words: list[str], seed: int | None) -> Simulation:

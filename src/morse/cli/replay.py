@@ -15,15 +15,20 @@ CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 def command(
     file: Annotated[str, typer.Argument(metavar="FILE.mcap", help="A recording.", show_default=False)],
     resimulate: Annotated[
-        bool, typer.Option("--resimulate", help="Run scene, seed and inputs again, and compare every message.")
+        bool,
+        typer.Option(
+            "--resimulate", help="Simulate the run again from scene, seed and inputs, and compare every message."
+        ),
     ] = False,
     scene: Annotated[
         str | None,
-        typer.Option("--scene", metavar="PATH", help="The scene script, if it is not the one that was recorded."),
+        typer.Option("--scene", metavar="PATH", help="Another scene script than the recorded one."),
     ] = None,
     trust: Annotated[
         bool,
-        typer.Option("--trust", help="Execute the script in the recording if that on the disk is gone or changed."),
+        typer.Option(
+            "--trust", help="Execute the script in the recording if the file of the script is missing or changed."
+        ),
     ] = False,
     record: Annotated[
         str | None,
@@ -32,16 +37,16 @@ def command(
     view_port: Annotated[int, typer.Option("--view-port", min=0, max=65535, help="Port of the page (0: any).")] = 8765,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")] = True,
 ) -> int:
-    """Look at a recorded run again.
+    """Show a recorded run.
 
-    The page of the live view shows the run, with a time line: jump, drag, play forward and backward at any speed. It
-    shows what was recorded; a recording without poses is simulated with its seed and its inputs.
+    The page of the live view shows the run, with a timeline for jumping, dragging, and playing forward and backward at
+    any speed. It shows the recorded poses; a recording without poses is simulated with its seed and its inputs.
 
-    With --resimulate there is no page: every message is compared with the recorded one, to the bit; if one differs, its
-    tick and its first field that differs are named.
+    With --resimulate there is no page: every message is compared with the recorded message, bit for bit. If a message
+    differs, its tick and the first different field are printed.
     """
     if record is not None and not resimulate:
-        raise CommandError("--record belongs to --resimulate: it records the run that is simulated again.", 2)
+        raise CommandError("--record belongs to --resimulate: it records the new simulation of the run.", 2)
     work = _resimulate if resimulate else _play
     return work(file, scene or "", record, trust, view_port, browser)
 
@@ -76,7 +81,7 @@ def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: i
         with Recording(path) as recording:
             say(f"Simulating {recording.facts.get('environment') or path} again, to tick {recording.last_tick()} ...")
             if not recording.complete:
-                say("The recording breaks off: what is there is compared.")
+                say("The recording is incomplete: its intact part is compared.")
             if failure := recording.end.get("failure"):
                 say(f"It was recorded before a failure: {failure}")
             log.setup(level="WARNING")
@@ -87,17 +92,17 @@ def _resimulate(path: str, scene: str, record: str | None, trust: bool, _port: i
         raise CommandError(f"The scene cannot be simulated again: {describe(error)}") from None
     if outcome.departure is not None:
         tick, what, how = outcome.departure
-        complain(f"Not the same: the run departs from the recording at tick {tick}, in {what}: {how}.")
+        complain(f"Different: the run differs from the recording from tick {tick} on, in {what}: {how}.")
         return 1
     if outcome.failure:
-        complain(f"The run breaks off after {outcome.ticks} ticks: {outcome.failure}")
+        complain(f"The run stopped after {outcome.ticks} ticks: {outcome.failure}")
         return 1
     if outcome.complete and not outcome.messages:
-        say(f"The same to the bit: the state at the end of {outcome.ticks} ticks.")
+        say(f"Equal to the bit: the state at the end of {outcome.ticks} ticks.")
         return 0
     if not outcome.messages:
-        say(f"{outcome.ticks} ticks were simulated again; the recording holds no messages to compare them with.")
+        say(f"{outcome.ticks} ticks were simulated again; the recording contains no messages to compare.")
         return 0
     with_state = ", and so is the state at the end" if outcome.complete else ""
-    say(f"The same to the bit: {outcome.messages} messages of {outcome.ticks} ticks{with_state}.")
+    say(f"Equal to the bit: {outcome.messages} messages of {outcome.ticks} ticks{with_state}.")
     return 0

@@ -14,7 +14,7 @@ from morse.cli.sites import Sites
 
 def command(
     env: Annotated[str, typer.Argument(help="A registered environment.")],
-    force: Annotated[bool, typer.Option("-f", "--force", help="Do not ask.")] = False,
+    force: Annotated[bool, typer.Option("-f", "--force", help="Do not ask for confirmation.")] = False,
 ) -> None:
     """Delete a simulation environment: its directory with everything in it, and its registration."""
     name = env.rstrip("/")
@@ -24,12 +24,12 @@ def command(
         raise CommandError(f"There is no environment '{env}'.{nearest(name, sites.names())} {sites.known()}")
     if not directory.is_dir():
         sites.forget(name)
-        say(f"{directory} was gone already; the environment '{name}' is no longer registered.")
+        say(f"{directory} did not exist any more; the environment '{name}' is no longer registered.")
         return
     if Path.home().resolve().is_relative_to(directory.resolve()):
         sites.forget(name)
         raise CommandError(
-            f"{directory} holds your home directory, so it was not deleted. '{name}' is no longer registered."
+            f"{directory} contains your home directory, and was not deleted. '{name}' is no longer registered."
         )
     if not force and not _confirmed(f"Delete {directory} and everything in it?"):
         say("Nothing was deleted.")

@@ -22,7 +22,7 @@ from morse.simulation.options import RunOptions
 if TYPE_CHECKING:
     from morse.cli.app import GlobalOptions
 
-# what follows the scene belongs to the script, even if it looks like an option
+# all words after the scene belong to the script, even if they look like options
 CONTEXT_SETTINGS = {"allow_interspersed_args": False}
 
 _logger = logging.getLogger("morse.main")
@@ -40,32 +40,34 @@ def command(
         list[str] | None,
         typer.Argument(
             metavar="[ENVIRONMENT [FILE] | PATH] [ARGUMENTS]",
-            help="A registered environment, and a file in it if not its default.py; or the path of a scene script. "
-            "All further arguments are given to the script.",
+            help="A registered environment, and optionally a file in it (default: default.py); or the path of a scene "
+            "script. All further arguments are given to the script.",
             show_default=False,
         ),
     ] = None,
     name: Annotated[
         str | None,
-        typer.Option("--name", help="Name of this simulation node (else $MORSE_NODE, else that of the host)."),
+        typer.Option("--name", help="Name of this simulation node (default: $MORSE_NODE, else the name of the host)."),
     ] = None,
     geometry: Annotated[
         str | None, typer.Option("-g", "--geometry", metavar="WxH[+dx,dy]", help="Accepted for old scripts.")
     ] = None,
     headless: Annotated[bool, typer.Option("--headless", help="No live view.")] = False,
-    view: Annotated[str | None, typer.Option("--view", metavar="none|web|studio", help="Which live view.")] = None,
+    view: Annotated[
+        str | None, typer.Option("--view", metavar="none|web|studio", help="Kind of the live view.")
+    ] = None,
     view_port: Annotated[
         int | None, typer.Option("--view-port", help="Port of the live view (0: any free one).")
     ] = None,
     view_token: Annotated[
-        str | None, typer.Option("--view-token", help="What a browser on another host has to show.")
+        str | None, typer.Option("--view-token", help="Token that a browser on another host has to send.")
     ] = None,
     view_origin: Annotated[
         list[str] | None,
         typer.Option(
             "--view-origin",
             metavar="ORIGIN",
-            help="Another web page that may show the live view in a frame and drive: http://localhost:8080.",
+            help="Origin of another web page that may embed and control the live view, e.g. http://localhost:8080.",
             show_default=False,
         ),
     ] = None,
@@ -74,24 +76,27 @@ def command(
     ] = "127.0.0.1",
     speed: Annotated[
         str | None,
-        typer.Option("--speed", metavar="X|max", help="Simulated seconds a second, or as fast as possible."),
+        typer.Option("--speed", metavar="X|max", help="Simulated seconds per second, or as fast as possible."),
     ] = None,
     duration: Annotated[
-        str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after that much simulated time.")
+        str | None, typer.Option("--duration", metavar="SECONDS", help="Stop after this simulated time, s.")
     ] = None,
     seed: Annotated[int | None, typer.Option("--seed", help="Seed of all random numbers.")] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="An unknown or ill-typed field in a message of a client is an error.")
+        bool, typer.Option("--strict", help="Treat unknown fields and wrong types in messages of clients as errors.")
     ] = False,
     ros2: Annotated[
-        bool, typer.Option("--ros2", help="Connect everything to ROS 2, too: topics, frames, time.")
+        bool, typer.Option("--ros2", help="Also connect all components to ROS 2: topics, frames, time.")
     ] = False,
-    profile: Annotated[bool, typer.Option("--profile", help="Say at the end what took the time.")] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Print at the end which parts took how much time.")
+    ] = False,
     watch: Annotated[
         bool | None,
         typer.Option(
             "--watch/--no-watch",
-            help="Follow models and components that are saved while the simulation runs (default: with the live view).",
+            help="Reload models and components whose files change while the simulation runs (default: with the live "
+            "view).",
             show_default=False,
         ),
     ] = None,
@@ -101,14 +106,16 @@ def command(
     ] = None,
     keep_last: Annotated[
         float,
-        typer.Option("--keep-last", metavar="S", help="Seconds before a failure that are kept in a file; 0 for none."),
+        typer.Option(
+            "--keep-last", metavar="S", help="Simulated seconds before a failure that are saved to a file; 0 for none."
+        ),
     ] = 30.0,
     record_only: Annotated[
         str | None,
         typer.Option(
             "--record-only",
             metavar="NAME[,NAME]",
-            help="The sensors to record (default: all); none: inputs and log alone.",
+            help="The sensors to record (default: all); none: only inputs and log.",
         ),
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the live view in a browser.")] = True,
@@ -120,7 +127,7 @@ def command(
     check_geometry(geometry)
     resolved = resolve(scene or [])
     node = name or os.environ.get("MORSE_NODE") or socket.gethostname()
-    # scripts of several nodes look there which one they describe
+    # scripts of several nodes read from it which node they describe
     os.environ["MORSE_NODE"] = node
     options = RunOptions(
         script=str(resolved.script),
@@ -160,7 +167,7 @@ def _options(context: typer.Context) -> list[Any]:
 
 
 def _simulate(options: RunOptions) -> int:
-    # imported only now: the other commands, and mistakes in this one, should not wait for the simulator to load
+    # imported only now: other commands, and errors on this command line, should not wait for the simulator to load
     from morse.launch.run import run
 
     try:
@@ -172,7 +179,7 @@ def _simulate(options: RunOptions) -> int:
 
 
 def check_geometry(geometry: str | None) -> None:
-    """Refuse a value that is not ``WxH`` or ``WxH+dx,dy``."""
+    """Reject a value that is not ``WxH`` or ``WxH+dx,dy``."""
     if geometry is not None and not _GEOMETRY.fullmatch(geometry):
         raise CommandError(f"--geometry is WIDTHxHEIGHT or WIDTHxHEIGHT+dx,dy, e.g. 800x600; got '{geometry}'.", 2)
 
@@ -189,7 +196,9 @@ def color_scheme(options: GlobalOptions | None, today: date | None = None) -> st
 
 def _view(headless: bool, view: str | None) -> str:
     if headless and view not in (None, "none"):
-        raise CommandError(f"--headless means no live view, --view {view} asks for one: choose.", status=2)
+        raise CommandError(
+            f"--headless disables the live view, and --view {view} enables it: use only one of them.", status=2
+        )
     if headless:
         return "none"
     if view is None:
@@ -199,19 +208,25 @@ def _view(headless: bool, view: str | None) -> str:
     return view
 
 
+#: words for as fast as possible; `morse.load` takes ``math.inf``
+_FASTEST = ("max", "inf")
+
+
 def parse_speed(text: str | None) -> float | None:
-    """The value of ``--speed``; None for what the scene says.
+    """The value of ``--speed``; None for the speed of the scene.
 
     Raises:
-        CommandError: it is neither a speed nor ``max``.
+        CommandError: it is neither a speed nor ``max`` or ``inf``.
     """
     if text is None:
         return None
-    if text == "max":
+    if text in _FASTEST:
         return math.inf
     speed = _positive("--speed", text, "0.5, 2 or max")
     if speed < SLOWEST:
-        raise CommandError(f"--speed is at least {SLOWEST:g}, got {text}; 'pause' and 'step' hold the clock.", status=2)
+        raise CommandError(
+            f"--speed is at least {SLOWEST:g}, got {text}; use 'pause' or 'step' to stop the clock.", status=2
+        )
     return speed
 
 
@@ -219,8 +234,8 @@ def _duration(text: str) -> float:
     seconds = _positive("--duration", text, "60 (simulated seconds)")
     if seconds > _LONGEST:
         raise CommandError(
-            f"--duration takes {_LONGEST:g} simulated seconds at most, got {text}; without it the simulation "
-            "runs until it is stopped.",
+            f"--duration takes at most {_LONGEST:g} simulated seconds, got {text}; without it the simulation runs "
+            "until it is stopped.",
             status=2,
         )
     return seconds
@@ -238,7 +253,7 @@ def _positive(option: str, text: str, example: str) -> float:
 
 def _seed(seed: int | None) -> int | None:
     if seed is not None and seed < 0:
-        raise CommandError(f"--seed takes a whole number from 0 upward; got {seed}.", status=2)
+        raise CommandError(f"--seed takes an integer of at least 0; got {seed}.", status=2)
     return seed
 
 
@@ -252,14 +267,10 @@ def _record(path: str | None) -> str | None:
     if path is None:
         return None
     if os.path.isfile(path):
-        raise CommandError(
-            f"--record: {path} exists already, and recordings overwrite nothing: choose another name.", 2
-        )
+        raise CommandError(f"--record: {path} already exists, and is not overwritten: choose another name.", 2)
     folder = os.path.dirname(os.path.abspath(path))
     if not path or os.path.isdir(path) or not os.path.isdir(folder):
-        raise CommandError(
-            f"--record takes the path of a file in a folder that exists, e.g. run.mcap; got '{path}'.", 2
-        )
+        raise CommandError(f"--record takes the path of a file in an existing folder, e.g. run.mcap; got '{path}'.", 2)
     return path
 
 
@@ -273,20 +284,20 @@ def _names(names: str | None, record: str | None) -> list[str] | None:
     if names is None:
         return None
     if record is None:
-        raise CommandError("--record-only says which sensors --record writes: give both.", 2)
+        raise CommandError("--record-only selects the sensors for --record: give both.", 2)
     return [] if names == "none" else [name.strip() for name in names.split(",") if name.strip()]
 
 
 def _token(token: str | None) -> str | None:
     if token is not None and not token.strip():
-        raise CommandError("--view-token must not be empty: it keeps strangers out of the live view.", status=2)
+        raise CommandError("--view-token must not be empty: it protects the live view.", status=2)
     return token
 
 
 def _origins(given: list[str]) -> list[str]:
     if not given:
         return []
-    # imported only for this option
+    # imported only if this option is used
     from morse.core.web_access import checked_origin
 
     try:
@@ -297,7 +308,7 @@ def _origins(given: list[str]) -> list[str]:
 
 def _host(host: str) -> str:
     try:
-        # an address on which nothing can listen is refused here, in one line, rather than by each server
+        # an address on which no server can listen is rejected here, in one line, rather than by each server
         for family, kind, protocol, _, address in socket.getaddrinfo(host or "?", 0, type=socket.SOCK_STREAM):
             with socket.socket(family, kind, protocol) as probe:
                 probe.bind(address)

@@ -23,8 +23,8 @@ class ResolvedScene:
 
     Attributes:
         script: absolute path of the scene script or ``.blend`` file.
-        arguments: what follows on the command line, for the script.
-        project: the directory of the environment to which it belongs, if any.
+        arguments: the words after the scene on the command line, for the script.
+        project: directory of the environment to which it belongs, or None.
     """
 
     script: Path
@@ -33,12 +33,12 @@ class ResolvedScene:
 
     @property
     def source_paths(self) -> list[str]:
-        """The folder of the project's Python packages."""
+        """The folder of the Python packages of the project."""
         return self._folders("src")
 
     @property
     def resource_paths(self) -> list[str]:
-        """The folder of the project's models."""
+        """The folder of the models of the project."""
         return self._folders("data")
 
     def _folders(self, name: str) -> list[str]:
@@ -52,13 +52,13 @@ def resolve(words: Sequence[str]) -> ResolvedScene:
         words: ``[ENVIRONMENT [FILE]]`` or ``[PATH]``, then the arguments of the script.
 
     Raises:
-        CommandError: if there is no such scene.
+        CommandError: there is no such scene.
     """
     sites, broken = Sites.or_none_registered()
     if broken is not None:
         if not Path(words[0] if words else _DEFAULT_SCENE).exists():
             raise broken
-        warn(f"{broken} Until then no environment is known by its name.")
+        warn(f"{broken} Until then, environments cannot be found by name.")
     if not words:
         return _scene_here(sites)
     first, rest = words[0], list(words[1:])
@@ -103,9 +103,9 @@ def _file_of_environment(directory: Path, name: str, file: str) -> Path:
             return candidate
     scenes = _scenes_in(directory)
     raise CommandError(
-        f"There is no file '{file}' in the environment '{name}' ({directory}) nor in the current directory."
-        f"{nearest(file, scenes)} Scenes of '{name}': {', '.join(scenes) or 'none'}. "
-        f"To give '{file}' to the script, name the script first: morse run {name} {_DEFAULT_SCENE} {file}"
+        f"There is no file '{file}' in the environment '{name}' ({directory}) nor in the current "
+        f"directory.{nearest(file, scenes)} Scenes of '{name}': {', '.join(scenes) or 'none'}. To pass '{file}' to "
+        f"the script, give the script first: morse run {name} {_DEFAULT_SCENE} {file}"
     )
 
 
@@ -122,7 +122,7 @@ def _unknown_scene(given: str, path: Path, sites: Sites) -> CommandError:
 
 
 def _project_of(script: Path, sites: Sites) -> Path | None:
-    """The environment in which a script lies: a registered one, or a directory with ``src`` or ``data``."""
+    """The environment that contains a script: a registered one, or a directory with ``src`` or ``data``."""
     if (owner := sites.owner(script)) is not None:
         return owner
     beside = script.parent

@@ -12,7 +12,7 @@ from morse.cli.messages import CommandError, warn
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-#: names by which programs access their command line
+#: names through which programs access their command line
 _READERS = frozenset(
     {"argv", "orig_argv", "argparse", "getopt", "optparse", "absl", "click", "docopt", "fire", "typer", "tyro"}
 )
@@ -25,10 +25,10 @@ def check_arguments(
 
     Args:
         scene: the words that name the scene.
-        arguments: what follows them.
+        arguments: the words after the scene.
         script: the file of the scene.
-        source_paths: where the packages of its project are.
-        parameters: those of ``morse run``.
+        source_paths: directories of the packages of its project.
+        parameters: parameters of ``morse run``.
 
     Raises:
         CommandError: the script does not read its arguments, so that the options would have no effect.
@@ -39,15 +39,16 @@ def check_arguments(
     if not options or _reads_arguments(script, [str(script.parent), *source_paths]):
         if own:
             warn(
-                f"{', '.join(own)}: the script gets what follows the scene; options of `morse run` go before the scene."
+                f"{', '.join(own)}: arguments after the scene are passed to the script; options of `morse run` have "
+                "to be before the scene."
             )
         return
     if own:
         before, after = _sorted(arguments, takes_value)
         right = shlex.join(["morse", "run", *before, *scene, *after])
         raise CommandError(
-            f"{', '.join(own)}: options of `morse run` go before the scene; after it they are for the script, "
-            f"which does not read its arguments. Write: {right}",
+            f"{', '.join(own)}: options of `morse run` have to be before the scene; after it they are passed to the "
+            f"script, which does not read its arguments. Write: {right}",
             status=2,
         )
     warn(f"{', '.join(options)}: the script does not read its arguments, so this has no effect.")
@@ -110,7 +111,7 @@ def _modules(node: ast.AST) -> list[str]:
     if isinstance(node, ast.Import):
         return [alias.name for alias in node.names]
     if isinstance(node, ast.ImportFrom):
-        # of a relative import only the last words are known: they are looked for everywhere
+        # only the last words of a relative import are known: all directories are searched for them
         return [node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)]
     return []
 

@@ -37,7 +37,7 @@ class Sites:
         path: the configuration file.
 
     Raises:
-        CommandError: if the configuration file cannot be read.
+        CommandError: the configuration file cannot be read.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -83,15 +83,15 @@ class Sites:
         """The existing directory of a registered environment.
 
         Raises:
-            CommandError: if the name is not registered or the directory is gone.
+            CommandError: the name is not registered, or the directory does not exist any more.
         """
         path = self.find(name)
         if path is None:
             raise CommandError(f"There is no environment '{name}'.{nearest(name, self.names())} {self.known()}")
         if not path.is_dir():
             raise CommandError(
-                f"The environment '{name}' is registered at {path}, but there is no such directory any more. "
-                f"If it has moved, `morse import -f NEW_PATH {name}`; to forget it, `morse rm {name}`."
+                f"The environment '{name}' is registered at {path}, but this directory does not exist any more. If "
+                f"it was moved, `morse import -f NEW_PATH {name}`; to remove it from the list, `morse rm {name}`."
             )
         return path
 
@@ -99,10 +99,12 @@ class Sites:
         """A sentence that lists the registered environments, for error messages."""
         if names := self.names():
             return f"Registered are: {', '.join(names)}."
-        return "None is registered yet: `morse create NAME` makes one, `morse import PATH` registers a directory."
+        return (
+            "No environment is registered: `morse create NAME` creates one, `morse import PATH` registers a directory."
+        )
 
     def owner(self, path: Path) -> Path | None:
-        """The registered directory in which a file lies (the innermost one), or None."""
+        """The registered directory that contains a file (the innermost one), or None."""
         registered = {Path(self._config.get(_SECTION, name)).resolve() for name in self.names()}
         return next((directory for directory in path.resolve().parents if directory in registered), None)
 

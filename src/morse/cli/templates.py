@@ -1,8 +1,8 @@
 """The files that ``morse create`` and ``morse add`` write.
 
-Templates lie in ``data/templates/<kind>/`` under the name of the file they become plus ``.tpl``.
-``@env@``, ``@name@``, ``@classname@`` and ``@shortdesc@`` are replaced in paths and contents. A
-template that begins with a line ``#APPEND`` is added to a file that exists.
+Templates are in ``data/templates/<kind>/``. Their names are those of the resulting files plus ``.tpl``. ``@env@``,
+``@name@``, ``@classname@`` and ``@shortdesc@`` are replaced in paths and contents. A template that begins with a line
+``#APPEND`` is appended to an existing file.
 """
 
 from __future__ import annotations
@@ -79,23 +79,23 @@ def write_environment(directory: Path, values: Values) -> list[Path]:
 
 
 def behaviour_file(directory: Path, kind: str, values: Values) -> Path:
-    """The file of the class that runs in the simulation; if it exists, there is such a component."""
+    """The file of the component class; if it exists, the component exists."""
     return directory / values.fill(_TEMPLATES[kind][0])
 
 
 def write_component(directory: Path, kind: str, values: Values) -> list[Path]:
-    """Write the files of a robot, sensor or actuator into an environment, over those that are there.
+    """Write the files of a robot, sensor or actuator into an environment; existing files are overwritten.
 
     Args:
-        directory: of the environment.
+        directory: directory of the environment.
         kind: one of `COMPONENT_KINDS`.
-        values: what stands for the placeholders.
+        values: values of the placeholders.
 
     Returns:
-        The files of the component, the class that runs in the simulation first.
+        The files of the component, the file of the component class first.
 
     Raises:
-        CommandError: if MORSE lacks a model.
+        CommandError: a model of MORSE is missing.
     """
     model = _MODELS.get(kind)
     if model is not None and not (templates_directory() / model[0]).is_file():
@@ -110,7 +110,7 @@ def write_component(directory: Path, kind: str, values: Values) -> list[Path]:
 
 
 def templates_directory() -> Path:
-    """Where the templates are."""
+    """The directory of the templates."""
     return Path(__file__).resolve().parents[1] / "data" / "templates"
 
 

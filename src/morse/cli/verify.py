@@ -10,7 +10,7 @@ from morse.cli.messages import CommandError, complain, say
 from morse.cli.scenes import resolve
 from morse.simulation.options import RunOptions
 
-# options may follow the scene; what is for the scene itself and begins with a dash comes after "--"
+# options may follow the scene; arguments of the scene that begin with a dash come after "--"
 CONTEXT_SETTINGS = {"allow_interspersed_args": True}
 
 
@@ -24,8 +24,8 @@ def command(
 ) -> int:
     """Run a scene several times and compare every tick, to the bit.
 
-    A new process, a restart and a run with the live view have to agree in the physics and in the
-    data of every component. If they do not, the first tick and component that differ are named.
+    A new process, a restart and a run with the live view have to agree in the physics and in the data of every
+    component. If they differ, the first different tick and component are printed.
     """
     from morse.verification.verify import ReplayError, verify
 
@@ -43,10 +43,10 @@ def command(
         raise CommandError(f"The scene did not run to the end:\n{error}") from None
     for difference in differences:
         complain(
-            f"Not repeatable: {difference.runs} differ first in tick {difference.tick}, in '{difference.part}'. "
-            "Look there for the clock, for random numbers that do not come from self.context.random(), "
-            "for sets, and for threads."
+            f"Not repeatable: {difference.runs} differ first in tick {difference.tick}, in '{difference.part}'. Look "
+            "there for uses of the clock, of random numbers that are not from self.context.random(), of sets, and "
+            "of threads."
         )
     if not differences:
-        say(f"Repeatable: {ticks} ticks are the same to the bit.")
+        say(f"Repeatable: {ticks} ticks are equal to the bit.")
     return 1 if differences else 0

@@ -1,4 +1,4 @@
-"""Where pictures and films of a scene are seen from, and how they are drawn."""
+"""Viewpoints and sizes of images and films of a scene."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def size_of(text: str) -> tuple[int, int]:
 
 
 def place_of(text: str | None, option: str) -> tuple[float, ...] | None:
-    """Three numbers in metres of ``4,-5,2.5``; None for none."""
+    """Three numbers, m, from a text such as ``4,-5,2.5``; None if the option is not given."""
     if text is None:
         return None
     try:
@@ -82,7 +82,7 @@ def _lens(size: tuple[int, int], angle: float, fine: bool) -> Lens:
 
 
 def shape_of(request: CameraRequest, fine: bool) -> tuple[int, int]:
-    """Width and height of the pictures, px."""
+    """Width and height of the images, px."""
     from morse.rendering.viewpoint import Viewpoint
 
     lens = request.lens
@@ -91,7 +91,7 @@ def shape_of(request: CameraRequest, fine: bool) -> tuple[int, int]:
 
 
 def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
-    """(H, W, 3) what is seen now."""
+    """(H, W, 3) the present image."""
     import numpy as np
 
     from morse.rendering.light_codes import LIGHT, encoded

@@ -1,4 +1,4 @@
-"""What everything that offers services has in common."""
+"""The base class of all objects that offer services."""
 
 from __future__ import annotations
 
@@ -66,10 +66,10 @@ class AbstractObject:
         return {}
 
     def default_action(self) -> None:
-        """The work of a tick."""
+        """Perform the work of a tick."""
 
     def action(self) -> None:
-        """One tick."""
+        """Perform one tick."""
         self.default_action()
 
     @property
@@ -83,7 +83,7 @@ class AbstractObject:
         )
 
     def restart(self) -> None:
-        """Reset the object, since the simulation starts again at tick 0."""
+        """Reset the object, because the simulation starts again at tick 0."""
 
     def get_state(self) -> Any:
         """Return the state that determines the future of the object, as plain data; None without a state."""

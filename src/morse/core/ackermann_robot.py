@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class PhysicsAckermannRobot(Robot):
-    """A robot with steered front wheels and driven rear wheels, controlled in speed and yaw rate.
+    """A robot with steered front wheels and driven rear wheels, controlled by speed and yaw rate.
 
     A PID controller (see `morse.helpers.controller`) turns the error of the speed into an acceleration. A second PID
     controller turns the error of the yaw rate into an angular acceleration. The front wheels are turned so that all
@@ -24,19 +24,30 @@ class PhysicsAckermannRobot(Robot):
     """
 
     add_property(
-        "_max_steering_angle", 45.0, "max_steering_angle", "double", "Of the front wheels", unit="deg", low=0.0
+        "_max_steering_angle",
+        45.0,
+        "max_steering_angle",
+        "double",
+        "Largest steering angle of the front wheels",
+        unit="deg",
+        low=0.0,
     )
-    add_property("_vel_p_gain", 1.0, "velocity_p_gain", "double", "Of the speed")
-    add_property("_vel_d_gain", 1.0, "velocity_d_gain", "double", "Of the speed")
-    add_property("_vel_i_gain", 1.0, "velocity_i_gain", "double", "Of the speed")
+    add_property("_vel_p_gain", 1.0, "velocity_p_gain", "double", "Proportional gain of the speed")
+    add_property("_vel_d_gain", 1.0, "velocity_d_gain", "double", "Derivative gain of the speed")
+    add_property("_vel_i_gain", 1.0, "velocity_i_gain", "double", "Integral gain of the speed")
     add_property(
         "_vel_limits", 1.0, "velocity_integral_limits", "double", "Largest sum of errors of the speed", low=0.0
     )
-    add_property("_ang_p_gain", 1.0, "angular_velocity_p_gain", "double", "Of the yaw rate")
-    add_property("_ang_d_gain", 1.0, "angular_velocity_d_gain", "double", "Of the yaw rate")
-    add_property("_ang_i_gain", 1.0, "angular_velocity_i_gain", "double", "Of the yaw rate")
+    add_property("_ang_p_gain", 1.0, "angular_velocity_p_gain", "double", "Proportional gain of the yaw rate")
+    add_property("_ang_d_gain", 1.0, "angular_velocity_d_gain", "double", "Derivative gain of the yaw rate")
+    add_property("_ang_i_gain", 1.0, "angular_velocity_i_gain", "double", "Integral gain of the yaw rate")
     add_property(
-        "_ang_limits", 1.0, "angular_velocity_integral_limits", "double", "Largest sum of errors of the rate", low=0.0
+        "_ang_limits",
+        1.0,
+        "angular_velocity_integral_limits",
+        "double",
+        "Largest sum of errors of the yaw rate",
+        low=0.0,
     )
 
     not_state = ("steering",)
@@ -60,7 +71,7 @@ class PhysicsAckermannRobot(Robot):
 
     @property
     def max_steering_angle(self) -> float:
-        """How far the front wheels can be turned, rad."""
+        """Largest steering angle of the front wheels, rad."""
         return math.radians(self._max_steering_angle)
 
     def apply_vw_wheels(self, vx: float, vw: float) -> None:

@@ -16,15 +16,15 @@ _FINE = 1e-4
 class AckermannSteering:
     """The axles of a robot: parts of its model whose names contain ``wheel``.
 
-    A car is longer than it is wide: the robot drives along its X axis, or along its Y axis if the wheels lie farther
-    apart along Y.
+    A car is longer than it is wide. Therefore, the robot drives along its X axis, or along its Y axis if the wheels are
+    farther apart along Y.
 
     Args:
         robot: the robot.
 
     Attributes:
-        wheelbase: distance of the axles, m.
-        track: distance of the left and the right wheels, m.
+        wheelbase: distance between the axles, m.
+        track: distance between the left and the right wheels, m.
 
     Raises:
         ValueError: the robot has no front and rear wheels.
@@ -76,8 +76,8 @@ class AckermannSteering:
         """Drive during the next tick.
 
         Args:
-            speed: of the middle of the rear axle, m/s.
-            angle: of a wheel in the middle of the front axle, rad, positive to the left.
+            speed: speed of the middle of the rear axle, m/s.
+            angle: steering angle of a wheel in the middle of the front axle, rad, positive to the left.
         """
         angle = min(max(angle, -_MOST), _MOST)
         rate = speed * math.tan(angle) / self.wheelbase
@@ -102,10 +102,7 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def _turned(angle: float, r: Sequence[float]) -> tuple[float, ...]:
-    """A rotation, 9 numbers, followed by one about Z."""
+    """A rotation, 9 numbers, followed by a rotation about Z."""
     c, s = math.cos(angle), math.sin(angle)
-    return (
-        *(c * r[i] - s * r[3 + i] for i in range(3)),
-        *(s * r[i] + c * r[3 + i] for i in range(3)),
-        *r[6:9],
-    )
+    x, y, z, u, v, w, *last = r
+    return (c * x - s * u, c * y - s * v, c * z - s * w, s * x + c * u, s * y + c * v, s * z + c * w, *last)

@@ -15,7 +15,7 @@ class Actuator(Object):
     The last command stays in ``local_data`` and is applied again every tick.
 
     Attributes:
-        obeys_controls: whether it listens to the keys or the gamepad of the live view.
+        obeys_controls: whether it reads the keys or the gamepad of the live view.
     """
 
     obeys_controls: ClassVar[bool] = False

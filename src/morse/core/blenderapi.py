@@ -17,7 +17,7 @@ class _ZoneManager:
     """Finds the zones that a component is in."""
 
     def contains(self, component: Object, name: str | None = None, type: str | None = None) -> set[str]:
-        """Names of the zones around the component, of that name or type if given."""
+        """Names of the zones around the component; only those of that name or type, if given."""
         return component.in_zones(name, type)
 
 
@@ -31,7 +31,7 @@ class _Scene:
 
     @property
     def gravity(self) -> list[float]:
-        """m/s^2, in the world."""
+        """Gravity in the world, m/s^2."""
         return gravity_vector()
 
 
@@ -114,10 +114,10 @@ def isfastmode() -> bool:
 
 
 def gravity() -> float:
-    """m/s^2, positive, downward."""
+    """Gravity, m/s^2, positive, downward."""
     return current().scene.settings.gravity
 
 
 def gravity_vector() -> list[float]:
-    """m/s^2, in the world."""
+    """Gravity in the world, m/s^2."""
     return [0.0, 0.0, -gravity()]

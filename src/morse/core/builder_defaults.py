@@ -12,7 +12,7 @@ class Visual:
 
     Attributes:
         shape: ``cube``, ``sphere`` or ``cylinder``, 2 m in size (or 1 m in radius) before the scale.
-        scale: per axis.
+        scale: factor for each axis.
         color: RGB, 0..1.
     """
 
@@ -34,9 +34,9 @@ class BuilderDefaults:
         properties: values that differ from the declared defaults.
         visual: a marker, or None.
         model: a model file, or None.
-        part: the object of the model file that is taken; None for the whole file.
+        part: the object of the model file that is used; None for the whole file.
         doc: description of the product, if it differs from the short description of the class.
-        source: where the values of the product come from; for formulas of a class, see ``_source`` of the class.
+        source: source of the values of the product; for formulas of a class, see ``_source`` of the class.
     """
 
     name: str | None = None
@@ -55,12 +55,12 @@ class RobotDefaults:
 
     Attributes:
         model: a model file in ``robots``; None for a frame without a body.
-        drive: ``ground`` for a robot that moves as one body on the ground, ``wheels`` for one whose wheels turn,
-            ``free`` for one that may move along and about every axis.
+        drive: ``ground`` for a robot that moves as one body on the ground, ``wheels`` for a robot whose wheels turn,
+            ``free`` for a robot that may move along and about every axis.
         name: name in scene scripts, if it differs from the name of the class.
         properties: values that differ from the declared defaults, and tags.
-        rigid_body: True if forces move the body, even if the model file says otherwise.
-        collides: False if nothing collides with the robot, even if the model file says otherwise.
+        rigid_body: True if forces move the body, whatever the model file declares.
+        collides: False if nothing collides with the robot, whatever the model file declares.
     """
 
     model: str | None = None
@@ -83,4 +83,4 @@ def builder_defaults(cls: type, product: str | None = None) -> BuilderDefaults:
     for defaults in getattr(cls, "_products", ()):
         if defaults.name == product:
             return defaults  # type: ignore[no-any-return]
-    raise LookupError(f"{cls.__name__} declares no product '{product}'")
+    raise LookupError(f"{cls.__name__} has no product '{product}'")

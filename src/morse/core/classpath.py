@@ -11,14 +11,14 @@ from morse.core.hints import closest
 
 
 class ClassPathError(MorseError):
-    """A class path does not name a class that can be imported."""
+    """A class path does not refer to a class that can be imported."""
 
 
 def load_class(classpath: str) -> type[Any]:
-    """Return the class that ``package.module.Class`` names.
+    """Return the class that ``package.module.Class`` refers to.
 
     Raises:
-        ClassPathError: no such module or class, or the module itself cannot be imported.
+        ClassPathError: the module or class does not exist, or the module cannot be imported.
     """
     module_name, _, class_name = classpath.rpartition(".")
     if not module_name:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from morse.scene import TimeStrategies
 
 
-#: share of a tick; times since the epoch are doubles with a resolution of 2e-7 s
+#: tolerance as a share of a tick; times since the epoch are doubles with a resolution of 2e-7 s
 _SAME_TICK = 1e-2
-#: of ticks and nanoseconds, in 64 bits
+#: largest numbers of ticks and nanoseconds, in 64 bits
 _LARGEST_PRODUCT = 2**62
 
 SLOWEST = 1e-3
@@ -27,7 +27,7 @@ class Clock:
     """Counts ticks of fixed length, independently of the wall clock.
 
     Attributes:
-        tick: number of ticks done; 0 before the first.
+        tick: number of completed ticks; 0 before the first.
         time: simulated seconds; plus the start time since the epoch if absolute time was requested.
         frequency: ticks per simulated second.
         period: simulated seconds per tick.
@@ -77,14 +77,14 @@ class Clock:
         """
         tick = self.tick
         if seconds is None or seconds == self.time:
-            # asked for by every component in every tick
+            # called by every component in every tick
             if self._stamped[0] != tick:
                 self._stamped = (tick, self.stamp_of(tick))
             return self._stamped[1]
         if isinstance(seconds, (int, float)) and math.isfinite(seconds):
             ticks = (seconds - self._origin) * self.frequency
             tick = round(ticks)
-            if abs(ticks - tick) > _SAME_TICK:  # not a time of this clock
+            if abs(ticks - tick) > _SAME_TICK:  # the time is not a time of this clock
                 return round(seconds * 1e9)
         return self.stamp_of(tick)
 

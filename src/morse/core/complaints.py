@@ -1,4 +1,4 @@
-"""Rate-limited warnings about clients, whose mistakes may occur thousands of times per second."""
+"""Rate-limited warnings about clients, because a client may repeat a mistake thousands of times per second."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 _PERIOD = 10.0
-#: number of kinds that are logged per period; clients can create kinds by the names that they send
+#: number of kinds that are logged per period; the number is limited, because clients can create kinds by the names that
+#: they send
 _MAX_KINDS = 20
 
 
 class Complaints:
-    """Logs the first warning of a kind at once, and then at most one every ten seconds.
+    """Logs the first warning of a kind immediately, and then at most one every ten seconds.
 
     All kinds together have at most 20 lines in ten seconds. Suppressed warnings are counted.
 
     Args:
         logger: receives the warnings.
-        now: a wall clock, s.
+        now: function that returns wall-clock time, s.
     """
 
     def __init__(self, logger: logging.Logger, now: Callable[[], float] = time.monotonic) -> None:
@@ -47,14 +48,14 @@ class Complaints:
             return
         self._last[kind] = (now, 0)
         counted = last[1] if last is not None else 0
-        remark = f" ({counted} more of the kind)" if counted else ""
+        remark = f" ({counted} more of this kind)" if counted else ""
         if self._others:
-            remark += f" ({self._others} complaints of other kinds are left out)"
+            remark += f" ({self._others} warnings of other kinds were suppressed)"
             self._others = 0
         self._logger.log(level, "%s%s", message, remark)
 
     def _forget(self, now: float) -> bool:
-        """Make room for new kinds; return False if all kinds belong to the present period."""
+        """Free entries for new kinds; return False if all kinds belong to the present period."""
         old = [kind for kind, (when, _) in self._last.items() if now - when >= _PERIOD]
         for kind in old:
             self._others += self._last.pop(kind)[1]

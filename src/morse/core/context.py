@@ -31,9 +31,9 @@ class Controls(NamedTuple):
     """Keyboard and gamepad input at the live view.
 
     Attributes:
-        keys: names of the keys that are held down (``ArrowUp``).
+        keys: names of the keys that are pressed (``ArrowUp``).
         axes: axes of the gamepad, -1 to 1, right and down positive; empty without a gamepad.
-        robot: name of the robot that the keys drive, or None for all robots.
+        robot: name of the robot that the keys control, or None for all robots.
     """
 
     keys: frozenset[str] = frozenset()
@@ -53,19 +53,21 @@ class Context:
     """One simulation: its clock, its components, its services.
 
     Attributes:
-        robots: by name; ``external_robots`` are run by other simulation nodes.
+        robots: robots by name; ``external_robots`` are simulated by other simulation nodes.
         components: sensors and actuators by fully qualified name.
         stream_managers: by class path.
         service_objects: objects that offer the services of ``simulation``, ``time`` and ``communication``; several
             objects may share a name.
         network: the network thread for sockets and the live view; None for a simulation without either.
-        group_taps: called after each measurement of sensors that act together, with their `morse.core.group.Group`.
+        group_taps: callbacks, called after each measurement of sensors that act together, with their
+            `morse.core.group.Group`.
         failed: names of the components that were deactivated because they raised exceptions.
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
         stopping: whether the simulation has been told to end; code that waits within a tick has to check it.
         paused: whether no time passes but the ticks that a client asks for.
+        paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
     """
 
@@ -89,6 +91,7 @@ class Context:
     journal: Journal = field(init=False)
     stopping: Any = _not_stopping
     paused: Any = _not_stopping
+    paced: Any = _not_stopping
     _servers: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -101,7 +104,7 @@ class Context:
             self.network.wait(seconds)
 
     def wake(self) -> None:
-        """End `wait`, since something has arrived; may be called from any thread."""
+        """End `wait`, because something has arrived; may be called from any thread."""
         if self.network is not None:
             self.network.wake()
 
@@ -113,7 +116,8 @@ class Context:
         """Return the server for requests of components (see `morse.core.requests`).
 
         Args:
-            kind: class of the server; it is called with the world. One instance per class is made, at the first call.
+            kind: class of the server; it is called with the world. One instance per class is created, at the first
+                call.
         """
         if kind not in self._servers:
             self._servers[kind] = kind(self.world)
@@ -179,7 +183,9 @@ def current() -> Context:
     if len(alive) == 1:
         return alive[0]
     if not alive:
-        raise RuntimeError("no simulation is running: components are made by morse.load or 'morse run', not by hand")
+        raise RuntimeError(
+            "no simulation is running: components are created by morse.load or 'morse run', not directly"
+        )
     raise RuntimeError(
         f"{len(alive)} simulations are running, and none of them acts in this thread: use self.context of a component"
     )

@@ -29,11 +29,11 @@ class AbstractDatastream(ABC):
         component_instance: the component.
         component_name: its name.
         kwargs: the options of the stream from the scene script.
-        manager: the middleware that carries it; set before `initialize`.
+        manager: the middleware that carries the stream; set before `initialize`.
         direction: ``OUT`` or ``IN``; set before `initialize`.
     """
 
-    #: the options that scripts may give; None: any, the stream checks them itself
+    #: options that scripts may give; None: any option, because the stream checks them itself
     options: ClassVar[Mapping[str, Option] | None] = None
     manager: Any = None
     direction: str = ""
@@ -50,7 +50,7 @@ class AbstractDatastream(ABC):
 
     @property
     def waiting(self) -> Collection[Any] | None:
-        """Return a collection that is empty while `default` has nothing to do; None if that is not known.
+        """Return a collection that is empty while `default` has nothing to do; None if this is not known.
 
         The collection is the same object at each call. Components that act together do not call `default` while the
         collection is empty.
@@ -86,9 +86,9 @@ class DatastreamManager(Observer):
     """
 
     classpath: str = ""
-    #: the options of ``env.configure_stream_manager``; None: any
+    #: options of ``env.configure_stream_manager``; None: any option
     manager_options: ClassVar[Mapping[str, Option] | None] = None
-    #: the options of ``add_stream``; None: any
+    #: options of ``add_stream``; None: any option
     stream_options: ClassVar[Mapping[str, Option] | None] = None
     _mapped: ClassVar[dict[tuple[str, str], str]] = {}
 
@@ -126,7 +126,7 @@ class DatastreamManager(Observer):
             self.register_component(component, declaration)
 
     def register_component(self, component: Any, declaration: Any, mw_data: list[Any] | None = None) -> None:
-        """Make a stream and attach it to a component.
+        """Create a stream and attach it to a component.
 
         A manager written for MORSE 1.4 overrides it with the arguments ``component_name, component_instance,
         mw_data``, where ``mw_data`` is a list: manager, class path of the stream, direction, options. Both forms may
@@ -184,7 +184,7 @@ class DatastreamManager(Observer):
         return None if name is None else getattr(self, name)
 
     def wanted(self, stream: Any, topic: str) -> bool:
-        """Whether the stream has a reader; without readers no messages are created.
+        """Whether the stream has a reader; without a reader no messages are created.
 
         Args:
             topic: sub-topic of the stream; empty for its main topic.
@@ -209,7 +209,7 @@ class DatastreamManager(Observer):
         """Called at the beginning of a tick; it may wait for a client that paces the simulation."""
 
     def drain(self) -> None:
-        """Read everything that has arrived, so that a tick that a client requests sees commands sent before it."""
+        """Read everything that has arrived, so that a tick that a client requests uses the commands sent before it."""
 
     def push(self) -> None:
         """Send what earlier ticks have published, before an answer to a service call is sent."""

@@ -7,6 +7,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: function that creates the builder object for a component class that a scene script calls, or None if no scene script
-#: runs; the builder sets it
+#: function that creates the builder object of a component class that a scene script calls; it returns None if no scene
+#: script runs. The builder sets this hook.
 describe: Callable[..., Any] | None = None

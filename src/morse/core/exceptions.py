@@ -13,15 +13,15 @@ class MorseError(Exception):
 
 
 class MorseEnvironmentError(MorseError):
-    """A simulation environment (project directory) is missing or broken, or exists already."""
+    """A simulation environment (project directory) is missing or broken, or already exists."""
 
 
 class MorseMiddlewareError(MorseError):
-    """A middleware is missing or does not answer."""
+    """A middleware is missing or does not respond."""
 
 
 class MorseMultinodeError(MorseError):
-    """Several simulation nodes do not find each other."""
+    """Several simulation nodes cannot connect to each other."""
 
 
 class MorseServiceError(MorseError):
@@ -41,7 +41,7 @@ class MorseMethodNotFoundError(MorseRPCInvokationError):
 
 
 class MorseWrongArgsError(MorseRPCInvokationError):
-    """The arguments of a call do not fit."""
+    """The arguments of a call are not valid."""
 
 
 class MorseRPCNbArgsError(MorseWrongArgsError):

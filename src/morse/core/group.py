@@ -48,7 +48,7 @@ class Group:
         context: the simulation.
         memory: dictionary in which the class may keep values between ticks. It is empty at first, and after members
             have acted alone.
-        stamp: changes whenever the group acts.
+        stamp: a value that changes whenever the group acts.
         poses: poses of the members in this tick: ``pose(i)``, ``numbers(i)``, ``transformation(i)``, or arrays of all:
             ``positions()``, ``rotations()``. They are computed on demand.
         is_changed: whether attributes were added to members since the group was formed.
@@ -89,8 +89,8 @@ class Group:
         """Return a field of the data of all members: N finite numbers.
 
         Raises:
-            ValueError, TypeError: a value is not a finite number. All members then act alone in this tick, and the log
-            names the wrong one.
+            ValueError, TypeError: a value is not a finite number. All members then act alone in this tick, and the
+            member with the wrong value is logged.
         """
         values = [data[field] for data in self._datas]
         try:
@@ -107,7 +107,7 @@ class Group:
     def attributes(self, name: str) -> list[Any]:
         """Return an attribute of all members."""
         if name not in self._plain:
-            # what a class computes comes before what its instances hold
+            # attributes that the class computes have precedence over attributes of the instances
             self._plain[name] = not hasattr(getattr(type(self.members[0]), name, None), "__set__")
         if self._plain[name]:
             try:
@@ -203,8 +203,8 @@ class Group:
         ``local_data`` of the members is removed, so that reading it calls `fill`.
 
         Returns:
-            The rows whose ``local_data`` is still referenced elsewhere: they have to be filled when the measurement is
-            done.
+            The rows whose ``local_data`` is still referenced elsewhere: they have to be filled at the end of the
+            measurement.
         """
         attributes, datas = self._attributes, self._datas
         size, taken = sum(map(len, attributes)), 0
@@ -220,7 +220,7 @@ class Group:
             if counts:
                 counts = list(map(sys.getrefcount, datas))
                 held = [row for row in held if counts[row] > _UNHELD]
-        # compares the numbers of attributes without the data of all members
+        # compares the numbers of attributes of the members, without their data
         self.is_changed |= size - taken != self._size - len(datas)
         self._before = (self._written, self._time, self.poses, self.stamp)
         self._written, self._time, self.poses = [], self.context.clock.time, GroupPoses(self._snapshots.now())
@@ -266,14 +266,14 @@ class Group:
 
 
 def _bytes(speeds: Sequence[float] | NDArray[Any] | None) -> bytes:
-    """Numbers that can be compared to the bit."""
+    """Numbers that can be compared bit for bit."""
     if speeds is None:
         return b""
     return (array("d", speeds) if isinstance(speeds, list) else np.asarray(speeds, dtype=np.float64)).tobytes()
 
 
 class OnDemand:
-    """``local_data`` of components whose group has removed it: the first access fills it in.
+    """``local_data`` of components whose group has removed it; the first access fills it in.
 
     An instance attribute of the same name, which all other components have, takes precedence.
     """

@@ -40,11 +40,11 @@ class GroupPoses:
         return made
 
     def positions(self) -> NDArray[Any]:
-        """(N, 3) m."""
+        """Positions (N, 3), m."""
         found: NDArray[Any] = self.snapshot.positions()
         return found
 
     def rotations(self) -> NDArray[Any]:
-        """(N, 3, 3) from the axes of each member to those of the world."""
+        """Rotations (N, 3, 3) from the axes of each member to those of the world."""
         found: NDArray[Any] = self.snapshot.rotations()
         return found

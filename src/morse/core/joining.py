@@ -13,17 +13,18 @@ if TYPE_CHECKING:
     from morse.core.object import Object
 
 VARIABLE = "MORSE_FLEETS"
-#: methods that change how a single component acts; a class that overrides one cannot use an inherited ``act_together``
+#: methods that change how a single component acts; a class that overrides one of them cannot use an inherited
+#: ``act_together``
 _ALONE = ("action", "default_action", "measure", "report", "sensor_setup", "update_pose", "local_data", "active")
 
 
 def are_allowed() -> bool:
-    """Whether components act together at all: not if the environment variable ``MORSE_FLEETS`` is ``off``."""
+    """Whether components act together; the environment variable ``MORSE_FLEETS=off`` disables it."""
     return os.environ.get(VARIABLE, "").strip().lower() != "off"
 
 
 def has_group_action(cls: Any) -> bool:
-    """Whether a class defines ``act_together`` and does not override, below it, how a single component acts."""
+    """Whether a class defines ``act_together``, and no subclass overrides how a single component acts."""
     for base in cls.__mro__:
         if "act_together" in vars(base):
             return issubclass(cls, (Sensor, Actuator))

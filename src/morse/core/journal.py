@@ -32,11 +32,11 @@ class Entry(NamedTuple):
     """One input.
 
     Attributes:
-        tick: number of ticks that were done when the input took effect.
+        tick: number of ticks that were complete when the input took effect.
         kind: ``command``, ``service``, ``cancel``, ``controls``, ``reset``, ``restore``, ``spawn``, ``delete`` or
             ``edit``.
-        name: the component, for commands and services; the file, for an edit.
-        content: fields of a command; name and arguments of a service call; ...
+        name: name of the component, for commands and services; of the file, for an edit.
+        content: fields of a command; name and arguments of a service call; and so on.
     """
 
     tick: int

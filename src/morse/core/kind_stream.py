@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: largest number of messages that wait for the next action of an actuator
+#: largest number of messages that are queued for the next action of an actuator
 _MOST_WAITING = 64
 
 
 class KindStream(AbstractDatastream):
-    """Sends the messages of a component with the methods of its manager, or passes received messages to it.
+    """Sends the messages of a component with the methods of its manager, or passes received messages to the component.
 
     Attributes:
         kinds: the message kinds that the component sends or receives.

@@ -1,24 +1,24 @@
-"""Units and ranges of the physical quantities that commands and services take.
+"""Units and ranges of the physical quantities in commands and arguments of services.
 
 For fields and properties: ``add_data("v", 0.0, "float", "Forward speed", **SPEED)``; for arguments of services: ``def
 set_speed(self, v: Speed)``.
 
-The ranges are wide enough for ships and satellites, and narrow enough for the physics engine, which fails for bodies at
-1e10 m. A value outside its range is a mistake of the sender.
+The ranges are wide enough for ships and satellites, and narrow enough for the physics engine, which fails if bodies are
+1e10 m away. A value outside its range is a mistake of the sender.
 """
 
 from typing import Annotated, Any
 
 from morse.core.validation.arguments import Range
 
-#: the centre of the earth is 6.4e6 m away
+#: m; the centre of the earth is 6.4e6 m away
 POSITION: dict[str, Any] = {"unit": "m", "low": -1e7, "high": 1e7}
 LENGTH: dict[str, Any] = {"unit": "m", "low": 0.0, "high": 1e7}
 SPEED: dict[str, Any] = {"unit": "m/s", "low": -1e4, "high": 1e4}
 TURN_RATE: dict[str, Any] = {"unit": "rad/s", "low": -1e4, "high": 1e4}
 FORCE: dict[str, Any] = {"unit": "N", "low": -1e6, "high": 1e6}
 TORQUE: dict[str, Any] = {"unit": "N·m", "low": -1e6, "high": 1e6}
-#: commands may turn several times
+#: rad; commands may be several turns
 ANGLE: dict[str, Any] = {"unit": "rad", "low": -1e6, "high": 1e6}
 
 Position = Annotated[float, Range(**POSITION)]

@@ -44,7 +44,7 @@ def link_parts(
     """
     links = list(_links(armature, chain, components))
     frames = chain.frames(chain.start)
-    moving = [index for index, bone in enumerate(chain.linked) if bone.kind is not JointKind.FIXED]
+    moving = [index for index, bone in enumerate(chain.linked) if bone.kind.has_value]
     found: list[MovingPart] = []
     first: dict[int, Any] = {}
     for link in links:
@@ -53,12 +53,12 @@ def link_parts(
             path.append(above)
             above = chain.bones[above].parent
         parent = first.get(above)
-        joints = [index for index in path if chain.linked[index].kind is not JointKind.FIXED]
+        joints = [index for index in path if index in moving or chain.bones[index].kind.is_loose]
         first.setdefault(link.bone, link.object)
         name = link.object.node.plain_name
-        if len(joints) != 1:
+        if len(joints) != 1 or chain.bones[joints[0]].kind.is_loose:
             kind = FLOATING if joints else FIXED
-            joint = chain.bones[path[0]].name if path and not joints else f"{name}_{kind}"
+            joint = chain.bones[path[0]].name if path and len(joints) < 2 else f"{name}_{kind}"
             found.append(MovingPart(joint, link.object, parent, (1.0, 0.0, 0.0), float, kind, frame=name))
             continue
         found.append(_moved(armature, link, parent, joints[0], chain, frames, moving.index(joints[0]), values))

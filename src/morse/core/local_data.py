@@ -14,7 +14,7 @@ class Later:
     Encoders call `tolist`, as for numpy arrays.
 
     Args:
-        make: returns the array.
+        make: function that returns the array.
     """
 
     __slots__ = ("make",)
@@ -28,7 +28,7 @@ class Later:
 
 
 class LocalData(dict[str, Any]):
-    """Data fields, of which some may be a `Later`.
+    """Data fields; the values of some may be of type `Later`.
 
     For readers it is a plain dictionary: a field is computed at the first access and then cached. A scan without
     readers is therefore never converted into lists, which would take longer than casting its rays.

@@ -1,9 +1,9 @@
 """The log of the simulator on the standard output: levels, format and colours.
 
-A line reads ``[    0.283] text``: seconds since the process started (since `logging` was imported),
-then the text. Loggers are named ``morse.<something>``; the last two parts of a name stand before the text, as in ``[
-0.283] [actuators.eyes] robot.eyes initialization``. Errors have no time stamp, and a section is announced by its title
-alone. The format is fixed, because other programs parse these lines.
+A line reads ``[    0.283] text``: seconds since the process started (since `logging` was imported), then the text.
+Loggers are named ``morse.<something>``; the last two parts of a name are printed before the text, as in ``[ 0.283]
+[actuators.eyes] robot.eyes initialization``. Errors have no time stamp, and the title of a section is a line by itself.
+The format is fixed, because other programs parse these lines.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class MorseFormatter(logging.Formatter):
     def __init__(self, colors: str = "mono") -> None:
         super().__init__("%(message)s")
         if colors not in COLOR_SCHEMES:
-            raise ValueError(f"unknown colour scheme '{colors}'; there are {', '.join(COLOR_SCHEMES)}")
+            raise ValueError(f"unknown colour scheme '{colors}'; expected one of {', '.join(COLOR_SCHEMES)}")
         self.colors = colors
         self._xmas: Iterator[str] = itertools.cycle(_XMAS)
 
@@ -152,7 +152,7 @@ class _ConsoleHandler(logging.StreamHandler[TextIO]):
             super().handleError(record)
         elif not self._has_complained:
             self._has_complained = True
-            complain(f"the log cannot be written from here on: {error.strerror or error}")
+            complain(f"the log can no longer be written: {error.strerror or error}")
 
 
 def complain(text: str) -> None:
@@ -200,15 +200,15 @@ def set_level(component: str, level: str) -> None:
     """Set the log level of a part of the simulator.
 
     Args:
-        component: name of a logger, with or without ``morse.`` before it: ``core.request_manager``; the name of a
+        component: name of a logger, with or without ``morse.`` before it: ``core.request_manager``. The name of a
             package (``core``) stands for all of its modules.
         level: ``debug``, ``info``, ``warning``, ``error`` or ``critical``; case is ignored.
 
     Raises:
-        ValueError: no level of that name, or ``component`` is not a dotted name.
+        ValueError: the level does not exist, or ``component`` is not a dotted name.
     """
     if level.upper() not in LEVELS:
-        raise ValueError(f"there is no log level {level!r:.80}: it is one of {', '.join(LEVELS).lower()}")
+        raise ValueError(f"there is no log level {level!r:.80}: expected one of {', '.join(LEVELS).lower()}")
     name = component.removeprefix("morse.")
     if len(name) > _MAX_NAME or name.count(".") >= _MAX_DEPTH or not _NAME.fullmatch(name):
         raise ValueError(f"{component!r:.80} is not a name of a logger, such as core.request_manager")

@@ -27,7 +27,7 @@ def maps(*kinds: str, direction: str = OUT) -> Callable[[_F], _F]:
     A method for ``general`` is required: it carries the kinds that no other method names.
 
     Raises:
-        MorseDeclarationError: no such kind or direction.
+        MorseDeclarationError: there is no such kind or direction.
     """
     for kind in kinds:
         if kind not in KINDS:
@@ -57,7 +57,7 @@ def mapped_kinds(cls: type) -> dict[tuple[str, str], str]:
     for direction in dict.fromkeys(direction for _, direction in found):
         if (GENERAL, direction) not in found:
             raise MorseDeclarationError(
-                f"{cls.__module__}.{cls.__name__} maps message kinds, but not '{GENERAL}': components of users may "
-                f"have no kind, so that a method with @maps('{GENERAL}', direction='{direction}') is needed"
+                f"{cls.__module__}.{cls.__name__} maps message kinds, but not '{GENERAL}': a method with "
+                f"@maps('{GENERAL}', direction='{direction}') is needed for components of users without a kind"
             )
     return found

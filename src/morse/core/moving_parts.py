@@ -1,4 +1,4 @@
-"""Parts of a robot that turn or slide against the rest of it."""
+"""Parts of a robot that rotate or slide relative to the rest of the robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class MovingPart(NamedTuple):
     Attributes:
         joint: name of the joint; messages of the kind ``joints`` use the same one.
         object: the part in the world.
-        parent: the object that it moves against; None for the body of the robot.
+        parent: the object relative to which it moves; None for the body of the robot.
         axis: (3,) unit vector along or about which it moves, in the frame of the part.
         position: rad or m, where it is now; called whenever it is needed.
         type: as URDF calls it: ``continuous``, ``revolute`` or ``prismatic``; ``fixed``, or ``floating`` for a part

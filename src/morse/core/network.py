@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-#: largest time for which a borrowed loop may not be run, wall-clock seconds
+#: longest time for which a borrowed loop may not be run, wall-clock seconds
 _UNSERVED = 0.002
 #: polling time before sleeping, wall-clock seconds, for a thread whose last wait was shorter than this; waking a thread
 #: up takes longer than a tick
@@ -131,8 +131,8 @@ class Network:
         """Call ``function`` whenever ``sock`` is readable; to be called in the loop.
 
         Args:
-            comes_first: `when_read` calls ``function`` as well. ``function`` must not block, and may be called when
-                there are no data.
+            comes_first: whether `when_read` calls ``function`` as well. ``function`` must not block, and may be called
+                when there are no data.
         """
         self._loop.add_reader(sock, function)
         if comes_first:
@@ -176,7 +176,7 @@ class Network:
         if self._posted:
             self._do_posted()
         if self._woken:
-            self._loop.stop()  # one iteration: send what was posted, read what has arrived
+            self._loop.stop()  # one iteration: send the posted data, read the received data
         elif self._alarm is None:
             # an earlier timer, if there is one, is sufficient
             self._alarm = self._loop.call_later(seconds, self._ring)
@@ -250,7 +250,7 @@ class Network:
             self._loop.stop()
 
     def stop(self) -> None:
-        """Cancel what runs, close the loop and wait for the thread."""
+        """Cancel all tasks, close the loop and wait for the thread."""
         self.give_back()
         if self._thread.is_alive():
             self._ending = True

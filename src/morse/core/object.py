@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 
 
 class Object(Requesting, AbstractObject):
-    """A component: an object with a pose in the world that acts at its frequency.
+    """A component: an object with a pose in the world that acts at its own frequency.
 
     Attributes:
         bge_object: the object of the world that carries it (`morse.physics.GameObject`).
@@ -75,7 +75,7 @@ class Object(Requesting, AbstractObject):
             return str(asked)
         return next((name for name, level in declared.items() if level.default), None)
 
-    #: attributes that are not part of the state: they are created from the scene and stay constant
+    #: attributes that are not part of the state: they are created from the scene and do not change
     not_state: ClassVar[tuple[str, ...]] = (
         "bge_object",
         "robot_parent",
@@ -106,9 +106,9 @@ class Object(Requesting, AbstractObject):
 
     @property
     def own_fields(self) -> Mapping[str, DataField]:
-        """Fields of ``local_data`` that follow from the model beside those declared: one for each joint, for instance.
+        """Fields of ``local_data`` that depend on the model, in addition to those declared: e.g. one for each joint.
 
-        The component puts them into ``local_data`` when it is made.
+        The component adds them to ``local_data`` when it is created.
         """
         return {}
 
@@ -118,7 +118,7 @@ class Object(Requesting, AbstractObject):
         return {}
 
     def moving_parts(self) -> Sequence[MovingPart]:
-        """The joints of the component and what they move, parents before their children."""
+        """The joints of the component and the parts that they move, parents before their children."""
         return ()
 
     def get_state(self) -> dict[str, Any]:
@@ -128,16 +128,17 @@ class Object(Requesting, AbstractObject):
         """
         without = {name for cls in type(self).__mro__ for name in vars(cls).get("not_state", ())}
         if self.group is not None:
-            _ = self.local_data  # fills them in
+            _ = self.local_data  # fills in fields that are computed on demand
             self.settle()
         own = {name: value for name, value in vars(self).items() if name not in without}
-        # a group removes the data and restores them; the other attributes keep their order: views follow their arrays
+        # a group removes the data and restores them; the other attributes keep their order, because views follow their
+        # arrays
         if "local_data" in own:
             own["local_data"] = own.pop("local_data")
         return own
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state from `get_state`.
+        """Restore a state that `get_state` returned.
 
         Raises:
             ValueError: the state would replace a method.
@@ -152,7 +153,7 @@ class Object(Requesting, AbstractObject):
         replace(present, [name for name in self.get_state() if name in present] if is_whole else (), state)
         if self.group is not None:
             self.group.is_changed = True
-        # the client that called a running service may be gone; the service continues nevertheless
+        # the client that called a running service may have disconnected; the service continues nevertheless
         self.on_completion = None if self.running_service is None else _nobody
 
     def services(self) -> list[ServiceDeclaration]:
@@ -209,7 +210,7 @@ class Object(Requesting, AbstractObject):
         return main.transformation3d_with(Transformation3d(self.bge_object))
 
     def in_zones(self, name: str | None = None, type: str | None = None) -> set[str]:
-        """Names of the zones that the component is in, of that name or type if given."""
+        """Names of the zones that contain the component; only those of that name or type, if given."""
         x, y, z = self.bge_object.worldPosition
         inside = set()
         for zone in self.context.scene.zones:
@@ -238,7 +239,7 @@ class Object(Requesting, AbstractObject):
         python_name, checked = checked_property(self, name, value)
         setattr(self, python_name, checked)
         if self.group is not None:
-            self.group.is_changed = True  # it may depend on a property whether the component acts together
+            self.group.is_changed = True  # whether the component acts together with others may depend on the property
 
     @service(changes=False)
     def get_configurations(self) -> dict[str, Any]:
@@ -260,7 +261,7 @@ Object.local_data = OnDemand()  # type: ignore[assignment] # all but members of 
 
 
 def _nobody(_outcome: Any) -> None:
-    """Completion callback of a service whose client is gone."""
+    """Completion callback of a service whose client has disconnected."""
 
 
 def _as_tuple(level: str | tuple[str, ...]) -> tuple[str, ...]:

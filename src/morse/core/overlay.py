@@ -1,4 +1,4 @@
-"""The base class of overlays, which offer other services for a component."""
+"""The base class of overlays, which offer the services of a component in another form."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class MorseOverlay(AbstractObject):
     """Base of overlays.
 
     Attributes:
-        overlaid_object: the component behind it.
+        overlaid_object: the component whose services are replaced.
     """
 
     def __init__(self, overlaid_object: AbstractObject, **options: Any) -> None:
@@ -33,7 +33,7 @@ class MorseOverlay(AbstractObject):
     def set_state(self, state: dict[str, Any]) -> None:
         """Restore a state that `get_state` returned."""
         replace(vars(self), self.get_state(), state)
-        # the client that called a running service may be gone
+        # the client that called a running service may have disconnected
         self.on_completion = None if self.running_service is None else _nobody
 
     def name(self) -> str:
@@ -41,7 +41,7 @@ class MorseOverlay(AbstractObject):
         return self.overlaid_object.name()
 
     def chain_callback(self, fn: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
-        """A callback that ends the running service of the overlay when that of the object ends.
+        """A callback that ends the running service of the overlay when the service of the object ends.
 
         Args:
             fn: maps the outcome ``(status, result)`` of the object to that of the overlay.
@@ -63,4 +63,4 @@ class MorseOverlay(AbstractObject):
 
 
 def _nobody(_outcome: Any) -> None:
-    """Completion callback of a service whose client is gone."""
+    """Completion callback of a service whose client has disconnected."""

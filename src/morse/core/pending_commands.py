@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 class PendingCommands:
     """Passes commands from the process or the live view to an actuator, like a stream of a client.
 
-    Commands for an inactive actuator wait until it is active.
+    Commands for an inactive actuator are kept until it is active.
     """
 
     def __init__(self, actuator: Actuator) -> None:
@@ -26,10 +26,10 @@ class PendingCommands:
         self._commands = Commands(actuator)
 
     def fitting(self, message: Any) -> dict[str, Any]:
-        """Return the fields of a message as `put` takes them.
+        """Return the fields of a message in the form that `put` takes.
 
         Raises:
-            CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field.
+            CommandError: the message is not a dictionary, a value is not valid, or the actuator has no such field.
         """
         return self._commands.fitting(message)
 
@@ -38,17 +38,17 @@ class PendingCommands:
         self._waiting.update(fields)
 
     def give(self, message: Any) -> None:
-        """Set fields of the actuator at its next action; of several values for a field the last one is used.
+        """Set fields of the actuator at its next action; if a field is set several times, the last value is used.
 
         Raises:
-            CommandError: the message is not a dictionary, a value does not fit, or the actuator has no such field; then
-                nothing is taken.
+            CommandError: the message is not a dictionary, a value is not valid, or the actuator has no such field; then
+                no field is set.
         """
         self.put(self.fitting(message))
 
     @property
     def waiting(self) -> dict[str, Any]:
-        """Return the fields that have not been applied yet; always the same object, as groups of components need it."""
+        """Return the fields that have not been applied yet; always the same object, because groups rely on it."""
         return self._waiting
 
     def forget(self) -> None:

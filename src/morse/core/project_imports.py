@@ -30,14 +30,14 @@ class ProjectImports:
     """The modules of a project; inside ``with project:`` they can be imported normally.
 
     Within the block, the directories of the project come first on ``sys.path``, its modules are in ``sys.modules``, and
-    ``sys.argv`` belongs to its script. Only one thread at a time can be in such a block. Import statements in the code
-    of the project enter the block automatically.
+    ``sys.argv`` contains the arguments of its script. Only one thread at a time can be in such a block. Import
+    statements in the code of the project enter the block automatically.
 
     Args:
         directories: directories of the packages of the project and of its scene script.
         argv: ``sys.argv`` for the script.
         finders: meta path finders that take precedence inside the block.
-        from_source: compile every module, even if Python has a cached compiled file.
+        from_source: whether to compile every module, even if Python has a cached compiled file.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class ProjectImports:
         """Reimport modules from their files, all or none; an error in the block restores the old modules.
 
         Raises:
-            Exception: whatever goes wrong in a module.
+            Exception: any exception of a module.
         """
         with self:
             before = {name: sys.modules.pop(name) for name in names if name in sys.modules}

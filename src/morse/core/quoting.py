@@ -5,7 +5,7 @@ from __future__ import annotations
 import reprlib
 from typing import Any
 
-#: largest number of characters of a text from outside that a message repeats
+#: largest number of characters of a text from outside that is repeated in a message
 _LIMIT = 80
 
 
@@ -28,7 +28,7 @@ def quoted(value: Any, limit: int = _LIMIT) -> str:
 
 
 def short(text: Any, limit: int = _LIMIT) -> str:
-    """Return a name from outside without quotes, escaped and shortened; other values as `shown` does."""
+    """Return a name from outside without quotes, escaped and shortened; return other values as `shown` does."""
     if not isinstance(text, str):
         return shown(text, limit)
     return escaped(text) if len(text) <= limit else f"{escaped(text[:limit])}… ({len(text)} characters)"
@@ -45,7 +45,7 @@ def shown(value: Any, limit: int = _LIMIT) -> str:
 
 class _Short(reprlib.Repr):
     def repr_str(self, x: str, level: int) -> str:
-        """Return the repr of the beginning, because the repr of a long text takes long."""
+        """Return the repr of the beginning, because the repr of a long text takes a long time."""
         return repr(x) if len(x) <= self.maxstring else repr(x[: self.maxstring]) + "…"
 
     def repr_int(self, x: int, level: int) -> str:

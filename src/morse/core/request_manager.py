@@ -89,7 +89,7 @@ class RequestManager(ABC):
 
     @abstractmethod
     def finalization(self) -> bool:
-        """Release what `initialization` took."""
+        """Release the resources of `initialization`."""
 
     def post_registration(self, component_name: str, service: str, is_async: bool) -> bool:
         """Announce a new service to the middleware; return False if it cannot be offered."""
@@ -154,7 +154,7 @@ class RequestManager(ABC):
         """Run a service.
 
         Returns:
-            ``(True, (status, result))`` if the service is done, ``(False, request_id)`` if it continues.
+            ``(True, (status, result))`` if the service has ended, ``(False, request_id)`` if it continues.
 
         Raises:
             MorseRPCInvokationError: there is no such service, the arguments are wrong, or the service failed.
@@ -221,12 +221,12 @@ class RequestManager(ABC):
             self._arrivals.append((request_id, (status.PREEMPTED, None)))
 
     def abandon(self, request_id: uuid.UUID) -> None:
-        """Cancel a call whose client is gone, if the service works for that client only (see `concurrent_service`)."""
+        """Cancel a call whose client has disconnected, if the service is only for that client: `concurrent_service`."""
         if request_id in self._cancellations:
             self.abort_request(request_id)
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
-        """Interrupt every running asynchronous call but those of the ``spared`` objects."""
+        """Interrupt every running asynchronous call except those of the ``spared`` objects."""
         for request_id, (owner, _, _) in list(self._running.items()):
             if owner is not None and owner in spared:
                 continue
@@ -257,7 +257,7 @@ class MorseServices:
         """Add a manager and start it.
 
         Raises:
-            MorseServiceError: if it cannot start.
+            MorseServiceError: the manager cannot start.
         """
         if not manager.initialization():
             raise MorseServiceError(f"the request manager {manager.classpath} could not start")
@@ -268,7 +268,7 @@ class MorseServices:
         return self._managers
 
     def register_request_manager_mapping(self, component: str, manager: str) -> None:
-        """Have ``manager`` offer the services of ``component``."""
+        """Let ``manager`` offer the services of ``component``."""
         if manager not in self._managers:
             raise MorseServiceError(f"no request manager '{manager}'{nearest(manager, sorted(self._managers))}")
         names = self._mapping.setdefault(component, [])
@@ -300,7 +300,7 @@ class MorseServices:
         self._mapping.pop(component, None)
 
     def replace(self, name: str, before: AbstractObject, after: AbstractObject) -> None:
-        """Replace an object by another: its services and its running calls are transferred."""
+        """Replace an object by another object, which takes over its services and its running calls."""
         for manager in self._everybody():
             manager.unregister(name)
             manager.hand_over(before, after)
@@ -308,11 +308,11 @@ class MorseServices:
 
     def process(self) -> None:
         """One tick of every manager."""
-        for manager in self._everybody():  # a list of its own: a service may add managers
+        for manager in self._everybody():  # iterates over a copy, because a service may add managers
             manager.update()
 
     def preempt(self, spared: Collection[AbstractObject]) -> None:
-        """Interrupt every running asynchronous call but those of the ``spared`` objects."""
+        """Interrupt every running asynchronous call except those of the ``spared`` objects."""
         for manager in self._everybody():
             manager.preempt(spared)
 

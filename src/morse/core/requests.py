@@ -20,7 +20,7 @@ class Server(Protocol):
 
 
 class Request(Protocol):
-    """A query that a component needs answered before each action; the server writes the answer into it."""
+    """A query that must be answered before each action of a component; the server writes the answer into it."""
 
     @property
     def server(self) -> Server:
@@ -66,8 +66,8 @@ class Requesting:
             directions: (N, 3) vectors in the frame of the component.
             reach: largest distance, m.
             origins: (N, 3) metres in the frame of the component; None if all rays start at its origin.
-            upright: directions and origins are given along the axes of the world, independent of the orientation of the
-                component.
+            upright: whether directions and origins are given along the axes of the world, independent of the
+                orientation of the component.
 
         Returns:
             The bundle.

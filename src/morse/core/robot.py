@@ -21,10 +21,10 @@ class Robot(Object):
 
     Attributes:
         position_3d: its present pose in the world.
-        move_status: what the motion of the robot is doing: ``Stop``, ``Transit``, ``Arrived``.
+        move_status: state of the motion of the robot: ``Stop``, ``Transit``, ``Arrived``.
     """
 
-    add_data("move_status", "Stop", "string", "What the motion of the robot is doing")
+    add_data("move_status", "Stop", "string", "State of the motion of the robot")
     add_property("_no_gravity", False, "NoGravity", "bool", "The robot does not fall: an aircraft or a submarine")
     add_property("_is_ground_robot", False, "GroundRobot", "bool", "The robot stays on the ground: gravity moves it")
 
@@ -55,7 +55,7 @@ class Robot(Object):
 
     @property
     def move_status(self) -> str:
-        """What the motion of the robot is doing."""
+        """The state of the motion of the robot: ``Stop``, ``Transit`` or ``Arrived``."""
         return str(self.local_data["move_status"])
 
     @move_status.setter
@@ -78,7 +78,7 @@ class Robot(Object):
         return self.clock.time + self.time_shift
 
     def action(self) -> None:
-        """One tick."""
+        """Perform one tick."""
         if self._active:
             self.position_3d.update(self.bge_object)
             self.default_action()
@@ -92,7 +92,8 @@ class Robot(Object):
             linear_speed: m/s along the axes of the robot.
             angular_speed: rad/s about the axes of the robot.
 
-        A ground robot keeps its vertical speed, roll rate and pitch rate, which result from gravity and ground contact.
+        A ground robot keeps its vertical speed, roll rate and pitch rate, because these are determined by gravity and
+        ground contact.
         """
         self.bge_object.drive(linear_speed, angular_speed, position=kind == "Position", ground=self._is_ground_robot)
 

@@ -11,17 +11,21 @@ from morse.core.services import service
 from morse.scene.realism import is_numeric
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from morse.core.noise import Noise
     from morse.core.realism import Realism
     from morse.core.watched_space import WatchedSpace
     from morse.scene.realism import RealismModel
+
+    Pose = tuple[Sequence[float], Sequence[float]]
 
 
 class Sensor(Object):
     """Measures something and publishes it.
 
     Fill ``local_data`` in `measure`, or in ``default_action`` as in 1.4. Noise and delay are added afterwards, if the
-    script declares them. `report` then computes the fields that follow from the measured fields, so that they are
+    script declares them. `report` then computes the other fields from the measured fields, so that all fields are
     consistent with the noise.
 
     Attributes:
@@ -47,14 +51,14 @@ class Sensor(Object):
         return self.local_data
 
     def watched_space(self) -> WatchedSpace | None:
-        """The space that the sensor observes, for the live view; None if only its rays are to be shown."""
+        """The space that the sensor observes, for the live view; None if only its rays are shown."""
         return None
 
     def measure(self) -> None:
         """Fill the measured fields of ``local_data`` with the true values; noise is added afterwards."""
 
     def report(self) -> None:
-        """Compute the fields that follow from the measured fields (``add_data(..., follows=...)``).
+        """Compute the fields that depend on measured fields (``add_data(..., follows=...)``).
 
         It is called after noise was added to the measured fields.
         """
@@ -85,6 +89,11 @@ class Sensor(Object):
         for publish in self.output_functions:
             publish(self)
 
+    def measured_from(self) -> Pose:
+        """Return position (3,) in m and rotation (9,), row by row, of the sensor in the world at its measurement."""
+        pose: Pose = self.bge_object.world_pose()
+        return pose
+
     def make_realism(self, model: RealismModel) -> Realism:
         """Return the delay and the noise that the script declares."""
         from morse.core.realism import Realism
@@ -94,7 +103,7 @@ class Sensor(Object):
     # -- noise -----------------------------------------------------------------------------
 
     def noisy_fields(self) -> tuple[str, ...]:
-        """Return the fields that get noise if the script does not name fields: all measured numbers and vectors."""
+        """Return the fields that get noise if the script names no fields: all measured numbers and vectors."""
         follow = {name for name, field in data_fields(type(self)).items() if field.follows} | {"timestamp"}
         return tuple(name for name, value in self.local_data.items() if name not in follow and is_numeric(value))
 

@@ -1,6 +1,6 @@
 """Services: methods of components that clients call.
 
-There are three kinds of service. A `service` is done when its method returns. An `async_service` continues over several
+There are three kinds of service. A `service` ends when its method returns. An `async_service` continues over several
 ticks and ends when the component calls ``self.completed(status, result)``; a component runs one of them at a time. A
 `concurrent_service` also continues over several ticks, and may be called by many clients at the same time.
 """
@@ -30,7 +30,7 @@ class ServiceDeclaration(NamedTuple):
     """A service of a class.
 
     Attributes:
-        name: as clients call it.
+        name: name for clients.
         attribute: name of the method.
         asynchronous: whether the service ends with ``completed``.
         component: name of the pseudo component that offers the service, or None for its own component.
@@ -95,7 +95,7 @@ def concurrent_service(fn: Callable[..., Any] | None = None, *, changes: bool = 
 
 
 def interruptible(fn: _F) -> _F:
-    """Declare that a new call preempts the running call, whose client gets ``PREEMPTED``."""
+    """Declare that a new call preempts the running call, whose client receives ``PREEMPTED``."""
     fn._morse_interruptible = True  # type: ignore[attr-defined]
     return fn
 
@@ -143,7 +143,7 @@ def declared_services(cls: type) -> Iterator[ServiceDeclaration]:
 
 
 def signature_of(method: Callable[..., Any]) -> inspect.Signature:
-    """Return the signature that clients see: without ``self`` and the completion callback."""
+    """Return the signature for clients: without ``self`` and the completion callback."""
     plain = getattr(method, "_morse_callable", None) or getattr(
         getattr(method, "__func__", None), "_morse_callable", None
     )
@@ -164,7 +164,7 @@ def hints_of(method: Callable[..., Any]) -> dict[str, Any]:
     hints = {}
     for name, annotation in getattr(function, "__annotations__", {}).items():
         alone = SimpleNamespace(__annotations__={name: annotation})
-        # evaluated one by one, because an annotation may use names that are imported for type checkers only
+        # evaluated one by one, because an annotation may use names that are imported only for type checkers
         with contextlib.suppress(Exception):
             hints.update(typing.get_type_hints(alone, names, include_extras=True))
     return hints

@@ -69,7 +69,7 @@ def unit(text: str) -> Unit:
     """The unit of that name.
 
     Raises:
-        UnitError: it is unknown.
+        UnitError: the unit is unknown.
     """
     if text in _ZERO_POINTS:
         factor, offset = _ZERO_POINTS[text]

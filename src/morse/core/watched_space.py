@@ -10,9 +10,9 @@ class WatchedSpace(NamedTuple):
     """A cone around the X axis of a sensor, or a sphere around the sensor.
 
     Attributes:
-        reach: metres.
+        reach: largest distance, metres.
         angle: full opening angle, radians; 2 pi for a sphere.
-        seen: names of the objects that the sensor sees now.
+        seen: names of the objects that the sensor detects now.
     """
 
     reach: float

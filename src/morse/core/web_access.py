@@ -1,8 +1,8 @@
-"""Which browsers may use a server of the simulation: the live view, or a middleware.
+"""Rules about which browsers may use a server of the simulation: the live view, or a middleware.
 
-Any web page the user visits can make the browser connect to ``localhost``, and a name that first pointed elsewhere can
-be made to point there (DNS rebinding). So the host that the browser believes it talks to must be this machine, and
-a request across pages must have this page as its origin. Browsers on other machines need a token.
+Any web page that the user visits can make the browser connect to ``localhost``. A host name that first pointed to
+another machine can be changed to point to this machine (DNS rebinding). Therefore, the host in a request must be this
+machine, and the origin of a request must be this page. Browsers on other machines need a token.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 
-#: characters of the names and addresses of hosts
+#: characters in names and addresses of hosts
 _OF_HOSTS = frozenset("abcdefghijklmnopqrstuvwxyz0123456789.-_:")
 
 
@@ -53,7 +53,7 @@ def checked_origin(text: str) -> str:
         raise ValueError(expected) from None
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise ValueError(expected)
-    # brackets and colons of an address of IPv6 are allowed; what separates words of a header is not
+    # brackets and colons of an IPv6 address are allowed; separators of words in a header are not
     if not set(parts.hostname) <= _OF_HOSTS or parts.username is not None:
         raise ValueError(f"{expected}; a pattern such as '*' is not possible: list each origin")
     host = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
@@ -68,14 +68,14 @@ class Access:
 
     Args:
         host: address to which the server is bound.
-        token: what has to be shown; one is made up if other machines can reach ``host``.
-        name: how messages call the server.
-        elsewhere: what to do to reach the server from another machine.
-        origins: other pages that may use the server, such as ``http://localhost:8080``.
+        token: the token that browsers have to send; a random one is created if other machines can reach ``host``.
+        name: name of the server in messages.
+        elsewhere: instruction for access from another machine.
+        origins: origins of other pages that may use the server, such as ``http://localhost:8080``.
 
     Attributes:
-        token: what has to be shown, or None if being on this machine is enough.
-        origins: in lower case.
+        token: the token that browsers have to send, or None if the server is reached only from this machine.
+        origins: origins in lower case.
     """
 
     def __init__(
@@ -89,17 +89,17 @@ class Access:
     ) -> None:
         self._name, self._elsewhere = name, elsewhere
         self.origins = frozenset(origin.lower().rstrip("/") for origin in origins)
-        # an address that others can reach is never left open
+        # an address that other machines can reach always needs a token
         self.token = token or (None if is_loopback(host) else secrets.token_urlsafe(16))
 
     def refusal(self, path: str, headers: Mapping[str, str], *, secret: bool, cookie: str) -> str | None:
-        """Why a request is refused, or None.
+        """The reason why a request is refused, or None.
 
         Args:
-            path: with the query.
-            headers: of the request.
-            secret: whether it asks for something that the token protects.
-            cookie: the name of the cookie that may hold the token.
+            path: path with the query.
+            headers: headers of the request.
+            secret: whether it requests content that the token protects.
+            cookie: name of the cookie that may contain the token.
         """
         authority = headers.get("Host", "")
         host = _host_of(authority)
@@ -113,7 +113,7 @@ class Access:
         if not own and str(origin).lower() not in self.origins:
             return f"Pages of {origin} may not use the {self._name} of '{authority}'."
         if secret and self.token is not None and not self._shown(path, headers, cookie):
-            return f"This {self._name} wants the token that 'morse run' printed: open the address with ?token=..."
+            return f"This {self._name} requires the token that 'morse run' printed: open the address with ?token=..."
         return None
 
     def cookie(self, path: str, name: str) -> dict[str, str]:

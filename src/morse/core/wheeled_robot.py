@@ -19,18 +19,22 @@ _STANDSTILL = 1e-3
 class PhysicsDifferentialRobot(Robot):
     """A robot with two driven wheels, or two rows of driven wheels, which turns by a difference of wheel speeds.
 
-    Wheels are the parts of the model whose names contain ``wheel`` and that collide. The track
-    and the radius are measured on the model; ``FixTurningSpeed`` replaces the track in the law
+    Wheels are the parts of the model whose names contain ``wheel`` and that collide. The track and the radius are
+    measured on the model; ``FixTurningSpeed`` replaces the track in the equations
 
         left  = (v - e/2 w) / R        right = (v + e/2 w) / R
     """
 
-    add_property("_fix_turning", 0.0, "FixTurningSpeed", "double", "Effective track in metres; 0 for the measured one")
-    add_property("_influence", 0.1, "Influence", "double", "Kept for scripts of 1.4; the engine does not use it")
-    add_property("_wheel_friction", 0.8, "Friction", "double", "Kept for scripts of 1.4; see set_friction")
-    add_property("_has_suspension", True, "HasSuspension", "bool", "Kept for scripts of 1.4; wheels are rigid")
+    add_property(
+        "_fix_turning", 0.0, "FixTurningSpeed", "double", "Effective track in metres; 0 for the measured track"
+    )
+    add_property("_influence", 0.1, "Influence", "double", "Exists for scripts of 1.4; the engine does not use it")
+    add_property("_wheel_friction", 0.8, "Friction", "double", "Exists for scripts of 1.4; see set_friction")
+    add_property("_has_suspension", True, "HasSuspension", "bool", "Exists for scripts of 1.4; wheels are rigid")
 
-    add_property("_ride_height", 0.0, "RideHeight", "double", "How much higher above its wheels than in the model, m")
+    add_property(
+        "_ride_height", 0.0, "RideHeight", "double", "Height of the body above its wheels, relative to the model, m"
+    )
 
     _fix_turning: float
 
@@ -47,7 +51,7 @@ class PhysicsDifferentialRobot(Robot):
 
     @property
     def track(self) -> float:
-        """Distance between the left and right wheels in the speed law, m."""
+        """Distance between the left and right wheels in the equations of the speed, m."""
         return self._fix_turning or self._track
 
     @property
@@ -65,7 +69,7 @@ class PhysicsDifferentialRobot(Robot):
         parts = []
         for wheel in self._wheels:
             turned = rows_of(wheel.object.world_pose()[1])
-            # its axle is the Y axis of the robot; by the rotation of the wheel both have the same coordinates
+            # its axle is the Y axis of the robot; because of the rotation of the wheel both have the same coordinates
             x, y, z = (sum(turned[k][i] * left[k][1] for k in range(3)) for i in range(3))
             name = wheel.object.name.rpartition(".")[2]
             parts.append(MovingPart(name, wheel.object, None, (x, y, z), lambda wheel=wheel: wheel.angle))  # type: ignore[misc]

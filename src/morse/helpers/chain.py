@@ -24,30 +24,32 @@ _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 class Chain:
     """The bones of an armature as a tree of joints.
 
-    A joint is a bone that can move by itself. Values are those of all joints, in the order of `joints`: rad for
-    revolute ones, m for prismatic ones. Poses are in the frame of the armature.
+    A joint is a bone that can move by itself. Joint values are given for all joints, in the order of `joints`: rad for
+    revolute joints, m for prismatic joints. Poses are in the frame of the armature.
 
     Args:
         bones: the bones, parents first.
         scale: scale of the armature; lengths are multiplied by it.
 
     Attributes:
-        bones: scaled.
-        joints: the indices of the movable bones, those nearer to the root first.
+        bones: the bones with scaled lengths.
+        joints: indices of the movable bones, ordered from the root.
         names: names of the joints.
         limits: name, lowest and highest value of each joint.
         start: the joint values of the model file.
+        loose: the indices of the bones that have no value: balls, planar and floating ones.
     """
 
     is_apparatus = True
 
     def __init__(self, bones: Sequence[Bone], scale: float = 1.0) -> None:
         self.bones = tuple(_scaled(bone, scale) for bone in bones)
-        moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind is not JointKind.FIXED]
+        moving = [(i, bone) for i, bone in enumerate(self.bones) if bone.kind.has_value]
         self.joints = tuple(i for i, bone in moving if bone.leader < 0)
         self.names = tuple(self.bones[i].name for i in self.joints)
         self.limits = [(self.bones[i].name, self.bones[i].low, self.bones[i].high) for i in self.joints]
         self.start = [self.bones[i].value for i in self.joints]
+        self.loose = tuple(i for i, bone in enumerate(self.bones) if bone.kind.is_loose)
         self._number = {bone: number for number, bone in enumerate(self.joints)}
         #: for joints that follow others: the index of the leader
         self._led = {i: self._number[bone.leader] for i, bone in moving if bone.leader in self._number}
@@ -77,7 +79,7 @@ class Chain:
         return min(max(value, bone.low), bone.high)
 
     def bone_values(self, values: Sequence[float]) -> Sequence[float]:
-        """The values of all movable bones, given those of the joints."""
+        """The values of all movable bones, computed from those of the joints."""
         if not self._led:
             return values
         return [
@@ -114,7 +116,7 @@ class Chain:
         return (x + length * r[1], y + length * r[4], z + length * r[7]), r
 
     def path(self, index: int) -> list[int]:
-        """The indices of the joints that move a bone, those nearer to the root first."""
+        """The indices of the joints that move a bone, ordered from the root."""
         found = []
         while index >= 0:
             if index in self._number:
@@ -134,7 +136,7 @@ def _scaled(bone: Bone, scale: float) -> Bone:
 
 
 def _turned(r: Sequence[float], axis: int, angle: float) -> Rotation9:
-    """A rotation after a rotation about one of its own axes: a combination of its other two columns."""
+    """A rotation followed by a rotation about one of its own axes: a combination of its other two columns."""
     c, s = math.cos(angle), math.sin(angle)
     one, other = (axis + 1) % 3, (axis + 2) % 3
     turned = list(r)

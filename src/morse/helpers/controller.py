@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-_JUMP = 0.1  # a setpoint that changes by more starts a new motion
+_JUMP = 0.1  # a larger change of the setpoint starts a new motion
 
 
 class PIDController:

@@ -1,4 +1,4 @@
-"""The space that the meshes of nodes take."""
+"""The space that the meshes of nodes occupy."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 def extent(nodes: Iterable[Node], frame: Node | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return the lower and the upper corner (3,) around all vertices of nodes, m; None without vertices.
+    """Return the lower and the upper corner (3,) of the box around all vertices of nodes, m; None without vertices.
 
     Args:
-        frame: the node in whose frame the corners are; None for the world.
+        frame: the node whose frame is used for the corners; None for the world.
     """
     into = np.eye(4)
     if frame is not None:
-        # without the scale of the frame: metres remain metres
+        # without the scale of the frame, so that the unit is still the metre
         rigid = rigid_frame(frame)
         into[:3, :3] = np.array([list(row) for row in rigid.rotation]).T
         into[:3, 3] = -into[:3, :3] @ np.array(list(rigid.position))

@@ -38,7 +38,7 @@ def fan(
     if not 0.0 < resolution < math.inf:
         raise ValueError(f"resolution takes degrees greater than 0, got {resolution!r}")
     if not (1 <= layers < math.inf and layers == int(layers)):
-        raise ValueError(f"layers takes a whole number from 1 upward, got {layers!r}")
+        raise ValueError(f"layers takes an integer of at least 1, got {layers!r}")
     if not (math.isfinite(separation) and abs(separation) * (layers - 1) <= 180.0):
         raise ValueError(f"{layers:g} layers {separation!r} degrees apart (layer_separation) do not fit in 180 degrees")
     if not math.isfinite(offset):

@@ -75,7 +75,7 @@ def geocentric_of_ecef(x: float, y: float, z: float) -> Triple:
 
 
 def ecef_of_geocentric(longitude: float, latitude: float, radius: float) -> Triple:
-    """The inverse of `geocentric_of_ecef`."""
+    """Inverse of `geocentric_of_ecef`."""
     lon, lat = math.radians(longitude), math.radians(latitude)
     flat = radius * math.cos(lat)
     return flat * math.cos(lon), flat * math.sin(lon), radius * math.sin(lat)
@@ -101,7 +101,7 @@ class LocalPlane:
         # columns: east, north and up in earth-centred axes
         east_north_up: Rotation9 = (-so, -sa * co, ca * co, co, -sa * so, ca * so, 0.0, ca, sa)
         c, s = math.cos(angle_against_north), math.sin(angle_against_north)
-        #: from the axes of the world to east, north and up
+        #: rotation from the axes of the world to east, north and up
         self._turned: Rotation9 = (c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
         self._axes = product(east_north_up, self._turned)
 
@@ -115,8 +115,8 @@ class LocalPlane:
         missing = [name for name in _NEEDED if name not in properties]
         if missing:
             raise GeodesyError(
-                f"the environment does not say where on the earth it is: {' and '.join(missing)} missing; "
-                "say env.properties(longitude=..., latitude=..., altitude=...), in degrees and metres"
+                f"the environment does not declare its position on the earth: {' and '.join(missing)} missing; use "
+                "env.properties(longitude=..., latitude=..., altitude=...), in degrees and metres"
             )
         longitude, latitude, altitude = (_number(properties, name) for name in _NEEDED)
         if not -90.0 <= latitude <= 90.0 or not -360.0 <= longitude <= 360.0:
@@ -131,7 +131,7 @@ class LocalPlane:
         return turn(self._turned, vector)
 
     def world_of_enu(self, vector: Sequence[float]) -> Triple:
-        """The inverse of `enu_of`."""
+        """Inverse of `enu_of`."""
         return turn_back(self._turned, vector)
 
     def ecef_of(self, position: Sequence[float]) -> Triple:
@@ -140,7 +140,7 @@ class LocalPlane:
         return ox + x, oy + y, oz + z
 
     def world_of_ecef(self, position: Sequence[float]) -> Triple:
-        """The inverse of `ecef_of`."""
+        """Inverse of `ecef_of`."""
         (x, y, z), (ox, oy, oz) = position, self._origin
         return turn_back(self._axes, (x - ox, y - oy, z - oz))
 
@@ -154,7 +154,7 @@ class LocalPlane:
         return geodetic_of_ecef(*self.ecef_of(position))
 
     def world_of_geodetic(self, longitude: float, latitude: float, altitude: float) -> Triple:
-        """The inverse of `geodetic_of`."""
+        """Inverse of `geodetic_of`."""
         return self.world_of_ecef(ecef_of_geodetic(longitude, latitude, altitude))
 
 

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 _LEVER = 0.3
 #: maximum step of a joint in one iteration, rad or m
 _STRIDE = 0.4
-#: damping, as a factor of the squared error: far away steps are short and safe, near the target they are Newton steps
-#: (Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", 2011)
+#: damping, as a factor of the squared error: far from the target, steps are short and safe; near the target, they are
+#: Newton steps (Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", 2011)
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 0.2, 1e-3, 1e4
 _FLOOR = 1e-9
-#: multiples of their square roots fill the unit cube evenly
+#: primes; multiples of their square roots fill the unit cube evenly
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 #: squared error, m^2, below which a target counts as reached
 REACHED = 1e-14
@@ -41,7 +41,7 @@ class Target(NamedTuple):
     """The target of the tip of a bone.
 
     Attributes:
-        bone: its index.
+        bone: index of the bone.
         pose: position and rotation, in the frame of the armature.
     """
 
@@ -54,8 +54,8 @@ class Solution(NamedTuple):
 
     Attributes:
         values: values of all joints of the chain.
-        error: squared error, m^2; a radian counts as 0.3 m.
-        is_final: whether further iterations would improve nothing.
+        error: squared error, m^2; an error of 1 rad counts as 0.3 m.
+        is_final: whether further iterations would not improve the values.
     """
 
     values: list[float]
@@ -67,12 +67,12 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
     """Iterate towards the targets.
 
     Args:
-        targets: poses in the frame of the armature; several bones have equal weights.
+        targets: targets with poses in the frame of the armature; several bones have equal weights.
         values: initial values, within the limits.
         iterations: maximum number of iterations.
 
     Returns:
-        Values that are never farther from the targets than the initial ones.
+        Values that are never farther from the targets than the initial values.
     """
     values = list(values)
     paths = [chain.path(target.bone) for target in targets]
@@ -108,13 +108,13 @@ def improve(chain: Chain, targets: Sequence[Target], values: Sequence[float], it
 
 
 def _errors(chain: Chain, targets: Sequence[Target], frames: Sequence[Pose]) -> NDArray[np.float64]:
-    """(6 T,) errors: metres, and radians times the lever."""
+    """(6 T,) errors: metres, and radians times the weight."""
     found: list[float] = []
     for target in targets:
         (x, y, z), rotation = chain.tip(frames[target.bone], target.bone)
         (tx, ty, tz), wanted = target.pose
         a, b, c = rotation_vector(rotation, wanted)
-        # from the axes of the bone to those of the armature
+        # rotation from the axes of the bone to those of the armature
         r = rotation
         found += (tx - x, ty - y, tz - z)
         found += (
@@ -132,7 +132,7 @@ def _jacobian(
     movable: Sequence[int],
     frames: Sequence[Pose],
 ) -> NDArray[np.float64]:
-    """(6 T, N) the Jacobian of the poses of the tips."""
+    """(6 T, N) Jacobian of the poses of the tips."""
     columns = {number: column for column, number in enumerate(movable)}
     result = np.zeros((6 * len(targets), len(movable)))
     for k, (target, path) in enumerate(zip(targets, paths, strict=True)):
@@ -159,7 +159,7 @@ def _step(
     errors: NDArray[np.float64],
     damping: float,
 ) -> NDArray[Any]:
-    """(N,) a step of the joints; joints that would leave their limits stay."""
+    """(N,) a step of the joints; joints that would exceed their limits are not moved."""
     free = np.ones(len(movable), dtype=bool)
     step: NDArray[Any] = np.zeros(len(movable))
     for _ in range(3):
@@ -185,12 +185,12 @@ def _step(
 
 
 def kicked(chain: Chain, values: Sequence[float], attempt: int) -> list[float]:
-    """Initial values for another attempt if the search is stuck, for instance at a stretched arm.
+    """Initial values for another attempt if the search is stuck in a local minimum, e.g. if an arm is stretched.
 
     The first attempt begins near the present values, the others at points that fill the ranges of the revolute joints.
 
     Args:
-        attempt: 0, 1, ...; each gives other values.
+        attempt: 0, 1, ...; each attempt has other values.
     """
     found = list(values)
     for number, value in enumerate(values):

@@ -1,4 +1,4 @@
-"""Trajectories of joints: points in time, and curves through them."""
+"""Trajectories of joints: points in time, and interpolation between them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _QUANTITIES = ("velocities", "accelerations")
 
 
 class Point(NamedTuple):
-    """The joints at one time.
+    """The joints at a point in time.
 
     Attributes:
         time: seconds after the start.
         positions: rad or m, one for each joint.
         velocities: rad/s or m/s; None if not given.
-        accelerations: rad/s^2 or m/s^2, likewise.
+        accelerations: rad/s^2 or m/s^2; None if not given.
     """
 
     time: float
@@ -56,8 +56,8 @@ def points_of(trajectory: dict[str, Any], names: Sequence[str]) -> tuple[float |
         points.append(_point(point, names, f"points[{index}]"))
         if index and points[-1].time <= points[-2].time:
             raise ValueError(
-                f"'time_from_start' of points[{index}] is {points[-1].time:g}, expected more than that of the point "
-                f"before, {points[-2].time:g}"
+                f"'time_from_start' of points[{index}] is {points[-1].time:g}, expected a larger value than that of "
+                f"the previous point, {points[-2].time:g}"
             )
     return start, points
 
@@ -91,11 +91,11 @@ def _numbers(given: Any, names: Sequence[str], what: str) -> tuple[float, ...]:
 class Trajectory:
     """The path of the joints through points.
 
-    Between two points with velocities and accelerations it is a polynomial of degree 5, between two points with
-    velocities of degree 3, else a straight line. At the beginning the joints are at rest.
+    Between two points with velocities and accelerations the path is a polynomial of degree 5, between two points with
+    velocities a polynomial of degree 3, otherwise a straight line. At the beginning the joints are at rest.
 
     Args:
-        start: simulated seconds.
+        start: start time, simulated seconds.
         points: points after the start, in the order of their times; at least one.
         positions: initial positions of the joints.
     """

@@ -54,7 +54,7 @@ class MagneticField:
     """
 
     def __init__(self, plane: LocalPlane, year: float, model: str | None = None) -> None:
-        # imported on demand, because the import takes long
+        # imported on demand, because the import takes a long time
         from pygeomag import GeoMag
 
         self._plane = plane

@@ -1,4 +1,4 @@
-"""A speed that follows a wanted one within limits of speed, acceleration and jerk."""
+"""A speed that follows a commanded speed within limits of speed, acceleration and jerk."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ Vector = list[float]
 
 
 class Ramp:
-    """The speed of one moving part, along one axis or several at once.
+    """The speed of one moving part, along one axis or several axes.
 
-    A limit holds for the length of the vector. The acceleration is built up and taken back at the rate of the jerk, so
-    that it is zero when the wanted speed is reached.
+    A limit holds for the length of the vector. The acceleration is increased and decreased at the rate of the jerk, so
+    that it is zero when the commanded speed is reached.
 
     Args:
         axes: number of components of the speed.
 
     Attributes:
-        speed: of the last tick, m/s or rad/s.
-        acceleration: of the last tick, m/s² or rad/s².
+        speed: speed in the last tick, m/s or rad/s.
+        acceleration: acceleration in the last tick, m/s² or rad/s².
     """
 
     def __init__(self, axes: int = 1) -> None:
@@ -30,12 +30,12 @@ class Ramp:
         self.acceleration: Vector = [0.0] * axes
 
     def follow(self, wanted: Sequence[float], dt: float, limits: Sequence[float]) -> Vector:
-        """The speed after a tick.
+        """Return the speed after a tick.
 
         Args:
-            wanted: the speed to reach.
+            wanted: the commanded speed.
             dt: length of the tick, s.
-            limits: largest speed, acceleration and jerk; 0 for none.
+            limits: largest speed, acceleration and jerk; 0 for no limit.
         """
         most_speed, most_acceleration, most_jerk = limits
         goal = _shortened(wanted, most_speed)
@@ -43,8 +43,8 @@ class Ramp:
         distance = math.hypot(*missing)
         size = distance / dt
         if most_jerk:
-            # the largest acceleration that can still be taken back, one step of the jerk a tick, before the goal:
-            # the speed changes by size * (1 + size / step) / 2 * dt in these ticks
+            # the largest acceleration that can still be reduced to 0, by one step of the jerk per tick, before the
+            # commanded speed is reached: the speed changes by size * (1 + size / step) / 2 * dt in these ticks
             step = most_jerk * dt
             size = min(size, (math.sqrt(step * step + 8.0 * step * distance / dt) - step) / 2.0)
         if most_acceleration:
@@ -59,7 +59,7 @@ class Ramp:
 
 
 def _shortened(vector: Sequence[float], most: float) -> Vector:
-    """A vector of at most that length; 0 for any."""
+    """Limit the length of a vector; a limit of 0 means no limit."""
     length = math.hypot(*vector)
     if not most or length <= most:
         return list(vector)

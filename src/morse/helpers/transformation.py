@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-# An own Z axis that rises this steeply is tilted so little that |roll| + |pitch| stays below 90 degrees (as
-# cos(|roll| + |pitch|) >= 2 cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the
-# one with the pitch within 90 degrees, whatever the yaw: its sum is s, that of the other one 3 pi - s.
+# If the own Z axis rises this steeply, |roll| + |pitch| is below 90 degrees (because cos(|roll| + |pitch|) >= 2
+# cos(roll) cos(pitch) - 1). The solution with the smaller sum of angles is then the solution whose pitch is within 90
+# degrees, whatever the yaw: its sum is s, and that of the other solution is 3 pi - s.
 _UPRIGHT = 0.51
 
 
@@ -39,6 +39,14 @@ class PoseSource(Protocol):
 
     def pose_of(self, row: int) -> tuple[Sequence[float], Sequence[float]]:
         """Return the arguments of `Transformation3d.set_pose`."""
+
+
+def euler_angles(m: Sequence[float]) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a rotation, 9 numbers row by row; see `Transformation3d`."""
+    if m[8] > _UPRIGHT:
+        return atan2(m[7], m[8]), -asin(m[6]), atan2(m[3], m[0])
+    a, b, c, d, e, f, g, h, i = m
+    return euler_from_rotation((a, b, c, d, e, f, g, h, i), "XYZ")
 
 
 class Transformation3d:
@@ -108,10 +116,7 @@ class Transformation3d:
     def numbers(self) -> tuple[float, float, float, float, float, float]:
         """Return x, y, z, yaw, pitch and roll in one call."""
         x, y, z = self._position
-        m = self._rotation
-        if m[8] > _UPRIGHT:
-            return x, y, z, atan2(m[3], m[0]), -asin(m[6]), atan2(m[7], m[8])
-        roll, pitch, yaw = self._angles()
+        roll, pitch, yaw = euler_angles(self._rotation)
         return x, y, z, yaw, pitch, roll
 
     @property

@@ -14,9 +14,9 @@ class Hull:
     """A box that approximates a vessel.
 
     Attributes:
-        centre: in the frame of the body, m.
-        size: along the axes of the body, m.
-        drag: force over the square of the speed, along the axes of the body, kg/m.
+        centre: position in the frame of the body, m.
+        size: lengths along the axes of the body, m.
+        drag: force divided by the square of the speed, along the axes of the body, kg/m.
     """
 
     centre: Triple

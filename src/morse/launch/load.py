@@ -48,24 +48,24 @@ def load(
         sockets: whether to open the middlewares of the scene, and the services on the socket.
         interfaces: names of middlewares for all components of all robots, as with ``env.add_default_interface``;
             implies ``sockets``. Not for a `Scene`, which has its own interfaces.
-        view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for neither.
+        view: ``web`` for the live view, ``studio`` for the viewer of MuJoCo, None for no view.
         strict: whether an unknown or ill-typed field in a message of a client is an error.
         arguments: ``sys.argv[1:]`` of a scene script.
         speed: speed of `Simulation.run`, simulated seconds per second; ``math.inf`` for as fast as possible.
         host: address on which every server listens.
         view_port: port of the live view; 0 for any free port.
         view_token: token that a browser on another host has to send.
-        view_origins: origins of other web pages that may show the live view in a frame, and drive, such as
+        view_origins: origins of other web pages that may embed and control the live view, such as
             ``http://localhost:8080``.
         watch: whether to reload models and components of the project that are saved while the simulation runs; this
             starts a thread.
 
     Raises:
-        FileNotFoundError: there is no such file.
-        ScriptError: any error in the scene script; the message names the line.
+        FileNotFoundError: the file does not exist.
+        ScriptError: the scene script has an error; the message contains the line.
         LoadError: a component cannot be created.
         ValueError: the physics of the scene cannot be compiled, or an option has an invalid value.
-        TypeError: an option has a value of another type.
+        TypeError: an option has the wrong type.
     """
     _check(seed, view, arguments, speed, view_port)
     options = RunOptions(
@@ -94,7 +94,7 @@ def _origins(given: Any) -> list[str]:
         raise TypeError(f"view_origins is a list of strings, not {given!r:.80}")
     if not given:
         return []
-    # imported only for this option
+    # imported only if this option is used
     from morse.core.web_access import checked_origin
 
     try:
@@ -113,7 +113,7 @@ def _check(seed: Any, view: Any, arguments: Any, speed: Any, view_port: Any) -> 
     if speed is not None and (isinstance(speed, bool) or not isinstance(speed, numbers.Real)):
         raise TypeError(f"speed is a number or None, not {speed!r:.80}")
     if speed is not None and not float(speed) > 0.0:
-        raise ValueError(f"speed is a positive number of simulated seconds a second, not {speed!r:.80}")
+        raise ValueError(f"speed is a positive number of simulated seconds per second, not {speed!r:.80}")
     if isinstance(view_port, bool) or not isinstance(view_port, numbers.Integral):
         raise TypeError(f"view_port is an integer, not {view_port!r:.80}")
     if not 0 <= int(view_port) <= 65535:
@@ -124,8 +124,8 @@ def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options
     """The scene of an argument; a `Scene` is copied, because simulations modify theirs.
 
     Raises:
-        FileNotFoundError: there is no such file.
-        ScriptError: any error in the scene script.
+        FileNotFoundError: the file does not exist.
+        ScriptError: the scene script has an error.
         TypeError: the argument does not describe a scene.
     """
     if isinstance(scene, Scene):
@@ -138,7 +138,7 @@ def described(scene: str | os.PathLike[str] | Callable[[], Any] | Scene, options
         raise TypeError(f"a scene is a path, a function that builds a scene, or a morse.scene.Scene, not {scene!r:.80}")
     script = Path(scene).absolute()
     if not script.is_file():
-        raise FileNotFoundError(f"there is no scene script {script}")
+        raise FileNotFoundError(f"the scene script {script} does not exist")
     options.script = str(script)
     for folder, paths in (("src", options.source_paths), ("data", options.resource_paths)):
         if not paths and (script.parent / folder).is_dir():
@@ -204,7 +204,7 @@ def complete(simulation: Simulation) -> None:
         simulation.observers.append(simulation.flight_recorder)
     if options.record is not None:
         simulation.record(options.record, options.record_only)
-        # an edited scene that replaces this one has a separate recording
+        # if an edited scene replaces this one, it has a separate recording
         options.record = next_name(options.record)
 
 

@@ -1,4 +1,4 @@
-"""``morse replay``: a recorded run in the live view."""
+"""``morse replay``: shows a recorded run in the live view."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ def playing(
     Args:
         recording: a recording of a run.
         scene: path of the scene script; empty for the recorded script.
-        told: called with remarks for the user.
+        told: callback for messages to the user.
         trust: see `morse.launch.recorded_run.options_of`.
         port: port of the page; 0 for any free port.
-        browser: open the page.
+        browser: whether to open the page.
 
     Raises:
         RecordingError: the recording is not sufficient.
-        MorseError: the scene cannot be loaded, or the inputs do not fit it.
-        OSError: the page cannot be served.
+        MorseError: the scene cannot be loaded, or does not match the inputs.
+        OSError: the server of the page cannot be started.
     """
     inputs = inputs_of(recording)
     with contextlib.ExitStack() as stack:
@@ -79,7 +79,7 @@ def _timeline(
 
 
 def play(view: ReplayView) -> None:
-    """Log the address of the page, and play until a page, Ctrl+C or a request to terminate ends it."""
+    """Log the address of the page, and play until the page, Ctrl+C or a termination signal ends it."""
     before = {number: signal.signal(number, lambda *_: view.end()) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         view.announce()
@@ -102,7 +102,7 @@ class _Naming:
         }
 
     def topics(self, simulation: Simulation) -> dict[str, str]:
-        """The topic of each sensor, by its name."""
+        """The topic of each sensor, by the name of the sensor."""
         sensors = {name: simulation.context.components.get(name) for name in self._streams}
         return {
             name: self._names.topic(sensor, {"namespace": None, "topic": None, **self._streams[name]})
@@ -112,7 +112,7 @@ class _Naming:
 
 
 def _close(scene: Scene) -> None:
-    """Only the page takes part: no stream and no service is opened."""
+    """Remove the streams and services, so that only the page is served."""
     for declared in scene.components:
         declared.streams.clear()
         declared.managers.clear()

@@ -1,4 +1,4 @@
-"""The data of a recording that determine the run: its scene, its options and its inputs."""
+"""Reads from a recording what determines the run: the scene, the options and the inputs."""
 
 from __future__ import annotations
 
@@ -23,16 +23,14 @@ _MOST_SEED = 2**63
 
 
 def inputs_of(recording: Recording) -> InputRecording:
-    """The inputs, and the state at their beginning.
+    """The inputs, and the initial state.
 
     Raises:
-        MorseError: they are damaged.
+        MorseError: the inputs or the state are damaged.
     """
     state = recording.attachment(STATE)
     if state is None and recording.number("tick"):
-        raise RecordingError(
-            f"{recording.path} begins in the middle of a run, and the state at its beginning is missing"
-        )
+        raise RecordingError(f"{recording.path} begins in the middle of a run, and the initial state is missing")
     waiting = recording.waiting()
     return InputRecording(
         recording.number("seed"),
@@ -51,13 +49,13 @@ def options_of(
     Args:
         recording: a recording of a run.
         scene: path of the scene script; empty for the recorded script.
-        trust: execute the script in the recording if that on the disk has changed. It is a program: a recording from
-            an untrusted source may execute any code.
-        stack: removes temporary files at its end.
-        told: called with remarks for the user.
+        trust: whether to execute the script in the recording if the script on the disk has changed. A recording from an
+            untrusted source may execute any code.
+        stack: removes temporary files when it is closed.
+        told: callback for messages to the user.
 
     Raises:
-        RecordingError: the recording does not name its scene, or its script is not trusted.
+        RecordingError: the recording does not contain the name of its scene, or its script is not trusted.
     """
     options = RunOptions(
         script=scene or recording.facts.get("script", ""),
@@ -75,21 +73,24 @@ def options_of(
         return options
     if not options.script:
         raise RecordingError(
-            f"{recording.path}: the scene came from a function of a program; give a script that makes it: --scene PATH"
+            f"{recording.path}: the scene was created by a function of a program; give a script that creates it: "
+            "--scene PATH"
         )
     kept = recording.attachment(SCRIPT)
     if kept is not None and not _is_same(options.script, kept):
         if not trust:
             raise RecordingError(
-                f"{options.script} is not what it was when the run was recorded. To execute the script that is in "
-                "the recording, which is a program, say --trust; to take another script, say --scene PATH"
+                f"{options.script} has changed since the run was recorded. To execute the script in the recording, "
+                "which is a program, use --trust; to use another script, use --scene PATH"
             )
-        told(f"{options.script} is not what it was when the run was recorded: the recorded script is taken.")
+        told(f"{options.script} has changed since the run was recorded: the recorded script is used.")
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         options.script = str(folder / Path(options.script).name)
         Path(options.script).write_bytes(kept)
     elif kept is None and not Path(options.script).is_file():
-        raise RecordingError(f"{recording.path}: there is no scene {options.script} any more; give one: --scene PATH")
+        raise RecordingError(
+            f"{recording.path}: the scene {options.script} does not exist any more; give a scene: --scene PATH"
+        )
     _tell_changed_modules(recording, options, told)
     return options
 
@@ -102,7 +103,7 @@ def _tell_changed_modules(recording: Recording, options: RunOptions, told: Calla
         files = [Path(folder, f"{module}{end}") for folder in options.source_paths for end in (".py", "/__init__.py")]
         there = [file for file in files if file.is_file()]
         if there and not any(_is_same(str(file), recording.attachment(name) or b"") for file in there):
-            told(f"{there[0]} is not what it was when the run was recorded.")
+            told(f"{there[0]} has changed since the run was recorded.")
 
 
 def _is_same(path: str, content: bytes) -> bool:

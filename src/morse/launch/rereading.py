@@ -22,14 +22,14 @@ logger = logging.getLogger("morse.main")
 
 
 class Rereading:
-    """Compares the files that describe a scene with those on the disk, and loads the scene from the edited ones.
+    """Compares the files of a scene with those on the disk, and loads the scene again if they were edited.
 
     Args:
         options: options of the run.
         scene: the loaded scene; its project stays in the process until another project replaces it.
 
     Attributes:
-        successor: the edited scene and the options to run it with; None until there is one.
+        successor: the edited scene and its options; None until there is one.
     """
 
     def __init__(self, options: RunOptions, scene: Scene) -> None:
@@ -47,11 +47,11 @@ class Rereading:
         return [path for path, loaded in self._stamps.items() if path not in taken and stamp(path) != loaded]
 
     def start_anew(self, simulation: Simulation) -> bool:
-        """Load the edited scene and end the simulation, which the scene then replaces.
+        """Load the edited scene and end the simulation, so that the edited scene replaces it.
 
         Returns:
-            False if no file was edited, or if the edited files have an error: the error is logged, and the previous
-            scene has to be restarted.
+            False if no file was edited, or if the edited files have an error: the error is logged, and the caller has
+            to restart the previous scene.
         """
         edited = self.edited(simulation)
         if not edited:
@@ -64,7 +64,7 @@ class Rereading:
         except (ScriptError, MorseError) as error:
             text = error.report() if isinstance(error, ScriptError) else str(error)
             first, _, rest = text.partition("\n")
-            logger.error("[ERROR][MORSE] the edited scene is not taken, the one before starts anew: %s", first)
+            logger.error("[ERROR][MORSE] the edited scene cannot be loaded, the previous scene is restarted: %s", first)
             if rest:
                 logger.error("%s", rest)
             if isinstance(project, ProjectImports):

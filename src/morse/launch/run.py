@@ -39,7 +39,7 @@ def run(options: RunOptions, ready: Callable[[Simulation], object] | None = None
     """Load a scene and run it until it ends.
 
     Args:
-        ready: called before the first tick.
+        ready: callback, called before the first tick.
 
     Returns:
         The exit status: 0, or 1 if the scene could not be loaded or the run failed.
@@ -98,7 +98,7 @@ def _load_scene(options: RunOptions) -> Scene | None:
 
 @contextlib.contextmanager
 def _interruption_held_back() -> Iterator[list[int]]:
-    """Only records Ctrl+C in the list: loading compiled modules and starting event loops must not be interrupted."""
+    """Only record Ctrl+C in the list: loading compiled modules and starting event loops must not be interrupted."""
     pressed: list[int] = []
 
     def note(number: int, _frame: Any) -> None:
@@ -165,7 +165,7 @@ def _listen_for_signals(simulation: Simulation) -> None:
 
 
 def _follow(simulation: Simulation, options: RunOptions) -> Rereading | None:
-    """Let an edited scene script replace the simulation, if the run watches its files."""
+    """Let an edited scene replace the simulation, if the run watches its files."""
     if not options.watch:
         return None
     from morse.launch.rereading import Rereading
@@ -215,7 +215,7 @@ def _write_trace(profile: Profile) -> None:
     except OSError as error:
         logger.warning("the profile cannot be written to %s: %s", path, error.strerror or error)
     else:
-        logger.info("what took the time, tick by tick, is in %s: open it with a trace viewer", path)
+        logger.info("the time of each part in each tick is in %s: open it with a trace viewer", path)
 
 
 def _finish(simulation: Simulation | None, *, for_another: bool = False) -> None:

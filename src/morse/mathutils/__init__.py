@@ -1,6 +1,6 @@
 """Vectors and rotations with the names and rules of Blender's `mathutils`, in plain Python floats.
 
-Products are written ``*`` (as scripts for Blender before 2.80 do) or ``@`` (as later ones do); both work.
+Products are written ``*`` (as in scripts for Blender before 2.80) or ``@`` (as in later scripts).
 """
 
 from morse.mathutils.color import Color

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Color(FloatSequence):
-    """Red, green and blue, 0 to 1; also seen as hue, saturation and value."""
+    """Red, green and blue, 0 to 1; also accessible as hue, saturation and value."""
 
     __slots__ = ()
     _sizes: ClassVar[tuple[int, int]] = (3, 3)

@@ -1,4 +1,4 @@
-"""Light of colours."""
+"""Linear light of colours."""
 
 from __future__ import annotations
 
@@ -11,6 +11,6 @@ if TYPE_CHECKING:
 
 
 def linear_light(codes: ArrayLike) -> NDArray[np.float64]:
-    """Return the linear light, 0 to 1, of values of sRGB, 0 to 1 (IEC 61966-2-1)."""
+    """Return the linear light, 0 to 1, of sRGB values, 0 to 1 (IEC 61966-2-1)."""
     values = np.asarray(codes, dtype=np.float64)
     return np.asarray(np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4))

@@ -1,4 +1,4 @@
-"""Matrices of two to four rows and columns."""
+"""Matrices with two to four rows and columns."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ _IDENTITY = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (
 
 
 class Matrix:
-    """A matrix of floats, row by row; ``Matrix()`` is the 4x4 identity.
+    """A matrix of floats; ``Matrix()`` is the 4x4 identity.
 
-    ``m[i]`` is row `i` as a vector that writes through. ``a * b`` and ``a @ b`` are the matrix product; a 4x4
-    matrix turns and moves a 3-vector. Poses have their translation in the last column.
+    ``m[i]`` is row `i` as a vector; assigning to its items changes the matrix. ``a * b`` and ``a @ b`` are the matrix
+    product; a 4x4 matrix rotates and translates a 3-vector. The translation of a pose is in the last column.
     """
 
     __slots__ = ("_rows",)
@@ -44,7 +44,7 @@ class Matrix:
 
     @classmethod
     def _wrap(cls, rows: Rows) -> Self:
-        """A matrix upon these rows: neither copied nor checked."""
+        """Create a matrix from these rows, which are neither copied nor checked."""
         made = cls.__new__(cls)
         made._rows = rows
         return made
@@ -53,23 +53,23 @@ class Matrix:
 
     @classmethod
     def Identity(cls, size: int) -> Self:  # noqa: N802 (Blender's name, as those below)
-        """The identity of 2 to 4 rows."""
+        """Return the identity with 2 to 4 rows."""
         return cls(algebra.identity(size))
 
     @classmethod
     def Diagonal(cls, values: Iterable[float]) -> Self:  # noqa: N802
-        """A matrix with the given diagonal and zeros elsewhere."""
+        """Return a matrix with the given diagonal and zeros elsewhere."""
         row = floats(values, "Matrix.Diagonal", 2, 4)
         return cls._wrap([[value if i == j else 0.0 for j in range(len(row))] for i, value in enumerate(row)])
 
     @classmethod
     def Rotation(cls, angle: float, size: int, axis: str | Iterable[float] | None = None) -> Self:  # noqa: N802
-        """Rotation by an angle in radians.
+        """Return a rotation by an angle.
 
         Args:
             angle: radians, counter-clockwise looking against the axis.
-            size: 2, 3 or 4 rows.
-            axis: ``X``, ``Y``, ``Z`` or a vector; none for size 2.
+            size: number of rows: 2, 3 or 4.
+            axis: ``X``, ``Y``, ``Z`` or a vector; not used for size 2.
         """
         if size == 2:
             return cls._wrap([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
@@ -86,14 +86,14 @@ class Matrix:
 
     @classmethod
     def Translation(cls, vector: Iterable[float]) -> Self:  # noqa: N802
-        """4x4 matrix that moves by a 3-vector."""
+        """Return a 4x4 matrix that translates by a 3-vector."""
         made = cls()
         made.translation = vector
         return made
 
     @classmethod
     def Scale(cls, factor: float, size: int, axis: Iterable[float] | None = None) -> Self:  # noqa: N802
-        """Scaling by a factor, in all directions or along an axis only."""
+        """Return a scaling by a factor, in all directions or only along an axis."""
         made = cls.Identity(size)
         count = 2 if size == 2 else 3
         direction = None if axis is None else Vector(axis).resized(count).normalized()
@@ -112,7 +112,7 @@ class Matrix:
         rotation: Euler | Quaternion | Matrix | None,
         scale: Iterable[float] | None,
     ) -> Self:
-        """4x4 matrix that scales, then turns, then moves; None leaves a part out."""
+        """Return a 4x4 matrix that scales, then rotates, then translates; None omits a part."""
         linear = algebra.identity(3) if rotation is None else rotations.rows_of(rotation.as_rotation())
         factors = (1.0, 1.0, 1.0) if scale is None else floats(scale, "Matrix.LocRotScale scale", 3, 3)
         offset = (0.0, 0.0, 0.0) if location is None else floats(location, "Matrix.LocRotScale location", 3, 3)
@@ -145,19 +145,19 @@ class Matrix:
 
     @property
     def row(self) -> Lines:
-        """The rows, as vectors that write through."""
+        """The rows as vectors; assigning to their items changes the matrix."""
         return Lines(lambda index: Vector._wrap(self._rows[index]), len(self._rows))
 
     @property
     def col(self) -> Lines:
-        """The columns, as vectors that write through."""
+        """The columns as vectors; assigning to their items changes the matrix."""
         return Lines(lambda index: Vector._wrap(algebra.Column(self._rows, index, len(self._rows))), len(self._rows[0]))
 
     @property
     def translation(self) -> Vector:
-        """The first three of the last column of a 4x4 or 3x4 matrix, writing through."""
+        """The first three items of the last column of a 4x4 or 3x4 matrix; assigning to them changes the matrix."""
         if len(self._rows[0]) != 4 or len(self._rows) < 3:
-            raise AttributeError(f"a {self._shape()} Matrix has no translation: to_4x4() first")
+            raise AttributeError(f"a {self._shape()} Matrix has no translation: convert it with to_4x4() first")
         return Vector._wrap(algebra.Column(self._rows, 3, 3))
 
     @translation.setter
@@ -222,7 +222,7 @@ class Matrix:
             items = (*items, 1.0)
             rows = self._rows[:3]
         if len(items) != width:
-            raise ValueError(f"Matrix * Vector: a {self._shape()} cannot take a vector of {len(items)}")
+            raise ValueError(f"Matrix * Vector: a {self._shape()} cannot be multiplied by a vector of {len(items)}")
         return Vector._wrap([sum(map(mul, row, items)) for row in rows])
 
     def _applied_to_row(self, vector: Vector) -> Vector:
@@ -232,7 +232,7 @@ class Matrix:
             items = (*items, 1.0)
             columns = columns[:3]
         if len(items) != len(self._rows):
-            raise ValueError(f"Vector * Matrix: a vector of {len(items)} cannot take a {self._shape()}")
+            raise ValueError(f"Vector * Matrix: a vector of {len(items)} cannot be multiplied by a {self._shape()}")
         return Vector._wrap([sum(map(mul, column, items)) for column in columns])
 
     def __add__(self, other: Matrix) -> Matrix:
@@ -246,7 +246,7 @@ class Matrix:
 
     def _combined(self, other: Matrix, factor: float) -> Matrix:
         if self._shape() != other._shape():
-            raise ValueError(f"Matrix sum: both need the same shape, given {self._shape()} and {other._shape()}")
+            raise ValueError(f"Matrix sum: both must have the same shape, given {self._shape()} and {other._shape()}")
         return Matrix._wrap([
             [a + factor * b for a, b in zip(p, q, strict=True)] for p, q in zip(self._rows, other._rows, strict=True)
         ])  # fmt: skip
@@ -263,41 +263,41 @@ class Matrix:
 
     @property
     def is_frozen(self) -> bool:
-        """True after `freeze`."""
+        """Whether `freeze` was called."""
         return isinstance(self._rows, tuple)
 
     def freeze(self) -> Self:
-        """Refuse changes from now on, so that it can be a key of a dict. Returns itself."""
+        """Make the matrix immutable, so that it can be a key of a dictionary. Return the matrix."""
         self._rows = tuple(tuple(row) for row in self._rows)  # type: ignore[assignment]
         return self
 
     def _become(self, rows: Rows) -> None:
         if self.is_frozen:
-            raise TypeError("this Matrix is frozen: change a copy() of it")
+            raise TypeError("this Matrix is frozen: modify a copy() of it")
         for mine, new in zip(self._rows, rows, strict=True):
             mine[:] = new
 
     # algebra -------------------------------------------------------------------------------------
 
     def transposed(self) -> Matrix:
-        """Rows become columns."""
+        """Return the transposed matrix."""
         return Matrix._wrap(algebra.transposed(self._rows))
 
     def transpose(self) -> None:
-        """Swap rows and columns of a square matrix."""
+        """Transpose a square matrix in place."""
         self._check_square("transpose")
         self._become(algebra.transposed(self._rows))
 
     def determinant(self) -> float:
-        """Determinant of a square matrix."""
+        """Return the determinant of a square matrix."""
         self._check_square("determinant")
         return algebra.determinant(self._rows)
 
     def inverted(self, fallback: Any = ...) -> Any:
-        """The inverse.
+        """Return the inverse.
 
         Raises:
-            ValueError: the matrix is singular and there is no fallback.
+            ValueError: the matrix is singular, and no fallback is given.
         """
         self._check_square("inverted")
         inverse = algebra.inverted(self._rows)
@@ -308,7 +308,7 @@ class Matrix:
         return fallback
 
     def inverted_safe(self) -> Matrix:
-        """The inverse, or that of the nearly equal matrix with a little added to its diagonal if it has none."""
+        """Return the inverse; if there is none, the inverse of the matrix with a small number added to its diagonal."""
         self._check_square("inverted_safe")
         inverse = algebra.inverted(self._rows)
         if inverse is None:
@@ -318,20 +318,20 @@ class Matrix:
         return Matrix._wrap(algebra.identity(len(self._rows)) if inverse is None else inverse)
 
     def invert(self, fallback: Matrix | None = None) -> None:
-        """Become the inverse; the fallback if there is none.
+        """Invert the matrix in place; if it is singular, the result is the fallback.
 
         Raises:
-            ValueError: the matrix is singular and there is no fallback.
+            ValueError: the matrix is singular, and no fallback is given.
         """
         inverse = self.inverted() if fallback is None else self.inverted(fallback)
         self._become(inverse._rows)
 
     def invert_safe(self) -> None:
-        """Become what `inverted_safe` gives."""
+        """Invert the matrix in place, as `inverted_safe` does."""
         self._become(self.inverted_safe()._rows)
 
     def identity(self) -> None:
-        """Become the identity."""
+        """Set the matrix to the identity."""
         self._check_square("identity")
         self._become(algebra.identity(len(self._rows)))
 
@@ -344,23 +344,23 @@ class Matrix:
             raise ValueError(f"Matrix.{what}: needs a square matrix, given a {self._shape()}")
 
     def normalized(self) -> Matrix:
-        """The matrix with its (first three) columns of length 1: rotation without scale."""
+        """Return the matrix with its (first three) columns scaled to length 1: rotation without scale."""
         made = self.copy()
         made.normalize()
         return made
 
     def normalize(self) -> None:
-        """Make the (first three) columns of length 1."""
+        """Scale the (first three) columns to length 1."""
         if len(self._rows) < 3:
-            raise ValueError(f"Matrix.normalize: needs a 3x3 or 4x4, given a {self._shape()}")
+            raise ValueError(f"Matrix.normalize: needs a 3x3 or 4x4 matrix, given a {self._shape()}")
         upper = rotations.rows_of(rotations.normalized_columns(rotations.nine(self._rows)))
         rows = [[*new, *row[3:]] for new, row in zip(upper, self._rows, strict=False)]
         self._become([*rows, *(list(row) for row in self._rows[3:])])
 
     def lerp(self, other: Matrix, factor: float) -> Matrix:
-        """Between two poses: positions and scales linearly, the rotation by the shorter way."""
+        """Interpolate between two poses: positions and scales linearly, the rotation along the shorter path."""
         if len(self._rows) < 3 or self._shape() != other._shape():
-            raise ValueError(f"Matrix.lerp: needs two 3x3 or 4x4, given {self._shape()} and {other._shape()}")
+            raise ValueError(f"Matrix.lerp: needs two 3x3 or 4x4 matrices, given {self._shape()} and {other._shape()}")
         (p, q, s), (p2, q2, s2) = self.to_4x4().decompose(), other.to_4x4().decompose()
         mixed = Matrix.LocRotScale(p.lerp(p2, factor), q.slerp(q2, factor), s.lerp(s2, factor))
         return mixed if len(self._rows) == 4 else mixed.to_3x3()
@@ -368,25 +368,25 @@ class Matrix:
     # parts ---------------------------------------------------------------------------------------
 
     def as_rotation(self) -> rotations.Rotation9:
-        """The upper left 3x3, row by row, as it is."""
+        """Return the upper left 3x3, row by row, unchanged."""
         if len(self._rows) < 3 or len(self._rows[0]) < 3:
             raise ValueError(f"a rotation needs a 3x3 or 4x4 Matrix, given a {self._shape()}")
         return rotations.nine(self._rows)
 
     def to_2x2(self) -> Matrix:
-        """The upper left 2x2."""
+        """Return the upper left 2x2."""
         return Matrix._wrap([list(row[:2]) for row in self._rows[:2]])
 
     def to_3x3(self) -> Matrix:
-        """The upper left 3x3, the identity where there is nothing."""
+        """Return the upper left 3x3; missing items are those of the identity."""
         return self._resized(3)
 
     def to_4x4(self) -> Matrix:
-        """4x4 matrix, the identity where there is nothing."""
+        """Return a 4x4 matrix; missing items are those of the identity."""
         return self._resized(4)
 
     def resize_4x4(self) -> None:
-        """Become 4x4; rows and columns taken before do not show the matrix any more."""
+        """Resize to 4x4; rows and columns that were accessed before are no longer connected to the matrix."""
         self._rows = self.to_4x4()._rows
 
     def _resized(self, size: int) -> Matrix:
@@ -397,28 +397,28 @@ class Matrix:
         return Matrix._wrap(rows)
 
     def to_translation(self) -> Vector:
-        """A copy of the translation."""
+        """Return a copy of the translation."""
         return self.translation.copy()
 
     def to_scale(self) -> Vector:
-        """Lengths of the first three columns, all negative for a mirroring matrix."""
+        """Return the lengths of the first three columns, all negative for a mirroring matrix."""
         nine = self.as_rotation()
         sign = -1.0 if rotations.determinant(nine) < 0.0 else 1.0
         return Vector([sign * Vector._wrap(list(nine[i::3])).length for i in range(3)])
 
     @property
     def median_scale(self) -> float:
-        """Mean length of the first three columns."""
+        """The mean length of the first three columns."""
         return sum(abs(value) for value in self.to_scale()) / 3.0
 
     @property
     def is_negative(self) -> bool:
-        """True for a mirroring matrix."""
+        """Whether the matrix mirrors."""
         return rotations.determinant(self.as_rotation()) < 0.0
 
     @property
     def is_orthogonal(self) -> bool:
-        """True if the axes are unit vectors at right angles, to five digits."""
+        """Whether the axes are perpendicular unit vectors, to five digits."""
         columns = algebra.transposed(rotations.rows_of(self.as_rotation()))
         return all(
             abs(sum(a * b for a, b in zip(p, q, strict=True)) - (i == j)) < 1e-5
@@ -429,15 +429,15 @@ class Matrix:
     is_orthogonal_axis_vectors = is_orthogonal
 
     def to_quaternion(self) -> Quaternion:
-        """The rotation as a unit quaternion with w >= 0; scale and mirroring are left out."""
+        """Return the rotation as a unit quaternion with w >= 0; scale and mirroring are ignored."""
         return Quaternion._wrap(list(rotations.quaternion_from_rotation(rotations.unscaled(self.as_rotation()))))
 
     def to_euler(self, order: str = "XYZ", compatible: Iterable[float] | None = None) -> Euler:
-        """The rotation as Euler angles in the given order.
+        """Return the rotation as Euler angles in the given order.
 
         Args:
             order: one of the six orders.
-            compatible: take the solution nearest to these angles, instead of that with the smallest ones.
+            compatible: return the solution closest to these angles, instead of the solution with the smallest angles.
         """
         rotations.checked_order(order)
         nine = rotations.unscaled(self.as_rotation())
@@ -447,21 +447,21 @@ class Matrix:
         return Euler(rotations.compatible_euler(nine, order, near), order)
 
     def decompose(self) -> tuple[Vector, Quaternion, Vector]:
-        """Translation, rotation and scale of a 4x4 matrix; all scales are negative if it mirrors."""
+        """Return translation, rotation and scale of a 4x4 matrix; all scales are negative if it mirrors."""
         if self._shape() != "4x4":
-            raise ValueError(f"Matrix.decompose: needs a 4x4, given a {self._shape()}")
+            raise ValueError(f"Matrix.decompose: needs a 4x4 matrix, given a {self._shape()}")
         return self.to_translation(), self.to_quaternion(), self.to_scale()
 
     def rotate(self, other: Euler | Quaternion | Matrix) -> None:
-        """Turn a 3x3 matrix by another rotation, about the fixed axes."""
+        """Apply another rotation, about the fixed axes, to a 3x3 matrix."""
         if self._shape() != "3x3":
-            raise ValueError(f"Matrix.rotate: needs a 3x3, given a {self._shape()}")
+            raise ValueError(f"Matrix.rotate: needs a 3x3 matrix, given a {self._shape()}")
         self._become(rotations.rows_of(rotations.product(other.as_rotation(), self.as_rotation())))
 
     # copies and text -----------------------------------------------------------------------------
 
     def copy(self) -> Self:
-        """A copy that is not frozen."""
+        """Return a copy that is not frozen."""
         return self._wrap([list(row) for row in self._rows])
 
     __copy__ = copy

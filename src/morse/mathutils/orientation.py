@@ -1,4 +1,4 @@
-"""Vectors, and the quaternions and Euler angles that turn them: they convert into each other."""
+"""Vectors, quaternions and Euler angles, and conversions between them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 class Vector(VectorAlgebra):
     """A vector of two to four floats; ``Vector()`` is (0, 0, 0).
 
-    ``v * 2`` and ``2 * v`` scale; ``v * other`` and ``v @ other`` are the dot product; ``matrix * v`` and
-    ``quaternion * v`` transform; ``v * matrix`` takes `v` as a row.
+    ``v * 2`` and ``2 * v`` scale; ``v * other`` and ``v @ other`` are the dot product; ``matrix * v`` and ``quaternion
+    * v`` transform; ``v * matrix`` treats `v` as a row.
     """
 
     __slots__ = ()
 
     def rotate(self, other: Euler | Quaternion | Matrix) -> None:
-        """Turn this 3-vector in place."""
+        """Rotate this 3-vector in place."""
         if len(self._items) != 3:
             raise ValueError(f"Vector.rotate: needs 3 components, given {len(self._items)}")
         a, b, c, d, e, f, g, h, i = other.as_rotation()
@@ -35,20 +35,20 @@ class Vector(VectorAlgebra):
         self._assign([a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z])
 
     def rotation_difference(self, other: Iterable[float]) -> Quaternion:
-        """The shortest rotation that turns this direction into another."""
+        """Return the shortest rotation from this direction to another."""
         return Quaternion._wrap(list(tracking.shortest_arc(self, self._operand(other, "rotation_difference"))))
 
     def to_track_quat(self, track: str = "Z", up: str = "Y") -> Quaternion:
-        """Rotation that points an axis (``X``, ``-Y`` …) along this vector, and another as far upward as it can."""
+        """Return a rotation that points an axis (``X``, ``-Y`` …) along this vector, and another one upward."""
         return Quaternion._wrap(list(tracking.track_rotation(self, track, up)))
 
 
 class Quaternion(QuaternionAlgebra):
     """A quaternion w, x, y, z; ``Quaternion()`` is the identity.
 
-    ``Quaternion((w, x, y, z))``, ``Quaternion((x, y, z), angle)`` from an axis and radians, or
-    ``Quaternion((x, y, z))`` from an exponential map: the axis times the angle.
-    ``a * b`` and ``a @ b`` are the Hamilton product, ``q * v`` turns a 3-vector.
+    ``Quaternion((w, x, y, z))``, ``Quaternion((x, y, z), angle)`` from an axis and radians, or ``Quaternion((x, y,
+    z))`` from an exponential map: the axis times the angle. ``a * b`` and ``a @ b`` are the Hamilton product, ``q * v``
+    rotates a 3-vector.
     """
 
     __slots__ = ()
@@ -84,7 +84,7 @@ class Quaternion(QuaternionAlgebra):
 
     def _turned(self, vector: Vector) -> Vector:
         if len(vector) != 3:
-            raise ValueError(f"a Quaternion turns vectors of 3 components, given {len(vector)}")
+            raise ValueError(f"a Quaternion rotates vectors of 3 components, given {len(vector)}")
         w, x, y, z = self._items
         vx, vy, vz = vector
         tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
@@ -93,7 +93,7 @@ class Quaternion(QuaternionAlgebra):
         )
 
     def rotate(self, other: Euler | Quaternion | Matrix) -> None:
-        """Turn by another rotation, about the fixed axes; the norm stays."""
+        """Apply another rotation, about the fixed axes; the norm does not change."""
         turn = other if isinstance(other, Quaternion) else other.to_quaternion()
         self._assign(turn.normalized().cross(self)._items)
 
@@ -108,7 +108,7 @@ class Quaternion(QuaternionAlgebra):
 
     @property
     def axis(self) -> Vector:
-        """Unit vector along the axis of the rotation, (1, 0, 0) if it turns nothing."""
+        """Unit vector along the axis of the rotation; (1, 0, 0) if the angle is 0."""
         axis = Vector._wrap(list(self._items[1:])).normalized()
         return axis if axis.length > 0.0 else Vector((1.0, 0.0, 0.0))
 
@@ -118,30 +118,30 @@ class Quaternion(QuaternionAlgebra):
         self._assign([a * self.magnitude for a in about(row, self.to_axis_angle()[1])])
 
     def to_axis_angle(self) -> tuple[Vector, float]:
-        """Unit axis and angle in radians, 0 to 2 pi; axis (1, 0, 0) if the angle is 0."""
+        """Return the unit axis, and the angle in radians, 0 to 2 pi; the axis is (1, 0, 0) if the angle is 0."""
         w, x, y, z = self._items
         return self.axis, 2.0 * atan2(sqrt(x * x + y * y + z * z), w)
 
     def to_exponential_map(self) -> Vector:
-        """The axis times the angle, the shorter way round."""
+        """Return the axis times the angle, for the shorter direction."""
         axis, angle = (self if self.w >= 0.0 else -self).to_axis_angle()
         return axis * angle
 
     def as_rotation(self) -> rotations.Rotation9:
-        """The rotation matrix, row by row, whatever the norm."""
+        """Return the rotation matrix, row by row, for any norm."""
         w, x, y, z = self.normalized()._items
         return rotations.rotation_from_quaternion(w, x, y, z)
 
     def to_matrix(self) -> Matrix:
-        """3x3 rotation matrix."""
+        """Return the 3x3 rotation matrix."""
         return matrices.Matrix._wrap(rotations.rows_of(self.as_rotation()))
 
     def to_euler(self, order: str = "XYZ", compatible: Iterable[float] | None = None) -> Euler:
-        """Euler angles in the given order, near to those of `compatible` if given."""
+        """Return Euler angles in the given order; the closest ones to `compatible` if given."""
         return self.to_matrix().to_euler(order, compatible)
 
     def to_quaternion(self) -> Quaternion:
-        """A copy."""
+        """Return a copy."""
         return self.copy()
 
 
@@ -161,7 +161,7 @@ class Euler(FloatSequence):
 
     @property
     def order(self) -> str:
-        """The order of the rotations: first to last."""
+        """The order of the rotations, first to last."""
         return self._order
 
     @order.setter
@@ -206,24 +206,24 @@ class Euler(FloatSequence):
     __hash__ = FloatSequence.__hash__
 
     def as_rotation(self) -> rotations.Rotation9:
-        """The rotation matrix, row by row."""
+        """Return the rotation matrix, row by row."""
         return rotations.rotation_from_euler(self._items, self._order)
 
     def to_matrix(self) -> Matrix:
-        """3x3 rotation matrix."""
+        """Return the 3x3 rotation matrix."""
         return matrices.Matrix._wrap(rotations.rows_of(self.as_rotation()))
 
     def to_quaternion(self) -> Quaternion:
-        """The same rotation as a unit quaternion with w >= 0."""
+        """Return the same rotation as a unit quaternion with w >= 0."""
         return Quaternion._wrap(list(rotations.quaternion_from_rotation(self.as_rotation())))
 
     def rotate(self, other: Euler | Quaternion | Matrix) -> None:
-        """Turn by another rotation, about the fixed axes."""
+        """Apply another rotation, about the fixed axes."""
         turned = rotations.product(other.as_rotation(), self.as_rotation())
         self._assign(rotations.compatible_euler(turned, self._order, self._items))
 
     def rotate_axis(self, axis: str, angle: float) -> None:
-        """Turn by an angle (radians) about one of the own axes: ``X``, ``Y`` or ``Z``."""
+        """Rotate by an angle (radians) about one of the own axes: ``X``, ``Y`` or ``Z``."""
         if axis not in ("X", "Y", "Z"):
             raise ValueError(f"Euler.rotate_axis: the axis is 'X', 'Y' or 'Z', given {axis!r}")
         own = [0.0, 0.0, 0.0]
@@ -232,7 +232,7 @@ class Euler(FloatSequence):
         self._assign(rotations.compatible_euler(turned, self._order, self._items))
 
     def make_compatible(self, other: Iterable[float]) -> None:
-        """Add whole turns so that each angle comes within half a turn of another Euler's."""
+        """Add whole turns, so that each angle differs by at most half a turn from that of another Euler."""
         self._assign(rotations.unwrapped(self._items, floats(other, "Euler.make_compatible", 3, 3)))
 
     def zero(self) -> None:
@@ -240,7 +240,7 @@ class Euler(FloatSequence):
         self._assign([0.0, 0.0, 0.0])
 
     def copy(self) -> Self:
-        """A copy that is not frozen."""
+        """Return a copy that is not frozen."""
         made = self._wrap(list(self._items))
         made._order = self._order
         return made

@@ -1,4 +1,4 @@
-"""What quaternions are without other rotations: components and arithmetic."""
+"""Components and arithmetic of quaternions."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 
 class QuaternionAlgebra(FloatSequence):
-    """The part of `morse.mathutils.Quaternion` that knows no vector and no matrix.
+    """The part of `morse.mathutils.Quaternion` that does not depend on vectors and matrices.
 
     Attributes:
-        _plain: the class of results, `morse.mathutils.Quaternion`, also where a subclass is calculated with.
+        _plain: the class of results, `morse.mathutils.Quaternion`, even if an operand is of a subclass.
     """
 
     __slots__ = ()
@@ -89,7 +89,7 @@ class QuaternionAlgebra(FloatSequence):
         return self._plain._wrap([a / float(other) for a in self._items])
 
     def cross(self, other: Iterable[float]) -> Self:
-        """Hamilton product: the rotation `other`, then this one."""
+        """Return the Hamilton product: the rotation `other`, then this one."""
         aw, ax, ay, az = self._items
         bw, bx, by, bz = self._operand(other)._items
         return self._plain._wrap([
@@ -100,16 +100,16 @@ class QuaternionAlgebra(FloatSequence):
         ])  # fmt: skip
 
     def dot(self, other: Iterable[float]) -> float:
-        """Sum of the products of the components."""
+        """Return the sum of the products of the components."""
         return sum(a * b for a, b in zip(self._items, self._operand(other)._items, strict=True))
 
     @property
     def magnitude(self) -> float:
-        """Norm; 1 for a rotation."""
+        """The norm; 1 for a rotation."""
         return sqrt(sum(a * a for a in self._items))
 
     def conjugated(self) -> Self:
-        """The quaternion with its imaginary part negated."""
+        """Return the quaternion with a negated imaginary part."""
         w, x, y, z = self._items
         return self._plain._wrap([w, -x, -y, -z])
 
@@ -118,40 +118,40 @@ class QuaternionAlgebra(FloatSequence):
         self._assign(self.conjugated()._items)
 
     def inverted(self) -> Self:
-        """The inverse; null for the null quaternion."""
+        """Return the inverse; the zero quaternion stays zero."""
         squared = self.dot(self)
         return self.conjugated() / squared if squared > 0.0 else self.copy()
 
     def invert(self) -> None:
-        """Become the inverse."""
+        """Invert the quaternion in place."""
         self._assign(self.inverted()._items)
 
     def normalized(self) -> Self:
-        """The unit quaternion of this rotation; the null quaternion stays null."""
+        """Return the unit quaternion of this rotation; the zero quaternion stays zero."""
         magnitude = self.magnitude
         return self / magnitude if magnitude > 0.0 else self.copy()
 
     def normalize(self) -> None:
-        """Make the norm 1."""
+        """Scale the norm to 1."""
         self._assign(self.normalized()._items)
 
     def negate(self) -> None:
-        """Negate all components: the same rotation."""
+        """Negate all components; the rotation does not change."""
         self._assign([-a for a in self._items])
 
     def identity(self) -> None:
-        """Become no rotation."""
+        """Set the quaternion to the identity."""
         self._assign([1.0, 0.0, 0.0, 0.0])
 
     # rotation ------------------------------------------------------------------------------------
 
     def slerp(self, other: Iterable[float], factor: float) -> Self:
-        """The rotation at `factor` (0 to 1) of the shorter way to another.
+        """Interpolate to another rotation along the shorter path; `factor` is 0 to 1.
 
         K. Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985.
         """
         if not 0.0 <= factor <= 1.0:
-            raise ValueError(f"Quaternion.slerp: the factor lies between 0 and 1, given {factor!r}")
+            raise ValueError(f"Quaternion.slerp: the factor is between 0 and 1, given {factor!r}")
         a, b = self.normalized(), self._operand(other).normalized()
         if a.dot(b) < 0.0:
             b = -b
@@ -164,11 +164,11 @@ class QuaternionAlgebra(FloatSequence):
         return self._plain._wrap([p * share + q * other for p, q in zip(a._items, b._items, strict=True)])
 
     def rotation_difference(self, other: Iterable[float]) -> Self:
-        """The quaternion d with ``self * d == other``."""
+        """Return the quaternion d with ``self * d == other``."""
         return self.inverted().cross(other)
 
     def make_compatible(self, other: Iterable[float]) -> None:
-        """Take the sign that is nearer to another quaternion."""
+        """Choose the sign for which the quaternion is closer to another quaternion."""
         if self.dot(other) < 0.0:
             self.negate()
 
@@ -179,12 +179,12 @@ class QuaternionAlgebra(FloatSequence):
 
 
 def wrapped(angle: float) -> float:
-    """The angle without whole turns, -pi to pi."""
+    """Return the angle without whole turns, -pi to pi."""
     return angle - 2.0 * pi * round(angle / (2.0 * pi))
 
 
 def about(axis: list[float], angle: float) -> list[float]:
-    """w, x, y, z of the rotation about an axis of any length."""
+    """Return w, x, y, z of the rotation about an axis of any length."""
     x, y, z = axis
     length = sqrt(x * x + y * y + z * z)
     if length == 0.0:

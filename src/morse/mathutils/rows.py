@@ -1,4 +1,4 @@
-"""Matrix algebra on lists of rows, two to four of each."""
+"""Matrix algebra on lists of two to four rows."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ Rows: TypeAlias = list[list[float]]
 
 
 def identity(size: int) -> Rows:
-    """Ones on the diagonal."""
+    """Return ones on the diagonal."""
     return [[1.0 if i == j else 0.0 for j in range(size)] for i in range(size)]
 
 
 def product(a: Sequence[Sequence[float]], b: Sequence[Sequence[float]]) -> Rows:
-    """Matrix product of a and b."""
+    """Return the matrix product of a and b."""
     columns = list(zip(*b, strict=True))
     if len(b) == 4:
         return [[p * s + q * t + r * u + o * v for s, t, u, v in columns] for p, q, r, o in a]
@@ -23,17 +23,17 @@ def product(a: Sequence[Sequence[float]], b: Sequence[Sequence[float]]) -> Rows:
 
 
 def transposed(a: Sequence[Sequence[float]]) -> Rows:
-    """Rows become columns."""
+    """Return the transposed matrix."""
     return [list(column) for column in zip(*a, strict=True)]
 
 
 def minor(a: Sequence[Sequence[float]], row: int, column: int) -> Rows:
-    """Without one row and one column."""
+    """Return the matrix without one row and one column."""
     return [[*line[:column], *line[column + 1 :]] for i, line in enumerate(a) if i != row]
 
 
 def determinant(a: Sequence[Sequence[float]]) -> float:
-    """Determinant of a square matrix, by expansion along the first row."""
+    """Return the determinant of a square matrix, by expansion along the first row."""
     if len(a) == 2:
         return a[0][0] * a[1][1] - a[0][1] * a[1][0]
     if len(a) == 3:
@@ -43,7 +43,7 @@ def determinant(a: Sequence[Sequence[float]]) -> float:
 
 
 def inverted(a: Sequence[Sequence[float]]) -> Rows | None:
-    """The inverse by Gauss-Jordan elimination with partial pivoting, or None for a singular matrix."""
+    """Return the inverse by Gauss-Jordan elimination with partial pivoting, or None for a singular matrix."""
     size = len(a)
     work = [[*row, *unit] for row, unit in zip(a, identity(size), strict=True)]
     largest = max(abs(value) for row in a for value in row)
@@ -62,7 +62,7 @@ def inverted(a: Sequence[Sequence[float]]) -> Rows | None:
 
 
 class Column(MutableSequence[float]):
-    """One column of a matrix, or the top of it, read and written in place."""
+    """One column of a matrix, or its upper part; assigning to its items changes the matrix."""
 
     __slots__ = ("_column", "_rows")
 
@@ -92,12 +92,12 @@ class Column(MutableSequence[float]):
         raise TypeError("a column of a matrix has a fixed length")
 
     def insert(self, index: int, value: float) -> None:
-        """Refused: the length is fixed."""
+        """Raise an error, because the length is fixed."""
         raise TypeError("a column of a matrix has a fixed length")
 
 
 class Lines:
-    """The rows or the columns of a matrix as vectors that write through."""
+    """The rows or the columns of a matrix as vectors; assigning to their items changes the matrix."""
 
     __slots__ = ("_count", "_line")
 
@@ -119,5 +119,5 @@ class Lines:
 
     def _checked(self, index: int) -> int:
         if not -self._count <= index < self._count:
-            raise IndexError(f"the matrix has {self._count} of them, asked for number {index}")
+            raise IndexError(f"the matrix has {self._count} of them, given the index {index}")
         return index % self._count

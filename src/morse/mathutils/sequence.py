@@ -1,4 +1,4 @@
-"""What vectors, angles, quaternions and colours share: a short row of floats of fixed length."""
+"""The base of vectors, angles, quaternions and colours: a short sequence of floats of fixed length."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ else:
 
 
 def floats(values: Iterable[Any], kind: str, smallest: int, largest: int) -> list[float]:
-    """The values as floats.
+    """Return the values as floats.
 
     Raises:
         TypeError: the values are not numbers.
@@ -31,12 +31,12 @@ def floats(values: Iterable[Any], kind: str, smallest: int, largest: int) -> lis
 
 
 def is_number(value: object) -> bool:
-    """True for ints, floats and the scalars of numpy."""
+    """Whether a value is an int, a float or a scalar of numpy."""
     return isinstance(value, (float, int, Real))
 
 
 def rounded(value: float) -> str:
-    """A component as Blender prints it: at most four decimals."""
+    """Return a component in the format of Blender: at most four decimals."""
     return f"{value:.4f}"
 
 
@@ -47,7 +47,7 @@ def _count(smallest: int, largest: int) -> str:
 class FloatSequence(_Base):
     """A sequence of floats whose length does not change when items are assigned.
 
-    The items lie in `_items`: a list, a tuple once frozen, or the live row or column of a matrix.
+    The items are in `_items`: a list, a tuple after `freeze`, or the row or column of a matrix.
     """
 
     __slots__ = ("_items",)
@@ -56,7 +56,7 @@ class FloatSequence(_Base):
 
     @classmethod
     def _wrap(cls, items: MutableSequence[float]) -> Self:
-        """An instance upon these items: neither copied nor checked."""
+        """Create an instance from these items, which are neither copied nor checked."""
         made = cls.__new__(cls)
         made._items = items
         return made
@@ -86,7 +86,9 @@ class FloatSequence(_Base):
             size = len(row)
             row[index] = floats(value, f"a slice of {type(self).__name__}", 0, size)
             if len(row) != size:
-                raise ValueError(f"the slice of {type(self).__name__} takes as many numbers as it has, given {value!r}")
+                raise ValueError(
+                    f"the slice of {type(self).__name__} takes as many numbers as it has items, given {value!r}"
+                )
             self._assign(row)
             return
         self._check_writable()
@@ -115,16 +117,16 @@ class FloatSequence(_Base):
 
     @property
     def is_frozen(self) -> bool:
-        """True after `freeze`."""
+        """Whether `freeze` was called."""
         return isinstance(self._items, tuple)
 
     def freeze(self) -> Self:
-        """Refuse changes from now on, so that it can be a key of a dict. Returns itself."""
+        """Make the object immutable, so that it can be a key of a dictionary. Return the object."""
         self._items = tuple(self._items)  # type: ignore[assignment]
         return self
 
     def copy(self) -> Self:
-        """A copy that is not frozen and no view of anything."""
+        """Return a copy that is not frozen, and not a view of a matrix."""
         return self._wrap(list(self._items))
 
     __copy__ = copy

@@ -1,4 +1,4 @@
-"""Rotations found from directions, as quaternions w, x, y, z."""
+"""Rotations from directions, as quaternions w, x, y, z."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NONE = (1.0, 0.0, 0.0, 0.0)
 
 
 def shortest_arc(start: VectorAlgebra, end: VectorAlgebra) -> Quaternion4:
-    """The shortest rotation from one direction to another; about any axis at right angles if they are opposite."""
+    """Return the shortest rotation from one direction to another; about any perpendicular axis if they are opposite."""
     a, b = start.to_3d().normalized(), end.to_3d().normalized()
     if not a.length or not b.length:
         return _NONE
@@ -31,10 +31,10 @@ def shortest_arc(start: VectorAlgebra, end: VectorAlgebra) -> Quaternion4:
 
 
 def track_rotation(direction: VectorAlgebra, track: str, up: str) -> Quaternion4:
-    """Rotation with the axis `track` along a direction and the axis `up` as near to world Z as it can be.
+    """Return a rotation with the axis `track` along a direction and the axis `up` as close to world Z as possible.
 
     Raises:
-        ValueError: the axes are unknown or lie along the same line.
+        ValueError: the axes are unknown or are along the same line.
     """
     if track not in _AXES or up not in _AXES[:3] or track[-1] == up:
         raise ValueError(
@@ -50,7 +50,7 @@ def track_rotation(direction: VectorAlgebra, track: str, up: str) -> Quaternion4
     up_axis.z = 1.0
     up_axis -= forward * forward.z
     if up_axis.length < 1e-7:
-        # Straight up or down: nothing to choose the roll by, so take the rotation that turns least.
+        # If the direction is vertical, the roll is undefined: use the rotation with the smallest angle.
         unit = zero.copy()
         unit[track_index] = 1.0
         return shortest_arc(unit, track_axis)

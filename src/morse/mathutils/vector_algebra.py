@@ -1,4 +1,4 @@
-"""What vectors are without rotations: components, arithmetic, length and direction."""
+"""Components, arithmetic, length and direction of vectors."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _AXES = {"x": 0, "y": 1, "z": 2, "w": 3}
 
 
 class VectorAlgebra(FloatSequence):
-    """The part of `morse.mathutils.Vector` that knows no rotation.
+    """The part of `morse.mathutils.Vector` that does not depend on rotations.
 
     Attributes:
-        _plain: the class of results, `morse.mathutils.Vector`, also where a subclass is calculated with.
+        _plain: the class of results, `morse.mathutils.Vector`, even if an operand is of a subclass.
     """
 
     __slots__ = ()
@@ -53,7 +53,7 @@ class VectorAlgebra(FloatSequence):
 
     @property
     def z(self) -> float:
-        """Third component, of vectors that have one."""
+        """Third component, of vectors with at least three."""
         return self._items[self._axis(2)]
 
     @z.setter
@@ -62,7 +62,7 @@ class VectorAlgebra(FloatSequence):
 
     @property
     def w(self) -> float:
-        """Fourth component, of vectors that have one."""
+        """Fourth component, of vectors with four."""
         return self._items[self._axis(3)]
 
     @w.setter
@@ -178,18 +178,18 @@ class VectorAlgebra(FloatSequence):
     def _same_size(self, other: VectorAlgebra, what: str) -> None:
         if len(self._items) != len(other._items):
             raise ValueError(
-                f"Vector {what}: both need the same number of components, given {len(self._items)} "
-                f"and {len(other._items)}"
+                f"Vector {what}: both must have the same number of components, given {len(self._items)} and "
+                f"{len(other._items)}"
             )
 
     def dot(self, other: Iterable[float]) -> float:
-        """Sum of the products of the components."""
+        """Return the sum of the products of the components."""
         b = self._operand(other, "dot")
         total: float = sum(map(mul, self._items, b._items))
         return total
 
     def cross(self, other: Iterable[float]) -> Self:
-        """Cross product of two 3-vectors."""
+        """Return the cross product of two 3-vectors."""
         b = self._operand(other, "cross")
         if len(self._items) != 3:
             raise ValueError(f"Vector.cross: needs 3 components, given {len(self._items)}")
@@ -221,17 +221,17 @@ class VectorAlgebra(FloatSequence):
 
     @property
     def length_squared(self) -> float:
-        """Square of the length."""
+        """The square of the length."""
         total: float = sum(map(mul, self._items, self._items))
         return total
 
     def normalized(self) -> Self:
-        """The vector of length 1 in this direction; a null vector stays one."""
+        """Return the vector of length 1 in this direction; a zero vector stays zero."""
         length = self.length
         return self._plain._wrap([a / length for a in self._items]) if length > 0.0 else self.copy()
 
     def normalize(self) -> None:
-        """Make the length 1."""
+        """Scale the length to 1."""
         self._assign(self.normalized()._items)
 
     def zero(self) -> None:
@@ -243,40 +243,40 @@ class VectorAlgebra(FloatSequence):
         self._assign([-a for a in self._items])
 
     def angle(self, other: Iterable[float], fallback: Any = ...) -> Any:
-        """Angle to another vector, 0 to pi radians.
+        """Return the angle to another vector, 0 to pi radians.
 
         Args:
-            other: as many components as this has.
-            fallback: returned if one of the two is null.
+            other: a vector with the same number of components.
+            fallback: returned if one of the two is zero.
 
         Raises:
-            ValueError: one of the two is null and there is no fallback.
+            ValueError: one of the two is zero, and no fallback is given.
         """
         b = self._operand(other, "angle")
         if self.length == 0.0 or b.length == 0.0:
             if fallback is ...:
-                raise ValueError("Vector.angle: a null vector has no direction; give a fallback to allow it")
+                raise ValueError("Vector.angle: a zero vector has no direction; give a fallback to allow it")
             return fallback
         p, q = self.normalized(), b.normalized()
-        # W. Kahan, "How futile are mindless assessments of roundoff" (2006): exact for small angles, unlike acos.
+        # W. Kahan, "How futile are mindless assessments of roundoff" (2006): accurate for small angles, unlike acos.
         return 2.0 * atan2((p - q).length, (p + q).length)
 
     def lerp(self, other: Iterable[float], factor: float) -> Self:
-        """The point at `factor` of the way to another."""
+        """Interpolate linearly to another vector; `factor` 0 returns this vector, 1 the other."""
         b = self._operand(other, "lerp")
         return self._plain._wrap([p + (q - p) * factor for p, q in zip(self._items, b._items, strict=True)])
 
     def slerp(self, other: Iterable[float], factor: float, fallback: Any = ...) -> Any:
-        """Interpolated direction, of length 1.
+        """Return the interpolated direction, of length 1.
 
         Raises:
-            ValueError: one of the two is null or they are opposite, and there is no fallback.
+            ValueError: one of the two is zero, or they are opposite, and no fallback is given.
         """
         b = self._operand(other, "slerp")
         p, q = self.normalized(), b.normalized()
         if not p.length or not q.length or (p + q).length < 1e-12:
             if fallback is ...:
-                raise ValueError("Vector.slerp: null or opposite vectors have no direction between them")
+                raise ValueError("Vector.slerp: there is no direction between zero or opposite vectors")
             return fallback
         angle = p.angle(q)
         if angle < 1e-9:
@@ -284,46 +284,46 @@ class VectorAlgebra(FloatSequence):
         return p * (sin((1.0 - factor) * angle) / sin(angle)) + q * (sin(factor * angle) / sin(angle))
 
     def project(self, other: Iterable[float]) -> Self:
-        """The part of this vector along another; null if the other is."""
+        """Return the projection of this vector on another; zero if the other is zero."""
         b = self._operand(other, "project")
         squared = b.length_squared
         share = self.dot(b) / squared if squared > 0.0 else 0.0
         return self._plain._wrap([a * share for a in b])
 
     def reflect(self, mirror: Iterable[float]) -> Self:
-        """This vector after bouncing off a mirror with the given normal."""
+        """Return the reflection of this vector at a mirror with the given normal."""
         normal = self._operand(mirror, "reflect").normalized()
         return self - normal * (2.0 * self.dot(normal))
 
     # conversion ----------------------------------------------------------------------------------
 
     def to_tuple(self, precision: int = -1) -> tuple[float, ...]:
-        """The components, rounded to `precision` digits if that is not negative."""
+        """Return the components as a tuple, rounded to `precision` digits unless it is negative."""
         return tuple(self._items) if precision < 0 else tuple(round(a, precision) for a in self._items)
 
     def resized(self, size: int) -> Self:
-        """A copy with `size` components: cut, or filled up with 0."""
+        """Return a copy with `size` components: truncated, or filled with 0."""
         if not 2 <= size <= 4:
             raise ValueError(f"a Vector has 2 to 4 components, asked for {size}")
         return self._plain._wrap([*self._items, 0.0, 0.0][:size])
 
     def to_2d(self) -> Self:
-        """The first two components."""
+        """Return the first two components."""
         return self.resized(2)
 
     def to_3d(self) -> Self:
-        """The first three components, z = 0 if there was none."""
+        """Return the first three components; z = 0 if there are only two."""
         return self.resized(3)
 
     def to_4d(self) -> Self:
-        """Four components, w = 1 if there was none."""
+        """Return four components; w = 1 if there are fewer."""
         made = self.resized(4)
         if len(self._items) < 4:
             made._items[3] = 1.0
         return made
 
     def resize(self, size: int) -> None:
-        """Change the number of components; a row or column of a matrix does not show the matrix any more."""
+        """Change the number of components; a row or column of a matrix is then no longer connected to the matrix."""
         self._check_writable()
         self._items = self.resized(size)._items
 
@@ -332,16 +332,16 @@ class VectorAlgebra(FloatSequence):
         self.resize(2)
 
     def resize_3d(self) -> None:
-        """Have three components."""
+        """Change the number of components to three."""
         self.resize(3)
 
     def resize_4d(self) -> None:
-        """Have four components, w = 1 if there was none."""
+        """Change the number of components to four."""
         self._check_writable()
         self._items = self.to_4d()._items
 
     def orthogonal(self) -> Self:
-        """Some vector at right angles to this one."""
+        """Return a vector perpendicular to this one."""
         if len(self._items) == 2:
             x, y = self._items
             return self._plain._wrap([-y, x])
@@ -352,5 +352,5 @@ class VectorAlgebra(FloatSequence):
 
     @classmethod
     def Fill(cls, size: int, fill: float = 0.0) -> Self:  # noqa: N802 (Blender's name)
-        """A vector of equal components."""
+        """Return a vector of equal components."""
         return cls([fill] * size)

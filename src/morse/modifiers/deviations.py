@@ -11,20 +11,20 @@ from morse.core.quoting import shown
 
 
 def deviations(option: str, given: Any, axes: tuple[str, ...]) -> dict[str, float]:
-    """Return the standard deviation of each axis; axes that are missing in a dictionary are left out.
+    """Return the standard deviation of each axis; axes that are missing in a dictionary are omitted.
 
     Args:
         option: name of the option, for messages.
-        given: a number from 0 upward, or a dictionary of such numbers.
+        given: a number of at least 0, or a dictionary of such numbers.
         axes: the keys that the dictionary may have.
 
     Raises:
-        MorseBuilderError: the value is neither of these.
+        MorseBuilderError: the value is neither of the two.
     """
     by_axis = given if isinstance(given, dict) else dict.fromkeys(axes, given)
     for axis, value in by_axis.items():
         if axis not in axes:
             raise MorseBuilderError(f"option '{option}' has no axis {shown(axis)}{nearest(axis, axes)}")
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value < math.inf:
-            raise MorseBuilderError(f"option '{option}' takes a standard deviation from 0 upward, not {shown(value)}")
+            raise MorseBuilderError(f"option '{option}' takes a standard deviation of at least 0, not {shown(value)}")
     return {axis: float(by_axis.get(axis, 0.0)) for axis in axes}

@@ -29,7 +29,7 @@ class EarthModifier(AbstractModifier):
     options: ClassVar[Mapping[str, Option]] = MappingProxyType({})
 
     def initialize(self) -> None:
-        """Get the position of the world."""
+        """Read the position of the world."""
         self.plane = LocalPlane.of(self.component_instance.context.scene.properties)
 
     @abstractmethod

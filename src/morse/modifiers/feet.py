@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations import Option
 
-#: feet in a metre, as MORSE 1.4 has it (the international foot is 0.3048 m)
+#: feet per metre, as in MORSE 1.4 (the international foot is 0.3048 m)
 FEET = 3.2808399
 _COORDINATES = ("x", "y", "z")
 

@@ -31,7 +31,7 @@ class AbstractNED(AbstractModifier):
     )
 
     def exchange_coordinates(self) -> None:
-        """(x, y, z) to (y, x, -z)."""
+        """Convert (x, y, z) to (y, x, -z)."""
         data = self.data
         try:
             data["x"], data["y"], data["z"] = data["y"], data["x"], -data["z"]
@@ -39,7 +39,7 @@ class AbstractNED(AbstractModifier):
             self.key_error(missing)
 
     def exchange_angles(self) -> None:
-        """Yaw from north, clockwise; pitch positive nose up; roll stays."""
+        """Measure the yaw from north, clockwise, and the pitch positive with the nose up; the roll does not change."""
         data = self.data
         try:
             yaw, pitch = math.remainder(0.5 * math.pi - data["yaw"], _FULL_TURN), -data["pitch"]

@@ -33,9 +33,11 @@ class OdometryNoiseModifier(AbstractModifier):
     options: ClassVar[Mapping[str, Option]] = MappingProxyType(
         {
             "factor": Option(float, 1.05, "Measured length of a metre"),
-            "factor_sigma": Option(float, 0.0, "Its standard deviation", low=0.0),
-            "gyro_drift": Option(float, 0.0, "Drift of the heading, each measurement", unit="rad"),
-            "gyro_drift_sigma": Option(float, 0.0, "Its standard deviation", unit="rad", low=0.0),
+            "factor_sigma": Option(float, 0.0, "Standard deviation of the measured length of a metre", low=0.0),
+            "gyro_drift": Option(float, 0.0, "Drift of the heading in each measurement", unit="rad"),
+            "gyro_drift_sigma": Option(
+                float, 0.0, "Standard deviation of the drift of the heading", unit="rad", low=0.0
+            ),
         }
     )
 
@@ -75,7 +77,7 @@ class OdometryNoiseModifier(AbstractModifier):
         data = self.data
         x, y, yaw = data["x"], data["y"], data["yaw"]
         dx, dy = factor * (x - self._true[0]), factor * (y - self._true[1])
-        # the displacement is measured in the axes of the body, whose heading is known with an error
+        # the displacement is given in the axes of the measured body, whose heading has an error
         c, s = math.cos(self._yaw_error), math.sin(self._yaw_error)
         self._yaw_error = math.remainder(self._yaw_error + drift, _FULL_TURN)
         self._true = (x, y, yaw)

@@ -26,7 +26,9 @@ class UTMModifier(AbstractModifier):
 
     options: ClassVar[Mapping[str, Option]] = MappingProxyType(
         {
-            f"{axis}_offset": Option((float, int, str), 0.0, "Of the world's origin in the grid", unit="m")
+            f"{axis}_offset": Option(
+                (float, int, str), 0.0, "Position of the origin of the world in the grid", unit="m"
+            )
             for axis in "xyz"
         }
     )

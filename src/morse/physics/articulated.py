@@ -28,7 +28,14 @@ if TYPE_CHECKING:
 #: smallest mass, kg, and moment of inertia, kg m^2, of a link that a joint moves
 _LIGHTEST, _SMALLEST = 1e-3, 1e-6
 _NOTHING = JointDynamics()
-_TYPES = {JointKind.REVOLUTE: mujoco.mjtJoint.mjJNT_HINGE, JointKind.PRISMATIC: mujoco.mjtJoint.mjJNT_SLIDE}
+_HINGE, _SLIDE, _BALL = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_BALL
+_TYPES = {JointKind.REVOLUTE: _HINGE, JointKind.PRISMATIC: _SLIDE}
+#: the joints of the engine for a bone without a value: suffix of the name, type, axis of the bone
+_LOOSE = {
+    JointKind.BALL: (("", _BALL, 2),),
+    JointKind.PLANAR: (("/x", _SLIDE, 0), ("/y", _SLIDE, 1), ("/turn", _HINGE, 2)),
+    JointKind.FLOATING: (("/x", _SLIDE, 0), ("/y", _SLIDE, 1), ("/z", _SLIDE, 2), ("/turn", _BALL, 2)),
+}
 
 
 @dataclass(eq=False, slots=True)
@@ -37,12 +44,13 @@ class JointSlot:
 
     Attributes:
         armature: the node of the armature.
-        name: of the bone.
+        name: name of the bone.
         qpos: address of its value, rad or m.
         dof: address of its velocity.
         actuator: id of its motor; -1 for a joint that follows another.
         start: its initial value.
-        motor: None for a joint that follows another.
+        motor: None for a joint that follows another, or has none.
+        width: how many numbers the engine has for its position: 4 for a ball, otherwise 1.
     """
 
     armature: Node
@@ -52,6 +60,12 @@ class JointSlot:
     actuator: int = -1
     start: float = 0.0
     motor: Motor | None = None
+    width: int = 1
+
+    @property
+    def dofs(self) -> int:
+        """How many numbers the engine has for its velocity."""
+        return 3 if self.width == 4 else 1
 
 
 @dataclass(eq=False, slots=True)
@@ -144,6 +158,10 @@ class Articulated:
             place, axes = frames[index]
             anchor = base + turned @ np.array(place)
             axis = turned @ np.reshape(axes, (3, 3))[:, bone.axis]
+            if bone.kind.is_loose:
+                turned_bone = rotation.T @ turned @ np.reshape(axes, (3, 3))
+                found += self._add_loose(frame, bone, body, anchor, rotation.T @ (anchor - origin), turned_bone)
+                continue
             slides = bone.kind is JointKind.PRISMATIC
             value = start_value(bones, index) * (scale if slides else 1.0)
             limit = bone.dynamics or _NOTHING
@@ -171,13 +189,52 @@ class Articulated:
             found.append(slot)
         return found
 
+    def _add_loose(
+        self,
+        frame: Frame,
+        bone: Bone,
+        body: Any,
+        anchor: NDArray[np.float64],
+        place: NDArray[np.float64],
+        axes: NDArray[np.float64],
+    ) -> list[JointSlot]:
+        """Add the joints of a bone without a value.
+
+        Args:
+            anchor: the joint in the world, m.
+            place, axes: the joint, m, and the axes of the bone as columns, both in the frame of the body.
+        """
+        armature = frame.armature
+        assert armature is not None
+        limit, found = bone.dynamics or _NOTHING, []
+        for suffix, kind, axis in _LOOSE[bone.kind]:
+            joint = body.add_joint(
+                type=kind,
+                name=f"{armature.name}/{bone.name}{suffix}",
+                pos=place,
+                axis=axes[:, axis],
+                armature=limit.inertia,
+                frictionloss=limit.friction,
+            )
+            joint.damping[0] = limit.damping
+            if limit.stiffness and kind == _BALL:
+                joint.stiffness[0] = limit.stiffness
+            if kind == _BALL and limit.limited and bone.high > 0.0:
+                joint.limited, joint.range = True, [0.0, bone.high]
+            slot = JointSlot(armature, f"{bone.name}{suffix}", width=4 if kind == _BALL else 1)
+            made = _Made(frame, bone, slot, joint, anchor, limit)
+            self._made.append(made)
+            self._groups[frame].joints.append(made)
+            found.append(slot)
+        return found
+
     # -- after all bodies --------------------------------------------------------------------
 
     def finish(self, step: float) -> None:
         """Add motors, joints that follow others, and the pairs of links that do not collide.
 
         Args:
-            step: of the engine, s.
+            step: time step of the engine, s.
         """
         if not self._made:
             return
@@ -186,6 +243,8 @@ class Articulated:
         for made in self._made:
             armature = made.slot.armature
             bones = armature.bones
+            if made.bone.kind.is_loose:
+                continue
             if made.bone.leader >= 0 and (leader := by_name.get((armature, bones[made.bone.leader].name))):
                 self._follow(made, leader)
                 continue
@@ -220,6 +279,8 @@ class Articulated:
         found: dict[JointSlot, Load] = {}
         for frame, group in self._groups.items():
             for made in group.joints:
+                if made.bone.kind.is_loose:
+                    continue
                 slides = made.bone.kind is JointKind.PRISMATIC
                 mass, inertia, moment = self._reached(frame, made.anchor, below)
                 root = _root(frame)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from struct import Struct
 from typing import TYPE_CHECKING, cast
 
 import mujoco
 import numpy as np
 
-from morse.physics import rigid
+from morse.physics import glide_velocity, rigid
 from morse.physics.kinematics import settle_fixed
 from morse.physics.layout import Motion
 from morse.physics.limits import FORCE
@@ -25,11 +26,14 @@ if TYPE_CHECKING:
     from morse.physics.gliding import Gliding
     from morse.scene import CollisionShape, Node
 
+#: few numbers of the engine are written so in a third of the time that an array takes
+_THREE, _POSE, _BYTES = Struct("=3d"), Struct("=7d"), 8
+_STILL = (0.0,) * 6
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Bodies:
-    """Operations on single bodies from outside the engine; a gliding robot is put on its feet first."""
+    """Operations on single bodies from outside the engine; a gliding robot stops gliding first."""
 
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
@@ -52,7 +56,7 @@ class Bodies:
         self._gliding.unsettle(index)
         p, q = position, rigid.quaternion(rotation)
         if slot.frame.motion is Motion.FREE and slot.qpos >= 0:
-            data.qpos[slot.qpos : slot.qpos + 7] = (p[0], p[1], p[2], *q)
+            _POSE.pack_into(self._qpos, _BYTES * slot.qpos, p[0], p[1], p[2], *q)
         elif slot.mocap >= 0:
             data.mocap_pos[slot.mocap] = p
             data.mocap_quat[slot.mocap] = q
@@ -88,8 +92,8 @@ class Bodies:
         if slot.qpos >= 0:
             state.is_stirred = True
             self._gliding.unsettle(index)
-            self._qpos[slot.qpos : slot.qpos + 7] = (*position, *turned)
-            self._qvel[slot.dof : slot.dof + 6] = 0.0
+            _POSE.pack_into(self._qpos, _BYTES * slot.qpos, *position, *turned)
+            glide_velocity.put(self._qvel, slot.dof, _STILL)
         elif slot.mocap >= 0:
             state.is_stirred = True
             state.data.mocap_pos[slot.mocap] = position
@@ -132,7 +136,7 @@ class Bodies:
     def shapes_have_moved(
         self, index: int, geoms: Sequence[int], nodes: Sequence[Node], reach: float, lowest: float
     ) -> None:
-        """Note that shapes of a slot were moved within it, see `morse.physics.linkage`.
+        """Record that shapes of a slot were moved within it, see `morse.physics.linkage`.
 
         Args:
             reach: distance from the origin of the slot to the outermost point of its shapes, m.
@@ -168,8 +172,8 @@ class Bodies:
         state = self._state
         slot = state.slots[index]
         if slot.frame.motion is Motion.FREE and slot.dof >= 0:
-            v = self._qvel[slot.dof : slot.dof + 6].tolist()
-            return v[:3], rigid.turn(state.rotations[index], v[3:])
+            vx, vy, vz, *rates = glide_velocity.read(self._qvel, slot.dof)
+            return (vx, vy, vz), rigid.turn(state.rotations[index], rates)
         if slot.frame.motion is Motion.HINGE:
             return self._hinge_velocity(index, slot)
         if slot.frame.motion is Motion.JOINT:
@@ -202,6 +206,11 @@ class Bodies:
         linear = np.array(carried) + np.cross(angular, place - np.array(state.positions[outer]))
         for joint in slot.joints:
             number = int(model.dof_jntid[joint.dof])
+            if joint.width == 4:
+                along = data.xmat[slot.body].reshape(3, 3) @ data.qvel[joint.dof : joint.dof + 3]
+                angular = angular + along
+                linear += np.cross(along, place - data.xanchor[number])
+                continue
             along = float(data.qvel[joint.dof]) * data.xaxis[number]
             if model.jnt_type[number] == mujoco.mjtJoint.mjJNT_SLIDE:
                 linear += along
@@ -213,15 +222,15 @@ class Bodies:
     def set_velocity(self, index: int, linear: Sequence[float] | None, angular: Sequence[float] | None) -> None:
         """Set the velocity of a free slot, in world axes; slots that are not free are unchanged."""
         state = self._state
-        slot, qvel = state.slots[index], state.data.qvel
+        slot, qvel = state.slots[index], self._qvel
         if slot.frame.motion is not Motion.FREE or slot.dof < 0:
             return
         state.is_stirred = True
         self._gliding.leave(index)
         if linear is not None:
-            qvel[slot.dof : slot.dof + 3] = linear
+            _THREE.pack_into(qvel, _BYTES * slot.dof, *linear)
         if angular is not None:
-            qvel[slot.dof + 3 : slot.dof + 6] = rigid.turn_back(state.rotations[index], angular)
+            _THREE.pack_into(qvel, _BYTES * (slot.dof + 3), *rigid.turn_back(state.rotations[index], angular))
 
     def apply_wrench(self, index: int, force: Sequence[float], torque: Sequence[float]) -> None:
         """Apply a force (N) and a torque (N m) at the centre of mass during the next tick, world axes."""
@@ -231,8 +240,13 @@ class Bodies:
             state.is_stirred = True
             self._gliding.leave(index)
             applied, first = self._applied, 6 * slot.body
-            for place, value in enumerate((*force, *torque), first):
-                applied[place] += value
+            (x, y, z), (about_x, about_y, about_z) = force, torque
+            applied[first] += x
+            applied[first + 1] += y
+            applied[first + 2] += z
+            applied[first + 3] += about_x
+            applied[first + 4] += about_y
+            applied[first + 5] += about_z
             state.has_forces = True
 
     def pull(

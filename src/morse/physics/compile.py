@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from morse.physics.articulated import Articulated, JointSlot
+from morse.physics.couplings import CouplingBuilder, TendonSlot
 from morse.physics.feet import Stance, corners, stance, trimmed
 from morse.physics.inertia import bounding_box, robot_inertia, volume
 from morse.physics.layout import Frame, Motion, frames_of
@@ -54,7 +55,7 @@ _TYPES = {
 
 @dataclass(eq=False, slots=True)
 class Slot:
-    """The indices of a frame in the arrays of the engine; -1 or empty if the frame does not have the item.
+    """The indices of a frame in the arrays of the engine; -1 or empty if the frame has no such item.
 
     Attributes:
         body: id of the MuJoCo body.
@@ -64,7 +65,7 @@ class Slot:
         actuator: id of the wheel motor.
         geoms: geom ids by node, one for each shape of the node.
         feet: geom ids of the spheres on which a driven robot stands.
-        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first.
+        joints: the joints of a joint frame, the innermost first; ``qpos`` and ``dof`` are those of the first one.
     """
 
     frame: Frame
@@ -80,10 +81,12 @@ class Slot:
 
     @property
     def numbers(self) -> tuple[int, int]:
-        """How many positions and velocities the engine has for the slot."""
+        """Number of positions and velocities of the slot in the engine."""
         if self.qpos < 0:
             return 0, 0
-        return (7, 6) if self.frame.motion is Motion.FREE else (len(self.joints) or 1, len(self.joints) or 1)
+        if self.frame.motion is Motion.FREE:
+            return 7, 6
+        return sum(joint.width for joint in self.joints) or 1, sum(joint.dofs for joint in self.joints) or 1
 
 
 @dataclass(eq=False, slots=True)
@@ -93,6 +96,7 @@ class Compiled:
     Attributes:
         steps: physics steps per tick.
         geom_node: node of each geom.
+        tendon_motors: the motors of tendons.
     """
 
     model: mujoco.MjModel
@@ -100,6 +104,7 @@ class Compiled:
     slots: list[Slot]
     steps: int
     geom_node: list[Node]
+    tendon_motors: list[TendonSlot]
 
 
 def compile_scene(scene: Scene) -> Compiled:
@@ -120,12 +125,13 @@ def _compile(scene: Scene) -> Compiled:
     steps = max(settings.physics_steps, math.ceil(1.0 / settings.frequency / MAX_STEP - 1e-9))
     spec = mujoco.MjSpec()
     _set_options(spec, settings.gravity, 1.0 / settings.frequency / steps)
-    # only shown by MuJoCo's own viewer
+    # shown only by the viewer of MuJoCo
     spec.worldbody.add_light(pos=[0.0, 0.0, 30.0], dir=[0.3, 0.2, -1.0], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     builder = _Builder(spec)
     frames = sorted(frames_of(scene), key=_not_moved_by_engine)
     slots = [builder.add(frame) for frame in frames]
     builder.articulated.finish(spec.option.timestep)
+    couplings = builder.couple(slots)
     bodies = sum(1 for slot in slots if slot.frame.motion is not Motion.FIXED)
     if bodies > _MANY:
         spec.memory = _PAIR_MEMORY * (len(slots) + 1) ** 2 + _BODY_MEMORY * bodies + _SPARE_MEMORY
@@ -137,7 +143,7 @@ def _compile(scene: Scene) -> Compiled:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
     geom_node = builder.resolve(model, slots)
     data = mujoco.MjData(model)
-    return Compiled(model, data, slots, steps, geom_node)
+    return Compiled(model, data, slots, steps, geom_node, couplings.motors)
 
 
 def _not_moved_by_engine(frame: Frame) -> bool:
@@ -167,6 +173,7 @@ class _Builder:
         self._feet: list[tuple[Any, Node, Slot]] = []
         self._hulls: dict[bytes, str] = {}
         self._step = spec.option.timestep
+        self._couplings: CouplingBuilder | None = None
 
     def add(self, frame: Frame) -> Slot:
         slot = Slot(frame, rigid_frame(frame.node))
@@ -250,7 +257,7 @@ class _Builder:
     def _add_feet(self, frame: Frame, slot: Slot, body: Any, stand: Stance | None) -> None:
         if stand is None:
             return
-        # the engine has to expect weightless bodies; see resolve
+        # the engine has to be prepared for weightless bodies; see resolve
         body.gravcomp = 1.0
         for centre in stand.feet:
             foot = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[stand.radius, 0.0, 0.0], pos=centre, mass=0.0)
@@ -329,6 +336,11 @@ class _Builder:
         # reduces the difference to the commanded speed by nine tenths in each step
         motor.set_to_velocity(kv=10.0 * _GEAR_INERTIA / self._step)
 
+    def couple(self, slots: list[Slot]) -> CouplingBuilder:
+        """Add tendons and constraints, after all bodies and joints."""
+        self._couplings = CouplingBuilder(self._spec, slots, self._bodies)
+        return self._couplings
+
     def resolve(self, model: mujoco.MjModel, slots: list[Slot]) -> list[Node]:
         """Store the ids that the compiler has assigned."""
         self.articulated.resolve(model)
@@ -336,6 +348,10 @@ class _Builder:
         for geom, node, slot in self._geoms:
             geom_node[geom.id] = node
             slot.geoms.setdefault(node, []).append(geom.id)
+        if self._couplings is not None:
+            self._couplings.resolve(model)
+            for guide, node in self._couplings.geoms:
+                geom_node[guide.id] = node
         for foot, node, slot in self._feet:
             geom_node[foot.id] = node
             slot.feet.append(foot.id)

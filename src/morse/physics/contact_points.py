@@ -23,7 +23,7 @@ _OF_GLIDING = ("geom_contype", "geom_conaffinity", "geom_margin", "geom_gap", "b
 class ContactPoints:
     """Computes all contacts, including those that the engine skips for speed: of sleeping bodies and of driven feet.
 
-    It works on a copy of the state, so observers have no effect on the simulation.
+    The class works on a copy of the state, so that observers do not affect the simulation.
     """
 
     def __init__(self, state: EngineState, gliding: Gliding) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from morse.mathutils import Euler, Matrix, Quaternion
@@ -58,7 +59,8 @@ def rotation_of(value: Any) -> tuple[float, ...]:
 
 def demand_rotation(flat: Sequence[float]) -> None:
     """Raise ValueError if 9 numbers are far from a rotation matrix."""
-    if not (min(flat) >= -MATRIX_ENTRY and max(flat) <= MATRIX_ENTRY and sum(flat) == sum(flat)):
+    # the sum of numbers that contain NaN is NaN, and comparisons with NaN are false
+    if not (min(flat) >= -MATRIX_ENTRY and max(flat) <= MATRIX_ENTRY and abs(sum(flat)) < math.inf):
         raise ValueError(f"the numbers of a rotation matrix are finite and from -1 to 1, not {_short(flat)}")
 
 

@@ -43,7 +43,7 @@ class Drives:
         self._fleets: list[Fleet] = []
         self._sliding: set[int] = set()
         count = len(state.slots)
-        # the same by slot, for fleets; and the slots whose commands are not changed by friction
+        # sliding slots as an array, for fleets; and the slots whose commands are not changed by friction
         self._slides = np.zeros(count, dtype=np.uint8)
         self._plain = np.ones(count, dtype=np.uint8)
         self._plain[list(self._drag.slots)] = 0
@@ -117,7 +117,7 @@ class Drives:
         return bool(self._commands or self._fleets)
 
     def lone_command(self) -> tuple[int, Command] | None:
-        """Return the command if there is exactly one, of the only slot that slides and one without friction."""
+        """Return the command if it is the only one, and its slot is the only one that slides and has no friction."""
         commands, sliding = self._commands, self._sliding
         if len(commands) != 1 or len(sliding) != 1 or self._fleets:
             return None
@@ -125,7 +125,7 @@ class Drives:
         return (index, commands[index]) if index in sliding and index not in self._drag.slots else None
 
     def end_lone(self) -> None:
-        """Called at the end of a tick that had `lone_command` alone."""
+        """Called at the end of a tick in which `lone_command` was the only command."""
         self._commands.clear()
 
     def is_commanded(self, index: int) -> bool:
@@ -201,8 +201,9 @@ class Drives:
         else:
             x, y, c, s = arc(linear[0], linear[1], half)
             linear = (x, y, linear[2])
-        own = self._qvel[dof : dof + 6]
-        own[:] = body_velocity(state.rotations[index], own.tolist(), linear, angular, command.ground, command.shift)
+        rotation, old = state.rotations[index], glide_velocity.read(self._qvel, dof)
+        velocity = body_velocity(rotation, old, linear, angular, command.ground, command.shift)
+        glide_velocity.put(self._qvel, dof, velocity)
         if command.shift or wz:
             self._turn_after.append((dof, c, s, command.shift))
         if sliding and command.ground:

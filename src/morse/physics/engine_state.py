@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from morse.physics.articulated import JointSlot
     from morse.physics.compile import Compiled, Slot
+    from morse.physics.couplings import TendonSlot
     from morse.scene import Node
 
 
@@ -34,6 +35,7 @@ class EngineState:
         links: slot of a body to all slots that joints attach to it.
         attached: slot of a body to its wheels and links.
         joints: armature to its joints by name.
+        tendon_motors: the motors of tendons.
         geom_node: node of each geom.
         steps: physics steps per tick.
         period: seconds per tick.
@@ -44,13 +46,13 @@ class EngineState:
         displacements: changes whenever an object was moved within its slot.
         positions: position of each slot, [x, y, z] in m, world frame.
         rotations: rotation of each slot, 9 row-major numbers.
-        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the others at the start.
+        quaternions: w, x, y, z of each slot that was moved by an explicit call; of the other slots, at the start.
         touched: slots that were moved by explicit calls since the last forward kinematics of the engine.
         loose: static slots with shapes that were moved by explicit calls.
         relocated: all static slots that were moved by explicit calls since the last reset or restored state.
         rearranged: nodes whose shapes moved within their slots since the last ray cast.
         kinematic: linear and angular velocity, world axes, of slots that move kinematically in this tick.
-        has_forces: whether forces or torques wait for the next tick.
+        has_forces: whether forces or torques are set for the next tick.
         is_stirred: whether a body that does not glide was changed by an explicit call since the last tick.
         known_contacts: (N, 2) geoms in contact at the end of a tick in another engine instance, or None.
         names: name of the first node of each slot; ``named`` maps it to the slot.
@@ -92,6 +94,7 @@ class EngineState:
         self.by_hand = tuple(
             index for index in range(self.moving, len(self.slots)) if self.slots[index].frame.motion is not Motion.FIXED
         )
+        self.tendon_motors: list[TendonSlot] = compiled.tendon_motors
         self.stamp = 0
         self.displacements = 0
         self.positions, self.rotations = Rows(np.zeros((0, 3))), Rows(np.zeros((0, 9)))

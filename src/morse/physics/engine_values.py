@@ -81,12 +81,12 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
         raise ValueError(f"the engine has {size} numbers, but the state has {saved.integration.shape}")
     check_asleep(saved.asleep, model.ntree)
     if set(saved.model) != set(CHANGED_WHILE_RUNNING):
-        raise ValueError(f"the state holds other arrays than {', '.join(CHANGED_WHILE_RUNNING)}")
+        raise ValueError(f"the state contains other arrays than {', '.join(CHANGED_WHILE_RUNNING)}")
     for name, values in saved.model.items():
         here = getattr(model, name)
         if values.shape != here.shape or values.dtype != here.dtype:
             raise ValueError(
-                f"'{name}' is {here.dtype} {here.shape} here, but {values.dtype} {values.shape} in the state"
+                f"'{name}' is {here.dtype} {here.shape} in this scene, but {values.dtype} {values.shape} in the state"
             )
     if (saved.model["dof_armature"] < 0.0).any() or (saved.model["dof_M0"] < 0.0).any():
         raise ValueError("the inertia of a joint is negative")
@@ -96,7 +96,7 @@ def check_state(state: EngineState, saved: SavedEngine) -> None:
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
         raise ValueError(f"contacts are pairs of geoms, not {pairs.dtype} {pairs.shape}")
     if len(pairs) and not (pairs.min() >= 0 and pairs.max() < model.ngeom):
-        raise ValueError(f"the state names a geom that does not exist; there are {model.ngeom}")
+        raise ValueError(f"the state contains a geom that does not exist; this scene has {model.ngeom}")
 
 
 def set_state(state: EngineState, saved: SavedEngine) -> None:

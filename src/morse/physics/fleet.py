@@ -70,11 +70,11 @@ class Fleet:
         self._grounds = grounds
 
     def renew(self) -> None:
-        """All of them get their commands again."""
+        """Use the commands of all bodies again, also of those that `withdraw` removed."""
         self._withdrawn.clear()
 
     def withdraw(self, slot: int) -> None:
-        """Remove the command of one slot, which gets no command or a command from elsewhere."""
+        """Remove the command of one slot, because the slot gets no command, or a command from another caller."""
         self._withdrawn.add(self.rows[slot])
 
     def _row_command(self, row: int) -> Command:
@@ -100,7 +100,7 @@ class Fleet:
         """Write the velocities of most robots at the beginning of a tick.
 
         Args:
-            plain, sliding: (K,) see `GliderArrays`.
+            plain, sliding: (K,) rows; see `GliderArrays`.
 
         Returns:
             The commands of the other robots, by slot.

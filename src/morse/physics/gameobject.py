@@ -31,6 +31,16 @@ _ORIGIN = (0.0, 0.0, 0.0)
 _Pose = tuple["Sequence[float]", "Sequence[float]"]
 
 
+class _OnDemand:
+    """The mounting of an object that has forgotten it; an attribute of the object takes precedence."""
+
+    def __get__(self, obj: GameObject | None, owner: type) -> Any:
+        if obj is None:
+            return self
+        made = obj.mounting = Mounting.of(obj._carried_offset())
+        return made
+
+
 class GameObject(LegacyNames):
     """An object of the running world: its pose, velocity, properties and children.
 
@@ -43,6 +53,8 @@ class GameObject(LegacyNames):
         slot: index of the rigid group of the object.
         mounting: pose of the object in that group.
     """
+
+    mounting: Mounting
 
     def __init__(self, world: ObjectWorld, node: Node, slot: int) -> None:
         self._world = world
@@ -61,6 +73,8 @@ class GameObject(LegacyNames):
         """Bind the object to a node and a slot, also after a change of the scene."""
         self.node = node
         self.slot = slot
+        self._leads = self._world.slots[slot].frame.node is node
+        self._moved_along: tuple[list[GameObject], list[GameObject]] | None = None
         self._start_local, self._start_offset = self._poses_of_scene()
 
     def remove(self) -> None:
@@ -220,11 +234,6 @@ class GameObject(LegacyNames):
         """Return `world_pose`, for a pose that follows this object."""
         return self.world_pose()
 
-    @property
-    def _leads(self) -> bool:
-        """Whether the object is the first node of its rigid group."""
-        return self._world.slots[self.slot].frame.node is self.node
-
     def local_pose(self) -> _Pose:
         """Position (3) and rotation (9) in the frame of the parent."""
         if not self._leads:
@@ -268,17 +277,33 @@ class GameObject(LegacyNames):
         self._world.note_displaced(self)
 
     def _follow(self) -> None:
-        """Update the poses of this object and its children in the rigid group."""
-        world = self._world
-        assert self.node.parent is not None
-        outer = world.object_of(self.node.parent)
-        self._take_offset(rigid.compose(*outer.offset, *self._local))
+        """Update the poses of this object and of those below it in the rigid group."""
+        if self._moved_along is None:
+            self._moved_along = self._find_moved_along()
+        everything, solid = self._moved_along
+        for obj in everything:
+            obj._forget_offset()
+        for obj in solid:
+            self._world.bodies.move_shapes(obj.node, obj.offset)
+
+    def _find_moved_along(self) -> tuple[list[GameObject], list[GameObject]]:
+        """Return this object and those below it in the rigid group, outer ones first; and those of them with shapes."""
+        world, found = self._world, [self]
+        for obj in found:
+            below = (world.object_of(child) for child in obj.node.children)
+            found += [child for child in below if child.slot == self.slot]
+        geoms = world.slots[self.slot].geoms
+        return found, [obj for obj in found if obj.node in geoms]
+
+    def _forget_offset(self) -> None:
+        """Compute the pose in the rigid group again when it is read: nobody reads that of most parts."""
+        vars(self).pop("mounting", None)
         self._stamp = -1
-        world.bodies.move_shapes(self.node, self.offset)
-        for child in self.node.children:
-            below = world.object_of(child)
-            if below.slot == self.slot:
-                below._follow()
+
+    def _carried_offset(self) -> _Pose:
+        """Return the pose in the rigid group, from that of the parent."""
+        assert self.node.parent is not None
+        return rigid.compose(*self._world.object_of(self.node.parent).offset, *self._local)
 
     def _take_offset(self, offset: _Pose | None) -> None:
         # most components have the orientation of their robots, and many are at its origin, which is faster to compute
@@ -316,7 +341,7 @@ class GameObject(LegacyNames):
 
         Args:
             position: whether the object moves without gaining momentum.
-            ground: whether the vertical speed and the roll and pitch rates are left to gravity and contacts.
+            ground: whether gravity and contacts control the vertical speed and the roll and pitch rates.
         """
         self._world.drives.command(
             self.slot, Command(floats3(linear, VELOCITY), floats3(angular, ANGULAR_VELOCITY), position, ground)
@@ -425,6 +450,9 @@ class GameObject(LegacyNames):
         if recursive:
             for child in self.childrenRecursive:
                 child.setVisible(visible)
+
+
+GameObject.mounting = _OnDemand()  # type: ignore[assignment]
 
 
 def _flat(matrix: Matrix) -> tuple[float, ...]:

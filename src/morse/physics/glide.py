@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 #: number of ticks before a disturbed robot may glide again: initial and maximum
 FIRST_WAIT, LONGEST_WAIT = 4, 256
-#: ticks that robots which have room around them drift after one look for contacts
+#: number of ticks that robots drift after a check for contacts if there is free space around them
 FORESIGHT = 8
 
 
@@ -26,7 +26,7 @@ class Glide:
         look: first tick in which the robot could be near an edge.
         speed: speed for which ``look`` was computed, m/s.
         since: tick in which gliding began.
-        margin: metres, at least twice as far as any part of it moves in a tick.
+        margin: distance, m, at least twice as far as any part of the robot moves in a tick.
     """
 
     slot: Slot

@@ -3,8 +3,8 @@
 If no other body is awake, there are no contacts to solve. One step as long as the tick then gives the same result as
 several short steps, provided that no other body is within reach of a robot during the tick. If also no other body was
 changed by an explicit call, the robots *drift*: the step consists of a check for contacts and the integration of
-positions. If there is enough free space around all of them, one contact check serves for several ticks.
-If everything sleeps, no step is needed either.
+positions. If there is enough free space around all of them, one contact check serves for several ticks. If all bodies
+sleep, no step is needed either.
 
 If a robot is touched, lifted, tilted or pushed down within a tick, the tick is undone and repeated with its feet on the
 floor.
@@ -46,7 +46,7 @@ class GlideSteps:
         self.reset()
 
     def reset(self) -> None:
-        """Reset: no long step, and no check far ahead, has failed yet."""
+        """Reset: no long step and no check far ahead has failed yet."""
         self._stride_at, self._stride_wait = 0, FIRST_WAIT
         self._far_at, self._far_wait = 0, FIRST_WAIT
         self._slept = False
@@ -66,7 +66,7 @@ class GlideSteps:
         self._far_at, self._far_wait = state.far_at, state.far_wait
         self._slept = False
         if state.tick < state.clear_until:
-            # contacts that the engine has just found are far away
+            # the contacts that the engine has just found are far away
             self._state.data.ncon = 0
 
     def step(self) -> None:
@@ -89,7 +89,7 @@ class GlideSteps:
             self._rescue.repeat(self._saved, self._asleep, self._run)
 
     def _all_sleep(self) -> bool:
-        """Advance time without a step, if everything sleeps and nothing was changed.
+        """Advance time without a step, if all bodies sleep and nothing was changed.
 
         The engine runs the first tick of that kind, and removes the contacts of sleeping bodies.
         """
@@ -147,7 +147,7 @@ class GlideSteps:
         return True
 
     def _is_clear(self) -> bool:
-        """Check for bodies near the robots, far ahead if there is free space, else within this tick."""
+        """Check for bodies near the robots: far ahead if there is free space, otherwise within this tick."""
         gliding, data = self._gliding, self._state.data
         tick, far = gliding.tick, gliding.tick >= self._far_at
         if gliding.is_rearranged:

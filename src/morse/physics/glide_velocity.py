@@ -8,8 +8,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-#: few numbers of the engine are read and written so in a third of the time that an array takes
+#: a few numbers of the engine are read and written in this way in a third of the time that an array takes
 _PLANE, _TWIST, _BYTES = Struct("=2d"), Struct("=6d"), 8
+
+
+def read(qvel: Any, dof: int) -> tuple[float, ...]:
+    """Return the six numbers of the velocity of a body."""
+    return _TWIST.unpack_from(qvel, _BYTES * dof)
+
+
+def put(qvel: Any, dof: int, numbers: Sequence[float]) -> None:
+    """Write the six numbers of the velocity of a body."""
+    _TWIST.pack_into(qvel, _BYTES * dof, *numbers)
 
 
 def write(qvel: Any, dof: int, rotation: Sequence[float], x: float, y: float, rate: float) -> None:
@@ -18,9 +28,9 @@ def write(qvel: Any, dof: int, rotation: Sequence[float], x: float, y: float, ra
     Args:
         qvel: (V,) float64, velocities of the engine.
         dof: address of the robot in them.
-        rotation: (9,) of the robot, row by row.
-        x, y: m/s along its axes.
-        rate: rad/s about its Z axis.
+        rotation: (9,) rotation of the robot, row by row.
+        x, y: velocity along its axes, m/s.
+        rate: angular velocity about its Z axis, rad/s.
     """
     a, b, _, d, e, _, g, h, i = rotation
     rate *= i

@@ -103,18 +103,18 @@ class Gliding:
         return float(np.hypot(places[:, 0], places[:, 1]).max())
 
     def note_moved_shapes(self, index: int, geoms: Iterable[int]) -> None:
-        """Shapes have moved within a body: its outline is another one."""
+        """Record that shapes have moved within a body, which changes its outline."""
         self._unmeasured.add(index)
         self._moved.setdefault(index, set()).update(geoms)
         self._lowest.pop(index, None)
 
     def forget_moved_shapes(self) -> None:
-        """All shapes are where they were compiled."""
+        """Record that all shapes are at their compiled poses."""
         self._moved.clear()
         self._lowest.clear()
 
     def goes_on(self, index: int, geoms: Iterable[int], reach: float, lowest: float) -> bool:
-        """Shapes have moved within a body: return whether it goes on gliding, as none of them is near the floor.
+        """Record that shapes have moved within a body; return whether it continues to glide: none is near the floor.
 
         See `morse.physics.bodies.Bodies.shapes_have_moved`.
         """
@@ -151,7 +151,7 @@ class Gliding:
         self._unmeasured.discard(index)
 
     def _outline(self, slot: Slot) -> float:
-        """Return the distance from the origin of a robot to its outermost point, m; 0 if it takes no long steps."""
+        """Return the distance from the origin of a robot to its outermost point, m; 0 if it cannot take long steps."""
         model = self._state.model
         if np.abs(model.body_ipos[slot.body, :2]).max() > _CENTRED:
             return 0.0
@@ -254,7 +254,7 @@ class Gliding:
     def _lift(self, slot: Slot, floor: Floor) -> None:
         """Disable gravity and collisions with the floor for a robot."""
         model = self._state.model
-        # shapes lower than its feet cannot be touched either
+        # shapes lower than the feet of the robot cannot be touched either
         mask = ALL_BITS & ~floor.bit
         lowest = float(self._soles(slot).min()) - _CLEAR
         for other in self._floors:
@@ -402,7 +402,7 @@ class Gliding:
     # -- saving ------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """See `morse.physics.saved.SavedGliding`; without what `GlideSteps` holds."""
+        """See `morse.physics.saved.SavedGliding`; without the values of `GlideSteps`."""
         names = self._state.names
         return {
             "glides": [
@@ -426,17 +426,17 @@ class Gliding:
         }
 
     def check_state(self, state: SavedGliding) -> None:
-        """Raise ValueError if a state names robots that cannot glide, or floors that do not exist."""
+        """Raise ValueError if a state contains robots that cannot glide, or floors that do not exist."""
         bits = {floor.bit for floor in self._floors}
         for name in [*(glide.slot for glide in state.glides), *(stand.slot for stand in state.stands)]:
             if self._state.named[name] not in self._able:
-                raise ValueError(f"'{name}' is not a robot that glides")
+                raise ValueError(f"'{name}' is not a robot that can glide")
         for glide in state.glides:
             if glide.floor not in bits or all(stand.slot != glide.slot for stand in state.stands):
-                raise ValueError(f"there is no floor number {glide.floor} that '{glide.slot}' stands on")
+                raise ValueError(f"there is no floor {glide.floor} for '{glide.slot}'")
 
     def set_state(self, state: SavedGliding) -> None:
-        """Take over a state that was checked; the arrays of the model and the poses of parts are set before."""
+        """Restore a validated state; the arrays of the model and the poses of parts are set before."""
         moved = dict(self._moved)
         self.reset()
         self._moved.update(moved)
@@ -457,5 +457,5 @@ class Gliding:
 
 
 def _is_flat(command: Command) -> bool:
-    """Whether a command moves a robot along the floor only."""
+    """Whether a command moves a robot only along the floor."""
     return not (command.linear[2] or command.angular[0] or command.angular[1])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from morse.scene import CollisionShape
 
 #: height of the centre of mass of a driven robot as a share of its height; it is low because batteries and motors are
-#: mounted low, and the robot would topple too easily otherwise
+#: mounted low, and because the robot would topple too easily otherwise
 ROBOT_CENTRE_HEIGHT = 0.2
 
 
@@ -93,8 +93,8 @@ def mass_of(
     The inertia is that of a solid box of the size of the shape.
 
     Args:
-        position: of the node in the wanted frame, m.
-        rotation: (3, 3) of the node in the wanted frame.
+        position: position of the node in the wanted frame, m.
+        rotation: (3, 3) rotation of the node in the wanted frame.
     """
     mass = _DENSITY * volume(shape)
     if shape.kind is ShapeKind.CONVEX:

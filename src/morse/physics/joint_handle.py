@@ -9,12 +9,13 @@ import numpy as np
 from morse.physics import motors
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import mujoco
     from numpy.typing import NDArray
 
     from morse.physics.articulated import JointSlot
+    from morse.physics.couplings import TendonSlot
     from morse.physics.engine_state import EngineState
     from morse.scene import Control, Node
 
@@ -69,6 +70,44 @@ class JointHandle:
         motors.write(arrays, slot.actuator, slot.dof, slot.motor.setting(control))
         state.data.ctrl[slot.actuator] = command
         state.is_stirred = True
+
+    @property
+    def tendon_motors(self) -> list[TendonSlot]:
+        """The motors of the tendons of the armature."""
+        return [slot for slot in self._state.tendon_motors if slot.armature == self._name]
+
+    def pull(self, commands: Mapping[str, float]) -> None:
+        """Set the commands of motors of tendons: name to command."""
+        for slot in self.tendon_motors:
+            if slot.motor.name in commands:
+                self._state.data.ctrl[slot.actuator] = commands[slot.motor.name]
+
+    def tendons(self) -> dict[str, tuple[float, float, float]]:
+        """Return the tendons that have a motor: name of the motor to length (m), speed (m/s) and force (N)."""
+        data = self._state.data
+        return {
+            slot.motor.name: (
+                float(data.ten_length[slot.tendon]),
+                float(data.ten_velocity[slot.tendon]),
+                float(data.actuator_force[slot.actuator]),
+            )
+            for slot in self.tendon_motors
+        }
+
+    def loose(self, name: str) -> tuple[list[float], list[float]]:
+        """Return the position and the velocity of a bone without a value, as the engine has them.
+
+        Returns:
+            Displacements (m) along the axes of the bone, then an angle (rad) or a quaternion w, x, y, z; and their
+            velocities, m/s and rad/s. Both are empty if nothing hangs on the bone.
+        """
+        slots = [self._slots.get(f"{name}{suffix}") for suffix in ("", "/x", "/y", "/z", "/turn")]
+        found = [slot for slot in slots if slot is not None]
+        data = self._state.data
+        return (
+            [value for slot in found for value in data.qpos[slot.qpos : slot.qpos + slot.width].tolist()],
+            [value for slot in found for value in data.qvel[slot.dof : slot.dof + slot.dofs].tolist()],
+        )
 
     def positions(self, names: Sequence[str]) -> list[float]:
         """Return the measured positions."""

@@ -30,7 +30,7 @@ class Frame:
     """A rigid group of nodes.
 
     Attributes:
-        node: the node whose frame it is.
+        node: the first node, whose frame is the frame of the group.
         motion: free frames are dynamic; kinematic frames are moved by explicit calls and push others; hinge frames
             rotate about the local Z axis of their node; joint frames are moved by joints of an armature; virtual frames
             have no shape.
@@ -55,7 +55,7 @@ class Frame:
 
     @property
     def has_body(self) -> bool:
-        """Whether the engine has a body for the frame."""
+        """Whether the frame has a body in the engine."""
         return self.motion is not Motion.VIRTUAL and (bool(self.solid) or self.carries or bool(self.joints))
 
 
@@ -122,7 +122,7 @@ class _Hanging:
     """The nodes attached to the moving bones of an armature.
 
     Attributes:
-        nodes: all of them.
+        nodes: all nodes.
     """
 
     def __init__(self, armature: Node) -> None:
@@ -136,7 +136,7 @@ class _Hanging:
         for child in armature.children:
             if child.bone in index and moving[index[child.bone]] >= 0:
                 self._on.setdefault(moving[index[child.bone]], []).append(child)
-        # what hangs on the moving bone itself comes first, and gives the frame its name
+        # objects on the moving bone itself come first, and give the frame its name
         for i, nodes in self._on.items():
             nodes.sort(key=lambda node: node.bone != bones[i].name)
         self.nodes = {node for nodes in self._on.values() for node in nodes}
@@ -148,7 +148,7 @@ class _Hanging:
     def below(self, bone: int) -> Iterator[tuple[tuple[int, ...], list[Node]]]:
         """Return for each body below a moving bone the bones that move it, and its nodes.
 
-        Bones on which nothing hangs move the next body; those at whose end there is no body are left out.
+        Bones without attached objects move the next body; bones without a body at their end are skipped.
         """
         for child in self._children.get(bone, ()):
             path = [child]

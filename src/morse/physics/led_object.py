@@ -26,6 +26,7 @@ class LedObject(GameObject):
     @staticmethod
     def lead(obj: GameObject, linkage: Linkage) -> None:
         """Let a linkage move an object from now on."""
+        _ = obj.mounting  # computes it, if it was forgotten
         obj.__class__ = LedObject
         vars(obj)["_linkage"] = linkage
 
@@ -58,8 +59,12 @@ class LedObject(GameObject):
     def mounting(self, mounting: Mounting) -> None:
         self._change("mounting", mounting)
 
+    def _forget_offset(self) -> None:
+        self._take_offset(self._carried_offset())
+        self._stamp = -1
+
     def _change(self, name: str, value: Any) -> None:
-        """The object was moved in another way: the linkage has to read its pose."""
+        """Notify the linkage that the object was moved in another way, so that it reads the pose again."""
         self._linkage.settle()
         self._linkage.is_outdated = True
         vars(self)[name] = value

@@ -1,7 +1,7 @@
 """The limits of the values that the engine accepts.
 
-The limits are wide enough for ships, rockets and satellites. Larger values are mistakes and are refused on input,
-because products and squares of such values overflow in the engine.
+The limits are wide enough for ships, rockets and satellites. Larger values are mistakes. They are refused on input,
+because their products and squares overflow in the engine.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Quantity(NamedTuple):
     unit: str
 
 
-#: the centre of the earth is 6.4e6 m away
+#: m; the centre of the earth is 6.4e6 m away
 POSITION = Quantity("position", 1e7, "m")
 MOVEMENT = Quantity("movement", 1e7, "m")
 ROTATION = Quantity("rotation", 1e6, "rad")
@@ -37,5 +37,5 @@ POINT = Quantity("point", 1e30, "m")
 #: limit of the entries of a rotation matrix, which are at most 1 without scale and shear
 MATRIX_ENTRY = 10.0
 
-#: speed (m/s, rad/s) and distance (m) beyond which a body has diverged, because no input can be that large
+#: speed (m/s, rad/s) and distance (m) above which a body has diverged, because no input can be that large
 RUNAWAY_SPEED, RUNAWAY_DISTANCE = 1e6, 1e9

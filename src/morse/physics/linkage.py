@@ -56,7 +56,7 @@ class Linkage:
         self._entries: list[GameObject] = []
         self._is_whole = False
         self._is_stale = False
-        #: whether something else has moved an object of the linkage
+        #: whether an object of the linkage was moved in another way
         self.is_outdated = True
         self._turning = [i for i, bone in enumerate(bones) if bone.kind is not JointKind.FIXED]
 
@@ -84,7 +84,7 @@ class Linkage:
         world.stamp += 1
 
     def _leads(self) -> bool:
-        """Whether the objects do not belong to another linkage in the meantime."""
+        """Whether the objects have not been assigned to another linkage."""
         return not self._entries or vars(self._entries[0]).get("_linkage") is self
 
     def _turn(self, values: Sequence[float]) -> None:

@@ -4,19 +4,18 @@ A motor for positions is a spring and a damper between the joint and its setpoin
 
     effort = k (setpoint - q) - d q'
 
-and a motor for velocities is a damper: effort = d (setpoint - q'). If the file does not contain k and d, they are
+and a motor for velocities is a damper, effort = d (setpoint - q'). If the file does not contain k and d, they are
 computed from the largest load of the motor:
 
 * from the moment of inertia I of the load, with all other joints stretched: k = I w^2 with w = 50 rad/s;
 * from the moment m g l of the weight of the load: k = m g l / 2 mrad, so that joints do not sag;
 * in the leg of a robot that is not fixed, from the robot that stands on the leg: k = 10 m g l, with which it does not
   topple over its ankle (an inverted pendulum needs m g l);
-* d = 2 sqrt(k I), critically damped; of a motor that is told a velocity 10 I / h, where h is the time step. If the
-  motor has
-  a largest effort, the joint lags by 0.1 rad/s (2 cm/s) at most, and d h is the inertia of its rotor.
+* d = 2 sqrt(k I), critically damped. For a motor that controls a velocity, d = 10 I / h, where h is the time step. If
+  such a motor has a largest effort, the joint lags by at most 0.1 rad/s (2 cm/s), and d h is the inertia of its rotor.
 
-Such a motor also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of real
-robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
+A motor for positions also gets a rotor with the inertia d h / 2, where h is the time step, like the motors and gears of
+real robots. Without a rotor, a motor at its largest effort could reverse a light link within a step, and the link would
 oscillate. The rotor does not change static efforts. A motor for efforts, or with gains in the file, has only the rotor
 of the file.
 
@@ -46,7 +45,7 @@ if TYPE_CHECKING:
 _FREQUENCY = 50.0
 #: largest sag, rad or m
 _SAG = {False: 2e-3, True: 2e-4}
-#: largest difference to the speed that a motor with a largest effort is told, rad/s or m/s
+#: largest difference between the speed and the commanded speed of a motor with a largest effort, rad/s or m/s
 _LAG = {False: 0.1, True: 0.02}
 #: damping of a motor without a largest effort as a multiple of I / h
 _GRIP = 10.0
@@ -68,7 +67,7 @@ class Load(NamedTuple):
         moment: largest moment of the weight of the load, N m (weight, N).
         body: moment of inertia of the rest of a robot that may stand on it, kg m^2 (mass, kg); 0 for a robot that is
             fixed.
-        tilt: moment of the weight of that rest, N m (weight, N).
+        tilt: moment of the weight of this rest, N m (weight, N).
         slides: whether the joint is prismatic.
     """
 

@@ -26,7 +26,7 @@ class MovedShapes:
         self._boxes: dict[int, NDArray[np.float64]] = {}
 
     def note(self, body: int) -> None:
-        """Shapes of a body have moved."""
+        """Enlarge the boxes of a body whose shapes have moved."""
         if body in self._boxes:
             return
         model = self._state.model
@@ -37,7 +37,7 @@ class MovedShapes:
             model.bvh_aabb[rows] = (0.0, 0.0, 0.0, _FAR, _FAR, _FAR)
 
     def reset(self) -> None:
-        """All shapes are at their compiled poses."""
+        """Restore the boxes, because all shapes are at their compiled poses."""
         model = self._state.model
         for body, boxes in self._boxes.items():
             start = int(model.body_bvhadr[body])

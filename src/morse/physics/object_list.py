@@ -51,7 +51,7 @@ class ObjectList(Sequence[T], Generic[T]):
             names = [obj.node.plain_name for obj in self._objects]
             close = difflib.get_close_matches(key, names, n=1)
             hint = f"did you mean '{close[0]}'?" if close else f"there are: {', '.join(names) or 'none'}"
-            raise KeyError(f"no object '{key}' here; {hint}")
+            raise KeyError(f"there is no object '{key}'; {hint}")
         return found
 
     def __contains__(self, key: object) -> bool:

@@ -17,7 +17,7 @@ def plain_copy(value: Any) -> Any:
     """Return a copy that shares no mutable objects with the original.
 
     Raises:
-        NotPlainError: the value contains something else than None, booleans, numbers, strings, bytes, arrays of
+        NotPlainError: the value contains an object other than None, booleans, numbers, strings, bytes, arrays of
             numbers, and lists, tuples and dictionaries with string keys of these.
     """
     if type(value) in _SINGLE:

@@ -83,11 +83,11 @@ class Rescue:
         """Repeat a tick after a reset of the bodies that diverged in it.
 
         Args:
-            numbers, asleep: the state before the tick, see `engine_values.rewind`; bodies are put back in it.
+            numbers, asleep: the state before the tick, see `engine_values.rewind`; bodies are reset to it.
             run: function that runs the tick.
 
         Raises:
-            UnstableError: the simulation diverges even after every body has been put back.
+            UnstableError: the simulation diverges even after every body has been reset.
         """
         if not self._wrong():
             return
@@ -142,9 +142,9 @@ class Rescue:
             speeds = data.qvel[slot.dof : slot.dof + dofs]
             places = data.qpos[slot.qpos : slot.qpos + count]
             if not np.isfinite(places).all():
-                found.append((slot, "its position is not a number any more"))
+                found.append((slot, "its position is not finite"))
             elif not np.isfinite(speeds).all():
-                found.append((slot, "its velocity is not a number any more"))
+                found.append((slot, "its velocity is not finite"))
             elif np.abs(speeds).max() > RUNAWAY_SPEED:
                 found.append((slot, f"it moves at {np.abs(speeds).max():.3g} m/s or rad/s"))
             elif free and np.abs(places[:3]).max() > RUNAWAY_DISTANCE:
@@ -182,7 +182,7 @@ class Rescue:
     # -- reset -----------------------------------------------------------------------------
 
     def _put_back(self, slot: Slot) -> None:
-        """Put a body with its wheels to where it was before the tick; if that is lost, to where the scene has it."""
+        """Reset a body and its wheels to their pose before the tick; if that is lost, to their pose in the scene."""
         state = self._state
         data = state.data
         while slot.frame.parent is not None:
@@ -210,11 +210,12 @@ class Rescue:
                     data.qpos[part.qpos] = 0.0
 
     def _stop_joints(self, link: Slot) -> None:
-        """Put the joints of a link to rest; a joint whose value is lost returns to its start."""
+        """Set the joints of a link to rest; a joint whose value is lost returns to its initial value."""
         data = self._state.data
         for joint in link.joints:
             for values in (data.qvel, data.qacc_warmstart, data.qfrc_applied):
-                values[joint.dof] = 0.0
-            if not abs(data.qpos[joint.qpos]) <= RUNAWAY_DISTANCE:
-                data.qpos[joint.qpos] = self._state.model.qpos0[joint.qpos]
+                values[joint.dof : joint.dof + joint.dofs] = 0.0
+            place = slice(joint.qpos, joint.qpos + joint.width)
+            if not np.abs(data.qpos[place]).max() <= RUNAWAY_DISTANCE:
+                data.qpos[place] = self._state.model.qpos0[place]
         data.xfrc_applied[link.body] = 0.0

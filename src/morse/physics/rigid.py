@@ -20,7 +20,7 @@ IDENTITY: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def product(a: Rotation, b: Rotation) -> tuple[float, ...]:
-    """``A B``."""
+    """Return ``A B``."""
     a0, a1, a2, a3, a4, a5, a6, a7, a8 = a
     b0, b1, b2, b3, b4, b5, b6, b7, b8 = b
     return (
@@ -37,7 +37,7 @@ def product(a: Rotation, b: Rotation) -> tuple[float, ...]:
 
 
 def transpose(r: Rotation) -> tuple[float, ...]:
-    """``R^T``."""
+    """Return ``R^T``."""
     return (r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8])
 
 

@@ -76,13 +76,13 @@ class Saving:
         found = saved.checked(state)
         if found.slots != world.names:
             differing = sorted(set(found.slots) ^ set(world.names)) or ["the order"]
-            raise ValueError(f"this state is of another scene: {', '.join(differing[:3])} differ")
+            raise ValueError(f"this state belongs to another scene: {', '.join(differing[:3])} differ")
         for name in _slots_of(found):
             if name not in world.named:
-                raise ValueError(f"the state names '{name}', which is not a body of this scene")
+                raise ValueError(f"the state contains '{name}', which is not a body of this scene")
         for name in (*found.objects, *(grip.holder for grip in found.attachments.held)):
             if name not in self._objects:
-                raise ValueError(f"the state names '{name}', which this scene does not have")
+                raise ValueError(f"the state contains '{name}', which does not exist in this scene")
         engine_values.check_state(world, found.engine)
         self._gliding.check_state(found.gliding)
         return found
@@ -93,7 +93,7 @@ class Saving:
         world.bodies.moved_shapes.reset()
         self._gliding.forget_moved_shapes()
         before = [(obj.visible, obj.properties) for obj in self._objects.values()]
-        # all first: an object that is moved takes the objects below it along
+        # all objects are restored first, because an object that is moved also moves the objects below it
         for obj in self._objects.values():
             obj.restore()
         for (name, obj), (shown, present) in zip(self._objects.items(), before, strict=True):
@@ -115,7 +115,7 @@ class Saving:
         for stale in state.stale:
             index = named[stale.slot]
             world.touched.add(index)
-            # the engine detects by the difference that a sleeping body was moved
+            # the engine detects from the difference that a sleeping body was moved
             world.data.xpos[world.slots[index].body] = stale.position
             world.data.xquat[world.slots[index].body] = stale.quaternion
         world.drives.set_state(state.drives)
@@ -127,7 +127,7 @@ class Saving:
 
 
 def _slots_of(state: saved.SavedWorld) -> Iterator[str]:
-    """Iterate over all slots that a state names."""
+    """Iterate over all slots in a state."""
     drives, attachments, gliding = state.drives, state.attachments, state.gliding
     yield from (*state.loose, *drives.sliding)
     groups: tuple[Any, ...] = (

@@ -33,12 +33,12 @@ class SceneChange:
         """Add nodes without parents, with all nodes below them, and declarations of components.
 
         Raises:
-            ValueError: a name exists already, or a node has a parent.
+            ValueError: a name already exists, or a node has a parent.
         """
         for root in roots:
             if root.parent is not None:
                 raise ValueError(
-                    f"'{root.name}' hangs on '{root.parent.name}': only nodes without a parent can be added"
+                    f"'{root.name}' is attached to '{root.parent.name}': only nodes without a parent can be added"
                 )
         self._demand_new_names([node for root in roots for node in root.walk()], {n.name for n in self.scene.nodes()})
         self.scene.roots.extend(roots)
@@ -48,11 +48,11 @@ class SceneChange:
     def _demand_new_names(nodes: Iterable[Node], taken: set[str]) -> None:
         for node in nodes:
             if node.name in taken:
-                raise ValueError(f"there is an object called '{node.name}' already; names are unique in a scene")
+                raise ValueError(f"there is already an object '{node.name}'; names are unique in a scene")
             taken.add(node.name)
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
-        """Let the scene consist of exactly these nodes and components, in this order."""
+        """Set the nodes and components of the scene to exactly these, in this order."""
         self.scene.roots[:], self.scene.components[:], self.scene.zones[:] = roots, components, zones
 
     def remove(self, nodes: Iterable[Node]) -> None:
@@ -77,7 +77,7 @@ class SceneChange:
         Declarations of components and zones are transferred to the node of the same name.
 
         Raises:
-            ValueError: a name exists already, or nodes that carry components are missing below the new node.
+            ValueError: a name already exists, or nodes that carry components are missing below the new node.
         """
         scene = self.scene
         gone, come = set(old.walk()), {node.name: node for node in new.walk()}

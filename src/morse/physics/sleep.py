@@ -22,7 +22,7 @@ def check_asleep(asleep: NDArray[np.int32], trees: int) -> None:
         raise ValueError(f"the engine has {trees} trees of bodies, not {asleep.shape}")
     sleepers = np.flatnonzero(asleep >= 0)
     if asleep.min(initial=-1) < WIDE_AWAKE or not np.array_equal(np.sort(asleep[sleepers]), sleepers):
-        raise ValueError("the sleeping bodies do not form circles")
+        raise ValueError("the sleeping bodies do not form cycles")
 
 
 def set_asleep(state: EngineState, asleep: NDArray[np.int32]) -> None:

@@ -96,9 +96,10 @@ class VelocitySnapshot:
 
     Args:
         snapshot: their poses.
-        velocities: (V,) of the engine; the array never changes.
-        dofs: where those of each body begin, -1 for one that is not the first of its group, or does not obey forces.
-        others: velocities of these, by row.
+        velocities: (V,) velocities of the engine; the array never changes.
+        dofs: index of the velocities of each body; -1 for an object that is not the first of its group, or has no
+            velocity in the engine.
+        others: velocities of the objects with dof -1, by row.
     """
 
     __slots__ = ("_dofs", "_others", "_snapshot", "_velocities")

@@ -24,7 +24,7 @@ mujoco.set_mju_user_warning(_warn)
 
 
 class UnstableError(Exception):
-    """The physics diverges even after a reset of the bodies concerned; see `morse.physics.rescue`.
+    """The physics diverges even after a reset of the affected bodies; see `morse.physics.rescue`.
 
     Attributes:
         body: name of the body that diverged first.
@@ -32,8 +32,8 @@ class UnstableError(Exception):
 
     def __init__(self, body: str, what: str) -> None:
         super().__init__(
-            f"the physics of '{body}' diverged, {what}, and diverged again after a reset. "
-            "Look for bodies that start inside each other, for masses that differ by more than 1:1000, "
-            "and for forces or speeds that are far too large"
+            f"the physics of '{body}' diverged ({what}), and diverged again after a reset. Look for bodies that "
+            "start inside each other, for masses that differ by more than 1:1000, and for forces or speeds that are "
+            "far too large"
         )
         self.body = body

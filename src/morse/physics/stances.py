@@ -51,7 +51,7 @@ class Stances:
 
     def unsettle(self, index: int) -> None:
         """A robot has to settle before it glides again."""
-        self.arrays.ticks[index] = -1
+        self.arrays.views[0][index] = -1
 
     def disturb(self, index: int, tick: int, since: int) -> None:
         """A robot that has glided since some tick was disturbed: it waits before it glides again."""

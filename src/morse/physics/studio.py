@@ -1,6 +1,6 @@
-"""MuJoCo's own viewer, for inspecting the physics.
+"""The viewer of MuJoCo, for inspecting the physics.
 
-It is installed by the extra ``studio`` and runs in a browser.
+The viewer is installed by the extra ``studio`` and runs in a browser.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from morse.scene import Node
 
 
-#: m
+#: tolerance for rounding, m
 _ROUNDING = 1e-6
 
 
@@ -42,7 +42,8 @@ class Touching:
         self._places, self._turns, self._radii = data.geom_xpos, data.geom_xmat, model.geom_rbound
         self._halves = np.abs(model.geom_aabb[:, :3]) + model.geom_aabb[:, 3:]
         self._feelers: dict[Node, list[int]] = {}
-        #: of a shape: static boxes, its centre, and the distance within which it can move without meeting them, m
+        #: for each shape: static boxes, its centre, and the distance within which it can move without meeting the
+        #: boxes, m
         self._clear: dict[int, tuple[object, list[float], float]] = {}
         self._others: dict[tuple[int, int], tuple[NDArray[np.intp], NDArray[np.float64]]] = {}
         self._kept: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
@@ -50,7 +51,7 @@ class Touching:
         self._loosened = False
 
     def objects(self, obj: GameObject, margin: float) -> list[GameObject]:
-        """Return the objects nearer than ``margin`` (m) to the shapes of an object, except those that move with it.
+        """Return the objects closer than ``margin`` (m) to the shapes of an object, except those that move with it.
 
         An object with several shapes is returned once.
         """

@@ -11,7 +11,7 @@ treads run at s_i, exert forces against their slip. For slips of equal size, for
 
     v = mean(s_i)        w = -sum(y_i s_i) / sum(x_i^2 + y_i^2)
 
-For two wheels this is rolling without slip. For four wheels see J. L. Martinez et al., "Approximating kinematics for
+For two wheels, this is rolling without slip. For four wheels, see J. L. Martinez et al., "Approximating kinematics for
 tracked mobile robots", Int. J. Robotics Research 24 (2005).
 """
 

@@ -109,6 +109,9 @@ class Transfer:
             if name in held:
                 for geom in _geoms(b):
                     model["geom_contype"][geom] = model["geom_conaffinity"][geom] = 0
+        commands = {slot.key: old.data.ctrl[slot.actuator] for slot in old.tendon_motors}
+        for slot in new.tendon_motors:
+            new.data.ctrl[slot.actuator] = commands.get(slot.key, slot.start)
         new.data.time = old.data.time
         for a, b in self._same:
             self._carry_shapes(a, b, model, _OF_SURFACES if b.frame.node.name in landing else _OF_SHAPES)
@@ -212,5 +215,5 @@ def _shapes(slot: Slot) -> list[tuple[object, int]]:
 
 
 def _as_far_as(entry: saved.SavedObject, stays: bool) -> saved.SavedObject:
-    """Return the state that an object keeps; an object whose node was replaced gets the pose of the new node."""
+    """Return the state of an object that is kept; an object whose node was replaced gets the pose of the new node."""
     return entry if stays else saved.SavedObject(entry.properties, entry.visible)

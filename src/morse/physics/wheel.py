@@ -55,7 +55,7 @@ class Wheel:
             speed = min(max(speed, -limit), limit)
         state = self._state
         if self._model is not state.model:
-            # objects were added or removed, so the model of the engine is a new one
+            # objects were added or removed, so the engine has a new model
             self._model, self._actuator, self._controls = state.model, self._slot.actuator, state.data.ctrl
         self._controls[self._actuator] = speed
 

@@ -72,7 +72,7 @@ class World(ObjectWorld):
         self.reset()
 
     def _build(self) -> None:
-        """Create the parts that belong to the latest compiled model."""
+        """Create the parts that belong to the present compiled model."""
         mujoco.mj_forward(self.model, self.data)
         self.gliding = Gliding(self)
         self._steps = GlideSteps(self, self.gliding, self._rescue)
@@ -91,7 +91,7 @@ class World(ObjectWorld):
         self._pristine = {name: getattr(self.model, name).copy() for name in CHANGED_WHILE_RUNNING}
 
     def _take_objects(self) -> None:
-        """Create one object for each node; objects whose names stay are kept."""
+        """Create one object for each node; objects of nodes with the same names are kept."""
         before, self._names = self._names, {}
         self._objects = {}
         for node in self.scene.nodes():
@@ -113,14 +113,14 @@ class World(ObjectWorld):
         The model is recompiled. Existing bodies keep their state and their objects.
 
         Args:
-            roots: nodes without a parent, with computed collision shapes; they come last in the scene.
+            roots: nodes without a parent, with computed collision shapes; they are added at the end of the scene.
             components: the declarations of their components; the declarations of robots determine how they move.
 
         Returns:
             The objects of all added nodes.
 
         Raises:
-            ValueError: a name exists already, or the engine refuses a shape; the world is then unchanged.
+            ValueError: a name already exists, or the engine refuses a shape; the world is then unchanged.
         """
         self._change(lambda change: change.add(roots, components))
         return [self._objects[node] for root in roots for node in root.walk()]
@@ -133,7 +133,7 @@ class World(ObjectWorld):
         self._change(lambda change: change.remove([obj.node for obj in objects]))
 
     def arrange(self, roots: Sequence[Node], components: Sequence[ComponentDeclaration], zones: Sequence[Zone]) -> None:
-        """Let the world consist of exactly these nodes, in this order; existing objects keep their state.
+        """Set the nodes of the world to exactly these, in this order; existing objects keep their state.
 
         Raises:
             ValueError: the engine refuses a shape; the world is then unchanged.
@@ -228,7 +228,7 @@ class World(ObjectWorld):
         """The object of that name.
 
         Raises:
-            KeyError: if there is none.
+            KeyError: there is no such object.
         """
         return self._names[name]
 
@@ -264,12 +264,15 @@ class World(ObjectWorld):
         kinematics.refresh(self)
 
     def _hold_joints(self) -> None:
-        """Tell the motors of joints to stay where they start."""
+        """Set the setpoints of the motors of joints to the initial positions."""
         for joints in self.joints.values():
             for joint in joints.values():
                 if joint.actuator >= 0:
                     holds = motors.control_of(self.model.actuator_biasprm[joint.actuator]) is Control.POSITION
                     self.data.ctrl[joint.actuator] = joint.start if holds else 0.0
+
+        for motor in self.tendon_motors:
+            self.data.ctrl[motor.actuator] = motor.start
 
     def step(self) -> None:
         """Run one tick: apply the commands, run the steps of the engine, read the poses."""
@@ -313,7 +316,7 @@ class World(ObjectWorld):
         return Snapshots(self, objects)
 
     def velocity_snapshots(self, objects: Sequence[GameObject]) -> VelocitySnapshots:
-        """Return an object that takes the velocities of bodies, all in one call."""
+        """Return an object that reads the velocities of bodies, all in one call."""
         return VelocitySnapshots(self, objects)
 
     def drive_fleet(self, fleet: Fleet) -> None:
@@ -374,7 +377,7 @@ class World(ObjectWorld):
         return [(self.geom_object(a), self.geom_object(b)) for a, b in pairs]
 
     def touched_by(self, obj: GameObject, margin: float = 0.0) -> list[GameObject]:
-        """Return the objects whose shapes are nearer than ``margin`` (m) to the shapes of an object, see `Touching`."""
+        """Return the objects whose shapes are closer than ``margin`` (m) to the shapes of an object, see `Touching`."""
         if self._touching is None:
             self._touching = Touching(self)
         return self._touching.objects(obj, margin)

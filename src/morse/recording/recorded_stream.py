@@ -68,7 +68,8 @@ class RecordedStream(Ros2Stream):
             return None
         bound, (line,) = self._sending[0]
         number = getattr(line.publisher, "number", None)
-        if line.outlet.type != type_name or number is None:
+        nothing = line.outlet.when is not None and not line.outlet.when()
+        if line.outlet.type != type_name or number is None or nothing:
             return None
         message = bound.gather()
         made = line.outlet.make(message, self.frame_id(line.outlet.frame or message.frame))

@@ -6,7 +6,7 @@ from morse.core.services import service
 
 
 class Victim(Robot):
-    """A person to be found and healed (see the sensor SearchAndRescue)."""
+    """A person who can be found and healed (see the sensor SearchAndRescue)."""
 
     _name = "Victim"
     _builder = RobotDefaults(

@@ -21,10 +21,10 @@ class Image:
 
 @dataclass(eq=False, slots=True)
 class Material:
-    """A surface, by the metallic-roughness model.
+    """A surface in the metallic-roughness model.
 
     Attributes:
-        color: linear RGBA, 0..1; multiplied with the image where there is one.
+        color: linear RGBA, 0..1; multiplied by the image if there is one.
         emission: linear RGB times strength.
         specular: 0..1; a laser scanner reports it as remission.
         image: base colour texture, or None.
@@ -49,7 +49,7 @@ class Light:
     Attributes:
         type: ``POINT``, ``SUN``, ``SPOT``, ``AREA`` or ``HEMI``.
         energy: relative to 1, the brightness of a normal lamp (for every type).
-        distance: distance at which the intensity is half, m.
+        distance: distance at which the intensity has fallen to half, m.
         spot_size: full opening angle of a spot, radians.
     """
 

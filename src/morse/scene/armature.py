@@ -17,6 +17,19 @@ class JointKind(StrEnum):
     FIXED = "fixed"
     REVOLUTE = "revolute"
     PRISMATIC = "prismatic"
+    BALL = "ball"
+    PLANAR = "planar"
+    FLOATING = "floating"
+
+    @property
+    def has_value(self) -> bool:
+        """Whether one number, rad or m, gives the pose of the bone."""
+        return self in (JointKind.REVOLUTE, JointKind.PRISMATIC)
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether the bone moves in several directions, and has no motor."""
+        return self in (JointKind.BALL, JointKind.PLANAR, JointKind.FLOATING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,14 +45,16 @@ class Bone:
         position: metres, in the frame of the parent.
         rotation: 9 numbers, row by row, from the frame of the bone to that of the parent.
         length: metres.
-        kind: revolute joints turn about ``axis``, prismatic ones slide along it.
+        kind: revolute joints turn about ``axis``, prismatic ones slide along it. Balls turn about all axes; planar
+            bones slide along the X and Y axes of the bone and turn about its Z axis; floating bones move freely. These
+            three only move if the physics moves the joints.
         axis: 0, 1 or 2: the X, Y or Z axis of the bone.
-        free: the axes about which the file lets the bone turn.
+        free: axes about which the bone may rotate according to the file.
         low: smallest value of the joint, rad or m.
         high: largest value.
         value: initial value.
         leader: index of the bone whose joint this one follows, as ``factor * value + offset``; -1 for none.
-        dynamics: friction, limits and motor of the joint where the physics moves it, or None for the defaults.
+        dynamics: friction, limits and motor of the joint if the physics moves it; None for the defaults.
     """
 
     name: str

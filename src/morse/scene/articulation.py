@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+from morse.scene.couplings import Couplings
 
 #: property of an armature: whether the physics moves its joints
 DYNAMIC = "Dynamic"
@@ -28,20 +30,21 @@ class Control(StrEnum):
 class JointDynamics:
     """The dynamics of a joint.
 
-    Units are those of revolute joints; read m for rad and N for N m for prismatic joints.
+    Units are those of revolute joints. For prismatic joints, rad is replaced by m, and N m by N.
 
     Attributes:
         damping: N m s/rad.
         friction: dry friction, N m.
-        inertia: of the rotor of the motor, as the joint sees it, kg m^2.
-        stiffness: of a spring, N m/rad.
-        rest: rad, the value at which the spring is at rest.
+        inertia: inertia of the rotor of the motor at the joint, kg m^2.
+        stiffness: stiffness of a spring, N m/rad.
+        rest: joint value at which the spring is at rest, rad.
         effort: largest effort of the motor, N m.
         speed: largest speed, rad/s.
         limited: whether the joint stops at the limits of its bone.
-        control: what its motor is told, or None if the file does not say it: a position.
-        gain: of the motor: N m/rad for a position, N m s/rad for a velocity; None for one that suits the masses.
-        slowing: damping of a motor that is told a position, N m s/rad; None for one that suits its gain.
+        control: quantity that the motor controls, or None if the file does not declare it: a position.
+        gain: gain of the motor: N m/rad for a position, N m s/rad for a velocity; None for a value derived from the
+            masses.
+        slowing: damping of a motor that controls a position, N m s/rad; None for a value derived from the gain.
     """
 
     damping: float = 0.0
@@ -63,7 +66,7 @@ class Inertial:
 
     Attributes:
         mass: kg.
-        centre: of mass, m, in the frame of the link.
+        centre: centre of mass, m, in the frame of the link.
         inertia: 9 numbers, row by row, about the centre of mass in the axes of the link, kg m^2.
     """
 
@@ -74,16 +77,18 @@ class Inertial:
 
 @dataclass(frozen=True, slots=True)
 class Articulation:
-    """The joints of an armature, or of the robot that it belongs to, as its file has them.
+    """The joints of an armature, or of the robot to which it belongs, as declared in the file.
 
     Attributes:
-        mass: of all links together, kg; 0 if the file has no masses.
-        self_collision: whether links collide with each other. Links that a joint joins never do.
-        apart: names, in the file, of pairs of links that do not collide.
-        control: joint to what its motor is told, where that is not what the file says.
+        mass: mass of all links together, kg; 0 if the file has no masses.
+        self_collision: whether links collide with each other. Links that are connected by a joint never collide.
+        apart: pairs of links that do not collide, by their names in the file.
+        couplings: tendons and constraints.
+        control: joint to the quantity that its motor controls, if it differs from the file.
     """
 
     mass: float = 0.0
     self_collision: bool = False
     apart: tuple[tuple[str, str], ...] = ()
     control: tuple[tuple[str, Control], ...] = ()
+    couplings: Couplings = field(default_factory=Couplings)

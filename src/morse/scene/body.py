@@ -51,11 +51,11 @@ class BodySettings:
         restitution: 0 (no bounce) to 1.
         linear_damping: share of the linear velocity lost each second, 0..1.
         angular_damping: share of the angular velocity lost each second, 0..1.
-        ghost: contacts are reported but exert no force.
+        ghost: whether contacts are reported but exert no force.
         actor: whether sensors detect it.
         lock_location: world axes along which the body cannot move.
         lock_rotation: world axes about which the body cannot turn.
-        gravity: False for a body that does not fall.
+        gravity: whether gravity acts on the body.
     """
 
     type: PhysicsType = PhysicsType.NO_COLLISION

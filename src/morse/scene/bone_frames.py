@@ -1,4 +1,4 @@
-"""Where the bones of an armature are at the start."""
+"""The initial poses of the bones of an armature."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ _IDENTITY: Rotation9 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def start_value(bones: Sequence[Bone], index: int) -> float:
-    """Return the value of a joint at the start, rad or m; that of a joint that follows another is derived."""
+    """Return the initial value of a joint, rad or m; for a joint that follows another, it is computed."""
     bone = bones[index]
     return bone.value if bone.leader < 0 else bone.factor * bones[bone.leader].value + bone.offset
 
 
 def start_frames(bones: Sequence[Bone], scale: float = 1.0) -> list[BonePose]:
-    """Return the frame of each bone at the start, in that of the armature: its origin is at the joint.
+    """Return the initial frame of each bone in the frame of the armature; its origin is at the joint.
 
     Args:
-        scale: of the armature; lengths are multiplied by it.
+        scale: scale of the armature; lengths are multiplied by it.
     """
     found: list[BonePose] = []
     for index, bone in enumerate(bones):

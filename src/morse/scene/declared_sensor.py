@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DeclaredSensor:
-    """A sensor of a robot as its file has it.
+    """A sensor of a robot, as declared in the file of the robot.
 
     Attributes:
-        name: in the file.
-        product: the class in scene scripts, ``VideoCamera`` for instance.
+        name: name in the file.
+        product: the class in scene scripts, e.g. ``VideoCamera``.
         link: name of the node that carries it, in the file.
-        position: m, in the frame of the link.
+        position: position in the frame of the link, m.
         rotation: 9 numbers, row by row, from the frame of the sensor (X forward, Z up) to that of the link.
         properties: names and values of the properties that the file sets.
         frequency: Hz, or None.

@@ -1,4 +1,4 @@
-"""What the joints of an armature are: moved by the physics or not, and what their motors are told."""
+"""How the joints of an armature are moved: by the physics or not, and what their motors control."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def is_dynamic(armature: Node) -> bool:
-    """Whether the physics moves the joints of a node: those of a file that has masses, or if a script asks for it."""
+    """Whether the physics moves the joints of a node: if its file has masses, or if a script asks for it."""
     return bool(armature.bones) and bool(armature.properties.get(DYNAMIC, armature.articulation is not None))
 
 

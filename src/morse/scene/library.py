@@ -19,9 +19,9 @@ class Library:
         path: the file.
         roots: the nodes without a parent.
         collections: name to the names of the nodes in it (Blender's groups and collections).
-        world: properties of the world the file describes: ``horizon_color`` (linear RGB),
-            ``ambient_color``, ``gravity`` (m/s^2), ``mist`` where the file has them.
-        outside_scene: names of nodes that are in the file but not in its scene: templates, which are only shown by
+        world: properties of the world the file describes: ``horizon_color`` (linear RGB), ``ambient_color``,
+            ``gravity`` (m/s^2), ``mist``; only those that the file contains.
+        outside_scene: names of nodes that are in the file but not in its scene: templates, which are shown only by
             instances of their collection.
         images: images by name, for textures that no material uses.
         sensors: the sensors that the file declares.

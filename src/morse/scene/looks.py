@@ -14,7 +14,7 @@ _PLAIN = Material("")
 
 
 def slot_materials(node: Node, mesh: Mesh) -> list[Material]:
-    """The material of every slot that a mesh uses: the node's own, else the mesh's."""
+    """The material of every slot that a mesh uses: that of the node, otherwise that of the mesh."""
     used = int(mesh.material_index.max(initial=0)) + 1
     slots = []
     for slot in range(used):
@@ -25,7 +25,7 @@ def slot_materials(node: Node, mesh: Mesh) -> list[Material]:
 
 
 def is_shown(node: Node, visible: bool) -> bool:
-    """Whether a node is seen.
+    """Whether a node is visible.
 
     Args:
         visible: whether its object is visible; the property ``visible`` can also hide it.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, slots=True)
 class Mesh:
-    """Triangles in the frame of the node that shows them, before the node's scale.
+    """Triangles in the frame of the node that shows them, without the scale of the node.
 
     Attributes:
         vertices: (V, 3) float32, metres.
@@ -22,7 +22,7 @@ class Mesh:
         material_index: (T,) int32, index into the material slots of the node.
         uvs: (T, 3, 2) float32 texture coordinates of each corner (v upward), or None.
         normals: (T, 3, 3) float32 unit normal of each corner, or None for flat shading.
-        materials: default material slots, used where the node has none of its own.
+        materials: default material slots, used if the node has none.
     """
 
     name: str

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from morse.scene.node import Node
 
-#: what objects will be, which decides their physics where the file does not; a casing is the body
-#: of a sensor or actuator, which nothing touches
+#: the use of the objects, which determines their physics if the file does not; a casing is the body of a sensor or
+#: actuator and does not collide
 Role = Literal["environment", "component", "casing", "prop"]
 
 
@@ -19,9 +19,9 @@ class Choice:
 
     Attributes:
         role: the use of the objects in the scene.
-        whole: all of them, below one root.
-        names: only these, each with all below it; None for no such choice.
-        prefix: only those whose names begin so, or the collection of that name; None for no such choice.
+        whole: whether all objects are used, below one root.
+        names: names of the objects, each used with all objects below it; None for no such choice.
+        prefix: objects whose names begin with it, or the collection of that name; None for no such choice.
     """
 
     role: Role

@@ -23,7 +23,7 @@ _COPY_SUFFIX = re.compile(r"[._]\d{3}$")
 
 
 class NodeKind(StrEnum):
-    """What a node is, apart from its place in the tree."""
+    """The fields of a node, apart from its position in the tree."""
 
     EMPTY = "EMPTY"
     MESH = "MESH"
@@ -43,18 +43,19 @@ class Node:
         name: unique within a scene once the scene is built.
         location: metres, in the parent's frame.
         rotation_euler: radians, XYZ order (``R = Rz @ Ry @ Rx``).
-        scale: per axis, without unit.
-        parent_inverse: 4x4 that was recorded when the node was parented, or None for identity.
-        source_name: the name the node has in the file it came from (None if it has no file).
+        scale: factor for each axis.
+        parent_inverse: 4x4 matrix that was recorded when the node was parented, or None for the identity.
+        source_name: the name of the node in its file (None if it has no file).
         properties: typed properties that components and services read (``obj['name']``).
-        debug: the properties that ``env.show_debug_properties()`` shows from the start.
+        debug: the properties that ``env.show_debug_properties()`` shows from the beginning.
         shapes: collision shapes in the rigid frame of the node, or None until they are computed
             (`morse.assets.collision`).
         color: RGBA that replaces the colour of every material, or None.
         bones: bones of an armature, parents before their children.
         bone: name of the bone of the parent to which the node is attached; empty for the parent itself.
         inertial: mass of a link whose joint the physics moves, or None.
-        articulation: of an armature whose joints the physics moves, and of the robot that it belongs to, or None.
+        articulation: joints of an armature whose joints the physics moves, or of the robot to which it belongs; or
+            None.
     """
 
     name: str
@@ -87,10 +88,10 @@ class Node:
         return _COPY_SUFFIX.sub("", self.source_name or self.name)
 
     def attach(self, child: Node, *, keep_world_pose: bool = False) -> None:
-        """Make ``child`` a child of this node, its local pose kept unless ``keep_world_pose``.
+        """Make ``child`` a child of this node; its local pose is kept unless ``keep_world_pose``.
 
         Raises:
-            ValueError: if that would make the node its own ancestor.
+            ValueError: the node would become its own ancestor.
         """
         if child is self or any(a is child for a in self.ancestors()):
             raise ValueError(f"'{child.name}' cannot be attached to '{self.name}', which is part of it")
@@ -99,7 +100,7 @@ class Node:
         child.parent = self
         self.children.append(child)
         if world is not None:
-            # as in Blender's "set parent", the pose values that scripts see are unchanged
+            # as in Blender's "set parent", the pose values for scripts do not change
             child.parent_inverse = self.world_matrix().inverted() @ world @ child.basis_matrix().inverted()
 
     def detach(self) -> None:
@@ -110,14 +111,14 @@ class Node:
         self.parent_inverse = None
 
     def ancestors(self) -> Iterator[Node]:
-        """The parent, its parent, and so on."""
+        """The parent, the parent of the parent, and so on."""
         node = self.parent
         while node is not None:
             yield node
             node = node.parent
 
     def walk(self) -> Iterator[Node]:
-        """This node and all below it, parents first."""
+        """This node and all nodes below it, parents first."""
         stack = [self]
         while stack:
             node = stack.pop()
@@ -125,7 +126,7 @@ class Node:
             stack.extend(reversed(node.children))
 
     def basis_matrix(self) -> Matrix:
-        """4x4 of location, rotation and scale alone."""
+        """4x4 matrix of location, rotation and scale."""
         rotation = Euler(self.rotation_euler).to_matrix()
         sx, sy, sz = self.scale
         x, y, z = self.location
@@ -140,11 +141,11 @@ class Node:
         )
 
     def local_matrix(self) -> Matrix:
-        """4x4 from this node's frame to its parent's."""
+        """4x4 matrix from the frame of this node to that of its parent."""
         basis = self.basis_matrix()
         return basis if self.parent_inverse is None else self.parent_inverse @ basis
 
     def world_matrix(self) -> Matrix:
-        """4x4 from this node's frame to the world."""
+        """4x4 matrix from the frame of this node to the world."""
         local = self.local_matrix()
         return local if self.parent is None else self.parent.world_matrix() @ local

@@ -11,7 +11,7 @@ def _checked(name: str, value: object, unit: str) -> None:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise TypeError(f"{name} takes a number{unit}, got {value!r}")
     if not 0.0 <= value < math.inf:
-        raise ValueError(f"{name} takes a number{unit} from 0 upward, got {value!r}")
+        raise ValueError(f"{name} takes a number{unit} of at least 0, got {value!r}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class NoiseModel:
 
     Raises:
         TypeError: a value is not a number.
-        ValueError: numbers that are negative or not finite, probabilities above 1.
+        ValueError: a number is negative or not finite, or a probability is above 1.
     """
 
     gaussian: float = 0.0
@@ -53,7 +53,7 @@ class RealismModel:
 
     Raises:
         TypeError: a value is not a number.
-        ValueError: numbers that are negative or not finite.
+        ValueError: a number is negative or not finite.
     """
 
     phase: float = 0.0
@@ -66,7 +66,7 @@ class RealismModel:
 
 
 def is_numeric(value: Any) -> bool:
-    """Whether noise can be added: to numbers, and to vectors and lists of them, but not to booleans or strings."""
+    """Whether noise can be added: to numbers, and to vectors and lists of numbers, but not to booleans or strings."""
     if isinstance(value, (bool, str, bytes, dict)) or value is None:
         return False
     if isinstance(value, (int, float)):

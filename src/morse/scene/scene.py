@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, slots=True)
 class Zone:
-    """An axis-aligned box with a meaning, e.g. ``Charging``; its node's scale is the half size."""
+    """An axis-aligned box with a purpose, e.g. ``Charging``; the scale of its node is the half size."""
 
     node: Node
     type: str
@@ -31,17 +31,17 @@ class Scene:
     """Everything the simulation needs to start.
 
     Attributes:
-        environment: the name the script gave, e.g. ``indoors-1/boxes``.
-        roots: nodes without a parent, in the order in which they were made.
-        components: robots, sensors and actuators, in the order in which they were made.
-        models: the model files that nodes came from.
-        properties: of the environment: longitude, latitude, altitude, UTMXOffset, ...
+        environment: the name in the script, e.g. ``indoors-1/boxes``.
+        roots: nodes without a parent, in the order of creation.
+        components: robots, sensors and actuators, in the order of creation.
+        models: the model files from which nodes were loaded.
+        properties: properties of the environment: longitude, latitude, altitude, UTMXOffset, ...
         manager_options: class path of a stream manager to its options.
         simulation_managers: request managers that offer the services of the simulation.
-        interfaces: names of the middlewares to which everything is connected, also what comes later.
+        interfaces: names of the middlewares to which all components are connected, including those created later.
         log_levels: component to level, from ``env.set_log_level``.
         resource_paths: directories of the project that are searched for models.
-        project: to be entered (``with scene.project:``) where classes of the project are imported.
+        project: the modules of the project; entered (``with scene.project:``) to import classes of the project.
     """
 
     environment: str = ""
@@ -60,7 +60,7 @@ class Scene:
     project: AbstractContextManager[object] = field(default_factory=nullcontext)
 
     def copy(self) -> Scene:
-        """A scene that shares nothing that a simulation changes: meshes and pictures are the same ones."""
+        """Return a copy that shares no objects that a simulation changes; meshes and images are shared."""
         shared: dict[int, object] = {id(self.project): self.project}
         originals = [node for use in self.models for node in use.originals.values()]
         for node in [*self.nodes(), *originals]:

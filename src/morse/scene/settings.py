@@ -1,4 +1,4 @@
-"""Settings of a scene that belong to no node."""
+"""Settings of a scene that do not belong to a node."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from enum import IntEnum
 class TimeStrategies(IntEnum):
     """How simulated time relates to the wall clock.
 
-    ``BestEffort`` keeps up with the wall clock and says when it cannot;
-    ``FixedSimulationStep`` runs every tick and lets the wall clock be late.
+    ``BestEffort`` keeps up with the wall clock, and reports if it cannot. ``FixedSimulationStep`` runs every tick, even
+    if it falls behind the wall clock.
     """
 
     BestEffort = 0
@@ -18,13 +18,13 @@ class TimeStrategies(IntEnum):
 
     @property
     def human_repr(self) -> str:
-        """The name that the service ``time.mode`` answers."""
+        """The name that the service ``time.mode`` returns."""
         return ("Best Effort", "Fixed Simulation Step")[self.value]
 
 
 @dataclass(slots=True)
 class Mist:
-    """Fog: from ``start`` metres on, full after ``depth`` more; falloff QUADRATIC, LINEAR or INVERSE_QUADRATIC."""
+    """Fog from ``start`` m on, full after ``depth`` more; falloff QUADRATIC, LINEAR or INVERSE_QUADRATIC."""
 
     enabled: bool = True
     intensity: float = 0.0
@@ -35,7 +35,7 @@ class Mist:
 
 @dataclass(slots=True)
 class ViewSettings:
-    """What the live view starts with. The camera looks along its -Z axis."""
+    """Initial settings of the live view. The camera looks along its -Z axis."""
 
     camera_location: tuple[float, float, float] = (5.0, -5.0, 5.0)
     camera_rotation: tuple[float, float, float] = (0.7854, 0.0, 0.7854)
@@ -65,9 +65,9 @@ class Settings:
         physics_steps: physics steps per tick that the script asked for; the engine never
             takes longer steps than 1/240 s.
         time_scale: simulated seconds per wall-clock second.
-        relative_time: time starts at 0; otherwise at the epoch time of the start.
-        seed: of all random numbers.
-        fastmode: wireframe view, cameras give no image.
+        relative_time: whether time starts at 0; otherwise at the epoch time of the start.
+        seed: seed of all random numbers.
+        fastmode: whether the view shows wireframes and cameras give no images.
     """
 
     gravity: float = 9.81

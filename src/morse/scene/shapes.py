@@ -14,7 +14,7 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class ShapeKind(StrEnum):
-    """The shapes that the physics knows."""
+    """The shapes that the physics supports."""
 
     BOX = "box"
     SPHERE = "sphere"
@@ -31,9 +31,9 @@ class CollisionShape:
     Attributes:
         size: metres. Box and ellipsoid: three half sizes; sphere: radius; cylinder and capsule:
             radius and half length (of the straight part) along Z; convex: empty.
-        position: of its centre in the node's frame.
-        rotation: row-major 3x3, shape to node.
-        vertices: (V, 3) points whose hull is the shape, in the node's frame (convex only).
+        position: position of its centre in the frame of the node.
+        rotation: row-major 3x3 rotation from the shape to the node.
+        vertices: (V, 3) points whose hull is the shape, in the frame of the node (only for convex shapes).
     """
 
     kind: ShapeKind

@@ -16,7 +16,7 @@ class Airspeed(MotionSensor):
     """
 
     _name = "Airspeed"
-    _short_desc = "A sensor returning the difference of pressure that the speed makes, as a Pitot tube does"
+    _short_desc = "A sensor returning the dynamic pressure of the air, as a Pitot tube does"
     _source = "Bernoulli's equation; density of the air at sea level by ISO 2533:1975"
     _builder = BuilderDefaults(visual=Visual("cylinder", (0.02, 0.02, 0.04), (0.6, 0.6, 0.6)))
 

@@ -18,6 +18,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+_AT_START: dict[JointKind, tuple[float, ...]] = {
+    JointKind.BALL: (1.0, 0.0, 0.0, 0.0),
+    JointKind.PLANAR: (0.0, 0.0, 0.0),
+    JointKind.FLOATING: (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0),
+}
+
+
 class ArmaturePose(Sensor):
     """Measures the joint values of the armature to which it is appended: ``arm.append(pose)``.
 
@@ -25,10 +32,13 @@ class ArmaturePose(Sensor):
     velocities of
     dynamic joints and the efforts of their motors are in the slots ``velocity`` and ``effort`` of its messages, and
     returned by services.
+
+    Joints without a motor that move in several directions have a field with several numbers: displacements along their
+    axes (m), then an angle (rad, ``planar``) or a quaternion w, x, y, z (``floating``, ``ball``).
     """
 
     _name = "Armature Pose Sensor"
-    _short_desc = "Measures where the joints of an armature are"
+    _short_desc = "Measures the joint values of an armature"
     _builder = BuilderDefaults()
 
     add_kind(
@@ -39,7 +49,7 @@ class ArmaturePose(Sensor):
         effort=lambda sensor: sensor.efforts,
     )
 
-    not_state = ("_bones",)
+    not_state = ("_bones", "_loose")
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
@@ -48,18 +58,22 @@ class ArmaturePose(Sensor):
         while holder is not None and not (holder.node.bones and holder.name in actuators):
             holder = holder.parent
         if holder is None:
-            raise ValueError("it measures the joints of an armature: append it to one, as in 'arm.append(pose)'")
+            raise ValueError(
+                "it measures the joints of an armature: append it to an armature, as in 'arm.append(pose)'"
+            )
         self._armature: str = holder.name
         chain = Chain(holder.node.bones)
         self._bones = tuple(chain.bones[index] for index in chain.joints)
+        self._loose = tuple(chain.bones[index] for index in chain.loose)
         self.local_data.update((bone.name, bone.value) for bone in self._bones)
+        self.local_data.update((bone.name, list(_AT_START[bone.kind])) for bone in self._loose)
         #: rad/s or m/s, and N m or N, in the order of the joints; None unless the joints are dynamic
         self.velocities: tuple[float, ...] | None = None
         self.efforts: tuple[float, ...] | None = None
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The names of the joints, those nearer to the root first."""
+        """The names of the joints, ordered from the root."""
         return tuple(bone.name for bone in self._bones)
 
     @property
@@ -77,6 +91,11 @@ class ArmaturePose(Sensor):
                 low=bone.low,
                 high=bone.high,
             )
+        for bone in self._loose:
+            start = _AT_START[bone.kind]
+            found[bone.name] = DataField(
+                list(start), "list", f"Position of the joint, {bone.kind}", shape=(len(start),), frame="joint"
+            )
         return found
 
     def measure(self) -> None:
@@ -85,13 +104,17 @@ class ArmaturePose(Sensor):
         self.local_data.update(zip(self.joints, armature.joint_values, strict=True))
         if getattr(armature, "is_dynamic", False):
             self.velocities, self.efforts = armature.joint_velocities, armature.joint_efforts
+            for bone in self._loose:
+                position = armature.loose_joint(bone.name)[0]
+                if position:
+                    self.local_data[bone.name] = position
 
     @service(changes=False)
     def get_joints(self) -> list[str]:
-        """The names of the joints, those nearer to the root first."""
+        """The names of the joints, ordered from the root."""
         return list(self.joints)
 
-    # the method `get_state` of a component saves its state
+    # the method has another name, because the method `get_state` of a component saves its state
     @service(name="get_state", changes=False)
     def get_joint_state(self) -> dict[str, float]:
         """Return the values of all joints: name to rad or m."""
@@ -112,6 +135,23 @@ class ArmaturePose(Sensor):
     def get_efforts(self) -> dict[str, float]:
         """Return the efforts of the motors of all joints: name to N m or N; empty unless the joints are dynamic."""
         return dict(zip(self.joints, self.efforts or (), strict=False))
+
+    @service(changes=False)
+    def get_loose_joints(self) -> dict[str, dict[str, Any]]:
+        """Return the joints that move in several directions: name to ``type``, ``position`` and ``velocity``.
+
+        Positions are displacements along the axes of the joint, m, then an angle, rad (``planar``), or a quaternion w,
+        x, y, z (``floating``, ``ball``). Velocities are m/s and rad/s; they are empty unless the joints are dynamic.
+        """
+        armature: Any = self.context.components[self._armature]
+        return {
+            bone.name: {
+                "type": str(bone.kind),
+                "position": list(self.local_data[bone.name]),
+                "velocity": armature.loose_joint(bone.name)[1] if getattr(armature, "is_dynamic", False) else [],
+            }
+            for bone in self._loose
+        }
 
     @service(changes=False)
     def get_joints_length(self) -> dict[str, float]:

@@ -9,12 +9,12 @@ class Bumper(ContactSensor):
     """Reports at each measurement whether objects press it, and which.
 
     Its body is a bar of 4 cm x 40 cm x 10 cm, unless the script scales it. Mount the bumper at the edge of the robot:
-    objects nearer to the bar than ``Travel`` press it. See `Collision` for a sensor that publishes only while it
+    objects closer to the bar than ``Travel`` press it. See `Collision` for a sensor that publishes only while it
     touches an object.
     """
 
     _name = "Bumper"
-    _short_desc = "A bumper that tells whether something presses it"
+    _short_desc = "A bumper that reports whether an object presses it"
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.2, 0.05), (0.1, 0.1, 0.1)))
 
     add_property(
@@ -25,6 +25,6 @@ class Bumper(ContactSensor):
     _travel: float
 
     def measure(self) -> None:
-        """Measure which objects press it."""
+        """Measure which objects press the bumper."""
         self.margin = self._travel
         self.take(self.touched())

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.core.realism import Realism
+    from morse.core.sensor import Pose
     from morse.core.watched_space import WatchedSpace
     from morse.rendering import CameraRequest, Lens, Picture
     from morse.scene.realism import RealismModel
@@ -103,10 +104,15 @@ class Camera(Sensor):
     add_property("near_clipping", 0.1, "cam_near", "float", "Near clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("far_clipping", 100.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("vertical_flip", True, "Vertical_Flip", "bool", "The first row of the image is the top row")
-    add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
-    add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; kept for old scripts")
+    add_property("retrieve_depth", False, "retrieve_depth", "bool", "Depth is measured; exists for old scripts")
+    add_property("retrieve_zbuffer", False, "retrieve_zbuffer", "bool", "Z is measured; exists for old scripts")
     add_property(
-        "lens_model", "plumb_bob", "lens_model", "string", "Of the distortion", choices=("plumb_bob", "equidistant")
+        "lens_model",
+        "plumb_bob",
+        "lens_model",
+        "string",
+        "Model of the distortion",
+        choices=("plumb_bob", "equidistant"),
     )
     add_property(
         "distortion",
@@ -121,7 +127,8 @@ class Camera(Sensor):
     normals = False
     uses: ClassVar[tuple[str, ...] | None] = None
     noted: Any = None
-    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted")
+    _taken_from: Pose | None = None
+    not_state: ClassVar[tuple[str, ...]] = ("requests", "request", "lens", "_lens_of", "noted", "_taken_from")
 
     image_width: int
     image_height: int
@@ -141,7 +148,7 @@ class Camera(Sensor):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        # imported on demand, for scenes with cameras only
+        # imported on demand, because only scenes with cameras need it
         from morse.rendering import Renderer
 
         #: number of remaining images; negative for no limit
@@ -159,7 +166,7 @@ class Camera(Sensor):
         self.add_request(self.request)
         if self.context.scene.settings.fastmode and self.capturing:
             self.capturing = False
-            logger.warning("%s takes no pictures: the environment is in fastmode", self.name())
+            logger.warning("%s captures no images: the environment is in fastmode", self.name())
 
     def _look(self) -> None:
         """Create the lens from the properties.
@@ -216,7 +223,7 @@ class Camera(Sensor):
         return self.capturing and self._left != 0
 
     def watched_space(self) -> WatchedSpace | None:
-        """Return None, because the field of view is not a cone about the X axis."""
+        """Return None, because the field of view is not a cone around the X axis."""
         return None
 
     def measure(self) -> None:
@@ -238,7 +245,7 @@ class Camera(Sensor):
         self._taken = self.clock.tick
         if self._left > 0:
             self._left -= 1
-        exposure = Exposure(self.clock.time, shot, self.note())
+        exposure = Exposure(self.clock.time, shot, self.note(), _plain(self.bge_object.world_pose()))
         self.exposed()
         return exposure
 
@@ -267,10 +274,14 @@ class Camera(Sensor):
     def develop(self, exposure: Exposure) -> None:
         """Fill ``local_data`` from an image, and end `capture` with its last image."""
         self._follow_properties()
-        self.noted = exposure.noted
+        self.noted, self._taken_from = exposure.noted, exposure.pose
         self.take(exposure.picture())
         if self._left == 0 and not self.under_way and self.on_completion is not None:
             self.completed(SUCCESS)
+
+    def measured_from(self) -> Pose:
+        """Return the pose at the tick of the last image."""
+        return self._taken_from or super().measured_from()
 
     def take(self, picture: Picture) -> None:
         """Fill ``local_data`` from an image."""
@@ -313,3 +324,8 @@ class Camera(Sensor):
     def top_first(self, rows: Any) -> NDArray[Any]:
         """Convert rows in the order of ``Vertical_Flip`` to rows with the top row first."""
         return np.asarray(rows) if self.vertical_flip else np.ascontiguousarray(np.asarray(rows)[::-1])
+
+
+def _plain(pose: tuple[Any, Any]) -> Pose:
+    position, rotation = pose
+    return tuple(map(float, position)), tuple(map(float, rotation))

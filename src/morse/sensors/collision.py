@@ -53,7 +53,7 @@ class Collision(ContactSensor):
     """
 
     _name = "Collision"
-    _short_desc = "A sensor that tells which objects touch it, while they do"
+    _short_desc = "A sensor that reports which objects touch it, while there are any"
     _builder = BuilderDefaults(visual=Visual("cube", (0.02, 0.02, 0.02), (0.8, 0.2, 0.1)))
 
     add_kind("contact", touching="collision", names=touched_names)

@@ -14,6 +14,7 @@ from morse.core.state import StateError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from morse.core.sensor import Pose
     from morse.rendering import Lens, Picture
     from morse.rendering.beside import Shot
     from morse.scene.realism import RealismModel
@@ -41,11 +42,14 @@ class Exposure:
     Attributes:
         time: simulated time of the image, s.
         noted: what `Camera.take` needs to know of the world at this time.
+        pose: position (3,) in m and rotation (9,), row by row, of the camera in the world at this time; or None.
         is_metered: whether an automatic exposure has been adjusted by this image.
     """
 
-    def __init__(self, time: float, shot: Shot, noted: Any = None, *, is_metered: bool = False) -> None:
-        self.time, self.noted, self.is_metered = time, noted, is_metered
+    def __init__(
+        self, time: float, shot: Shot, noted: Any = None, pose: Pose | None = None, *, is_metered: bool = False
+    ) -> None:
+        self.time, self.noted, self.pose, self.is_metered = time, noted, pose, is_metered
         self._shot = shot
 
     def picture(self) -> Picture:
@@ -58,6 +62,7 @@ class Exposure:
         return {
             "time": self.time,
             "noted": copied(self.noted),
+            "pose": None if self.pose is None else [list(self.pose[0]), list(self.pose[1])],
             "is_metered": self.is_metered,
             "picture": {name: copied(getattr(picture, name)) for name in uses},
         }
@@ -84,8 +89,11 @@ class Exposure:
                 raise StateError(f"the saved state is damaged: '{name}' of an image has another type or shape")
             fields[name] = found.copy()
         fields["names"] = [str(name) for name in state["picture"].get("names", [])]
-        made = Picture(**fields)
-        return cls(float(state["time"]), Finished(made), state["noted"], is_metered=bool(state["is_metered"]))
+        pose = None if state["pose"] is None else (tuple(state["pose"][0]), tuple(state["pose"][1]))
+        if pose is not None and ([len(part) for part in pose] != [3, 9] or not np.isfinite(np.hstack(pose)).all()):
+            raise StateError("the saved state is damaged: the pose of an image is 3 and 9 numbers")
+        shot = Finished(Picture(**fields))
+        return cls(float(state["time"]), shot, state["noted"], pose, is_metered=bool(state["is_metered"]))
 
 
 class DelayedPictures(Realism):

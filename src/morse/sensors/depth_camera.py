@@ -42,7 +42,7 @@ class AbstractDepthCamera(Camera):
 
     add_property("near_clipping", 1.0, "cam_near", "float", "Near clipping distance", unit="m", low=1e-6, high=1e6)
     add_property("far_clipping", 20.0, "cam_far", "float", "Far clipping distance", unit="m", low=1e-6, high=1e6)
-    add_property("retrieve_depth", True, "retrieve_depth", "bool", "Depth is measured; kept for old scripts")
+    add_property("retrieve_depth", True, "retrieve_depth", "bool", "Depth is measured; exists for old scripts")
     add_property("vertical_flip", False, "Vertical_Flip", "bool", "The first row of the image is the top row")
     add_property(
         "depth_noise",
@@ -63,7 +63,7 @@ class AbstractDepthCamera(Camera):
         self._random = self.context.random(f"{self.name()}/depth")
 
     def depth_of(self, picture: Picture) -> NDArray[np.float32]:
-        """Return the depths (H, W) with noise, between the near and the far plane; 0 where nothing is seen.
+        """Return the depths (H, W) with noise, between the near and the far plane; 0 for pixels without a surface.
 
         The error of a disparity is the same at all depths. The error of the depth therefore grows with the square of
         the depth. K. Khoshelham and S. O. Elberink (Accuracy and Resolution of Kinect Depth Data for Indoor Mapping
@@ -255,5 +255,5 @@ def rows_kept(text: str | None) -> list[int] | None:
         return None
     words = str(text).strip().strip("[]()").replace(",", " ").split()
     if not all(word.isdecimal() for word in words):
-        raise ValueError(f"keep_list names rows of the picture, such as '[1, 17, 34]', got {text!r:.80}")
+        raise ValueError(f"keep_list lists rows of the image, such as '[1, 17, 34]', got {text!r:.80}")
     return sorted({int(word) for word in words})

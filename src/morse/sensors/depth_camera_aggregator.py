@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, ClassVar
+
 import numpy as np
 
 from morse.core.declarations import BuilderDefaults
 from morse.helpers.components import add_data, add_kind, add_property
 from morse.sensors.camera_unit import CameraUnit
 from morse.sensors.depth_camera import DepthCamera
+
+if TYPE_CHECKING:
+    from morse.core.sensor import Pose
 
 
 class DepthCameraAggregator(CameraUnit):
@@ -34,6 +39,8 @@ class DepthCameraAggregator(CameraUnit):
     add_kind("cloud", points="points")
 
     master_camera: str
+    not_state: ClassVar[tuple[str, ...]] = ("_measured_from",)
+    _measured_from: Pose | None = None
 
     @property
     def image_height(self) -> int:
@@ -62,13 +69,17 @@ class DepthCameraAggregator(CameraUnit):
         named = [c for c in cameras if wanted and (c.name() == wanted or c.name().endswith(f".{wanted}"))]
         return (named or cameras)[0]
 
+    def measured_from(self) -> Pose:
+        """Return the pose of the master when the clouds were merged."""
+        return self._measured_from or super().measured_from()
+
     def measure(self) -> None:
         """Merge the clouds."""
         super().measure()
         cameras = self.clouds()
         if not cameras:
             return
-        position, rotation = self._master(cameras).bge_object.world_pose()
+        position, rotation = self._measured_from = self._master(cameras).bge_object.world_pose()
         to_master = np.reshape(rotation, (3, 3))
         joined = [np.zeros((0, 3), np.float32)]
         for camera in cameras:

@@ -170,7 +170,7 @@ class IMU(MotionSensor):
         self._add_errors()
 
     def _felt(self, motion: Motion, pose: tuple[Sequence[float], Sequence[float]]) -> dict[str, list[float]]:
-        """What an ideal sensor measures."""
+        """Return the measurement of an ideal sensor."""
         position, rotation = pose
         x, y, z = motion.acceleration
         felt = {
@@ -184,7 +184,7 @@ class IMU(MotionSensor):
     # -- many of them ----------------------------------------------------------------------
 
     def may_act_together(self) -> bool:
-        """Only without errors, and with the velocity of the body."""
+        """Return True only without errors, and if the velocity is that of the body."""
         dynamic = self._computation_mode == "Velocity" or self.robot_parent.bge_object.is_dynamic
         return self._computation_mode != "Position" and dynamic and not any(getattr(self, name) for name in _ERRORS)
 
@@ -195,7 +195,7 @@ class IMU(MotionSensor):
         memory, poses, clock = group.memory, group.poses, group.context.clock
         settings = [group.attributes(name) for name in _SETTINGS]
         if memory.setdefault("settings", settings) != settings:
-            # a member may have got errors, so the group has to be formed again
+            # a member may have got errors, so that the group has to be formed again
             group.is_changed = True
             return
         before, here = memory.get("moment"), (clock.time, poses, group.velocities())
@@ -218,7 +218,7 @@ class IMU(MotionSensor):
         group.write(names, measured)
 
     def settle(self) -> None:
-        """The next accelerations begin where the last measurement was."""
+        """Set the last measurement, from which the next accelerations are computed."""
         moment = self.group.memory.get("moment") if self.group is not None else None
         if self.group is None or moment is None:
             return

@@ -132,7 +132,7 @@ class LaserScanner(Sensor):
     )
 
     add_level("raw", None, doc="points and distances", default=True)
-    add_level("rssi", None, doc="with the remission: how much light comes back")
+    add_level("rssi", None, doc="with the remission: the share of the light that is reflected")
     add_level("range", None, doc="distances alone")
 
     add_data(
@@ -276,7 +276,7 @@ class LaserScanner(Sensor):
 
     @classmethod
     def act_together(cls, group: Group) -> None:
-        """Take the scans of all members, which have one level."""
+        """Measure the scans of all members, which have the same level."""
         sights = [scanner._look() for scanner in group.members]  # type: ignore[attr-defined]
 
         def ranges(row: int) -> Later:
@@ -314,7 +314,8 @@ class LaserScanner(Sensor):
 class LaserScannerRotationZ(LaserScanner):
     """A laser scanner with an upright fan that rotates about the vertical axis by one step per measurement.
 
-    The fan is tilted 12 degrees down, like that of a Velodyne HDL-64E, which covers 2 degrees up to 25 degrees down.
+    The fan is tilted 12 degrees down, like that of a Velodyne HDL-64E, which covers angles from 2 degrees up to 25
+    degrees down.
     """
 
     _name = "Velodyne"

@@ -100,8 +100,8 @@ def changed(
     Args:
         before, after: m/s and rad/s, in the axes of the world.
         passed: seconds between them.
-        position: of the sensor, m.
-        origin: of the body that has these velocities; None if they are those of the sensor itself.
+        position: position of the sensor, m.
+        origin: origin of the body that has these velocities; None if they are those of the sensor itself.
     """
     linear, angular = after
     acceleration, angular_acceleration = _rate(before[0], linear, passed), _rate(before[1], angular, passed)

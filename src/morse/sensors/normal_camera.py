@@ -23,8 +23,8 @@ def _vectors(camera: NormalCamera) -> NDArray[np.float32]:
 class NormalCamera(Camera):
     """Measures the normal of the surface in each pixel.
 
-    Normals are unit vectors in the frame of the camera and point out of the visible side of a surface. They are
-    interpolated between the vertices of a mesh where it is smooth.
+    Normals are unit vectors in the frame of the camera and point out of the visible side of a surface. On smooth meshes
+    they are interpolated between the vertices.
     """
 
     _name = "Normal camera"

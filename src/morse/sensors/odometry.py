@@ -152,7 +152,7 @@ class IntegratedOdometry(Odometry):
         group.write(_INTEGRATED, numbers)
 
     def settle(self) -> None:
-        """Set the pose of the last measurement, at which the next displacement begins."""
+        """Set the pose of the last measurement, from which the next displacement is measured."""
         self.previous_pos = self.relative_pose()
 
 

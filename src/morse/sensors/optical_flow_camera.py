@@ -21,20 +21,21 @@ def _vectors(camera: OpticalFlowCamera) -> NDArray[np.float32]:
 
 
 class OpticalFlowCamera(Camera):
-    """Measures optical flow: how the picture of each point has moved since the last picture.
+    """Measures optical flow: the displacement of each visible point in the image since the previous image.
 
-    The flow is exact: it follows from where the camera and all things were and are. The first picture has none.
+    The flow is exact, because it is computed from the poses of the camera and of all objects. The first image has no
+    flow.
     """
 
     _name = "Optical flow camera"
-    _short_desc = "A camera that measures how each point moves in the picture"
+    _short_desc = "A camera that measures the motion of each point in the image"
 
     add_data(
         "image",
         np.zeros((0, 0, 2), np.float32),
         "buffer",
-        "By how much each pixel has moved since the last picture, to the right and down; NaN for what was not in front "
-        "of the camera",
+        "Displacement of each pixel since the previous image, px, to the right and down; NaN for points that were "
+        "not in front of the camera",
         unit="px",
         frame="optical",
         shape=(None, None, 2),
@@ -51,7 +52,7 @@ class OpticalFlowCamera(Camera):
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
         super().__init__(obj, parent)
-        #: a `morse.rendering.flow.Moment`: where everything was
+        #: a `morse.rendering.flow.Moment`: the poses of the previous image
         self._before: tuple[Any, ...] | None = None
 
     def take(self, picture: Picture) -> None:

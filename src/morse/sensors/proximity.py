@@ -29,7 +29,7 @@ class Proximity(Sensor):
     )
 
     add_data("near_objects", {}, "dict", "Name of each object to its distance", unit="m")
-    add_data("near_robots", {}, "dict", "The same, for older scripts", unit="m", follows="near_objects")
+    add_data("near_robots", {}, "dict", "The same as near_objects, for older scripts", unit="m", follows="near_objects")
 
     add_property("_range", 100.0, "Range", "float", "Largest distance", **LENGTH, allow=("inf",))
     add_property("_tag", "Robot_Tag", "Track", "string", "Property that objects must have")

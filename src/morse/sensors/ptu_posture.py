@@ -16,8 +16,8 @@ class PTUPosture(Sensor):
     _short_desc = "A sensor returning the angles of a pan-tilt unit"
     _builder = BuilderDefaults()
 
-    add_data("pan", 0.0, "float", "About the Z axis, positive to the left", unit="rad", frame="joint", angle=True)
-    add_data("tilt", 0.0, "float", "About the Y axis, positive downward", unit="rad", frame="joint", angle=True)
+    add_data("pan", 0.0, "float", "Angle about the Z axis, positive to the left", unit="rad", frame="joint", angle=True)
+    add_data("tilt", 0.0, "float", "Angle about the Y axis, positive downward", unit="rad", frame="joint", angle=True)
     add_kind("joints", names=("pan", "tilt"), position=("pan", "tilt"))
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
@@ -27,7 +27,7 @@ class PTUPosture(Sensor):
         while holder is not None and holder.name not in actuators:
             holder = holder.parent
         if holder is None:
-            raise ValueError("it measures a pan-tilt unit: append it to one, as in 'ptu.append(posture)'")
+            raise ValueError("it measures a pan-tilt unit: append it to a pan-tilt unit, as in 'ptu.append(posture)'")
         self._unit: str = holder.name
 
     def measure(self) -> None:

@@ -19,7 +19,7 @@ class RangeFinder(Sensor):
     """
 
     _name = "Range finder"
-    _short_desc = "Distance to the nearest thing ahead, by infrared light or ultrasound"
+    _short_desc = "Distance to the nearest object ahead, by infrared light or ultrasound"
     _builder = BuilderDefaults(
         frequency=20.0,
         visual=Visual("cylinder", (0.01, 0.01, 0.01), (0.1, 0.1, 0.1)),
@@ -58,7 +58,7 @@ class RangeFinder(Sensor):
         "infrared",
         "radiation",
         "string",
-        "What it sends",
+        "Kind of radiation",
         choices=("infrared", "ultrasound", "radar"),
     )
     add_kind(

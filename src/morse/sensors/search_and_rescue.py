@@ -46,7 +46,7 @@ class SearchAndRescue(Sensor):
     add_property("_abilities", "", "Abilities", "string", "Numbers of the abilities of the robot, joined by commas")
     add_property("_angle", 60.0, "Angle", "float", "Full angle of the cone", unit="deg", low=0.0, high=360.0)
     add_property("_distance", 10.0, "Distance", "float", "Length of the cone", unit="m", low=0.0)
-    add_property("_freq", 3.0, "Freq", "float", "Kept for scripts of 1.4; use frequency(...)", low=0.0)
+    add_property("_freq", 3.0, "Freq", "float", "Exists for scripts of 1.4; use frequency(...)", low=0.0)
 
     _heal_range: float
     _abilities: str
@@ -104,7 +104,7 @@ class SearchAndRescue(Sensor):
         self.update_pose()
         victims = self._victims()
         if not victims:
-            raise MorseRPCInvokationError(f"{self.name()} sees no victim")
+            raise MorseRPCInvokationError(f"{self.name()} detects no victim")
         return victims[0]
 
     # -- services --------------------------------------------------------------------------
@@ -116,18 +116,18 @@ class SearchAndRescue(Sensor):
 
     @service(changes=False)
     def get_victim_requirements(self) -> list[int]:
-        """The requirements of the nearest victim in sight."""
+        """The requirements of the nearest victim in the cone."""
         return _numbers(self._nearest()[1].get(_REQUIREMENTS))
 
     @service(changes=False)
     def get_victim_severity(self) -> int:
-        """The severity of the injuries of the nearest victim in sight."""
+        """The severity of the injuries of the nearest victim in the cone."""
         return _severity(self._nearest()[1])
 
     @noninterruptible
     @async_service
     def heal(self) -> None:
-        """Heal the nearest victim in sight; that takes ten measurements.
+        """Heal the nearest victim in the cone; this takes ten measurements.
 
         It fails if the victim is farther away than ``Heal_range``, now or before the end, or if the robot has none of
         the abilities that the victim requires.
@@ -157,7 +157,7 @@ class SearchAndRescue(Sensor):
         patient = next((item for item in victims if item[1].name == self._patient), None)
         if patient is None or patient[0] > self._heal_range:
             name, self._patient = self._patient, None
-            self.completed(status.FAILED, f"'{name}' is not within reach any more")
+            self.completed(status.FAILED, f"'{name}' is no longer within reach")
             return
         victim = patient[1]
         self._left -= 1

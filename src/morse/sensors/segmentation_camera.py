@@ -50,13 +50,13 @@ class SegmentationCamera(Camera):
     """
 
     _name = "Segmentation camera"
-    _short_desc = "A camera that gives the id and the class of what each pixel shows"
+    _short_desc = "A camera that measures the id and the class of the object in each pixel"
 
     add_data(
         "image",
         np.zeros((0, 0), np.uint16),
         "buffer",
-        "Id of the object that each pixel shows; 0 for none",
+        "Id of the object in each pixel; 0 for none",
         frame="optical",
         shape=(None, None),
         dtype="uint16",
@@ -67,7 +67,7 @@ class SegmentationCamera(Camera):
         "classes",
         np.zeros((0, 0), np.uint16),
         "buffer",
-        "Id of its class; 0 for none",
+        "Id of the class of the object in each pixel; 0 for none",
         frame="optical",
         shape=(None, None),
         dtype="uint16",
@@ -97,7 +97,7 @@ class SegmentationCamera(Camera):
         "",
         "compression",
         "string",
-        "Streams over the socket hold files of this kind instead of bare ids",
+        "Format of image files in streams over the socket, instead of plain ids",
         choices=("", "png"),
     )
 
@@ -106,7 +106,7 @@ class SegmentationCamera(Camera):
     add_kind("detections", topic="detections", records=_records)
 
     color = False
-    #: PNG has none
+    #: PNG files have no quality setting
     quality = 100
     not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
 
@@ -141,7 +141,7 @@ class SegmentationCamera(Camera):
         classes = np.zeros(int(ids.max(initial=0)) + 1, np.uint16)
         classes[ids] = [row["class_id"] for row in self._table]
         classes[0] = 0
-        # one more, because -1 stands for no object
+        # one more entry, because -1 stands for no object
         image = np.append(ids[things.numbers], np.uint16(0))[picture.ids]
         rows = {row["id"]: (number, row) for number, row in enumerate(self._table) if row["id"]}
         self.local_data["objects"] = [

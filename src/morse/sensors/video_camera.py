@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from morse.sensors.delayed_pictures import Exposure
 
 
-#: the code of 18 % of the light, the grey of photographers; codes follow the light by about this power
+#: codes of 18 % of the light, the grey of photographers; codes are approximately the light to the power of this number
 _MIDDLE, _GAMMA = 118.0, 2.2
-#: of the way in one picture; stops in one picture, and in all
+#: share of the difference that is corrected in one image; limits in stops, for one image and in all
 _SPEED, _MOST_STOPS, _FARTHEST = 0.4, 1.0, 12.0
 
 
@@ -38,7 +38,7 @@ class VideoCamera(Camera):
         "image",
         np.zeros((0, 0, 4), np.uint8),
         "buffer",
-        "The picture, RGBA",
+        "The image, RGBA",
         frame="optical",
         shape=(None, None, 4),
         dtype="uint8",
@@ -49,21 +49,21 @@ class VideoCamera(Camera):
     add_data("intrinsic_matrix", **INTRINSIC)
 
     add_property(
-        "exposure", 0.0, "exposure", "float", "Stops: each doubles the light that is taken in", low=-20.0, high=20.0
+        "exposure", 0.0, "exposure", "float", "Exposure in stops; each stop doubles the light", low=-20.0, high=20.0
     )
     add_property(
         "auto_exposure",
         False,
         "auto_exposure",
         "bool",
-        "Adjust the exposure from picture to picture, until the mean of all codes is 118: 18 % of the light",
+        "Adjust the exposure from image to image, until the mean of all codes is 118: 18 % of the light",
     )
     add_property(
         "full_well",
         0.0,
         "full_well",
         "float",
-        "Electrons of the brightest pixel, whose number scatters: shot noise; 0 for none",
+        "Number of electrons of the brightest pixel, which determines the shot noise; 0 for no shot noise",
         low=0.0,
         high=1e9,
     )
@@ -81,7 +81,7 @@ class VideoCamera(Camera):
         0.0,
         "stuck_pixels",
         "float",
-        "Share of pixels that are stuck, black or white",
+        "Share of dead pixels, which are always black or white",
         low=0.0,
         high=1.0,
     )
@@ -121,7 +121,7 @@ class VideoCamera(Camera):
         "",
         "compression",
         "string",
-        "Streams over the socket hold files of this kind instead of RGBA",
+        "Format of image files in streams over the socket, instead of RGBA",
         choices=("", "jpeg", "png"),
     )
     add_property("quality", 90, "quality", "integer", "Of JPEG", low=1, high=100)
@@ -150,7 +150,7 @@ class VideoCamera(Camera):
     def _wants(self) -> bool:
         for exposure in self.under_way:
             self._meter(exposure)
-        # it may have been set while the simulation runs
+        # the property may have been set while the simulation runs
         self.request.exposure = math.exp2(self.exposure + (self._adjusted if self.auto_exposure else 0.0))
         self.request.motion = None
         if self.exposure_time or self.readout_time:

@@ -26,7 +26,7 @@ class WheelEncoders(Sensor):
         "ticks",
         [],
         "list<int>",
-        "Steps since the start, forward positive; one number per wheel",
+        "Steps since the start, positive forward; one number per wheel",
         shape=(None,),
         follows="position",
     )
@@ -55,8 +55,8 @@ class WheelEncoders(Sensor):
         wheels = getattr(parent, "get_wheels", None)
         if wheels is None:
             raise ValueError(
-                f"the robot '{parent.name()}' has no driven wheels: wheel encoders belong on one whose wheels turn, "
-                "such as Pioneer3DX or SegwayRMP400"
+                f"the robot '{parent.name()}' has no driven wheels: append wheel encoders to a robot whose wheels "
+                "turn, such as Pioneer3DX or SegwayRMP400"
             )
         self._wheels = wheels()
         count = len(self._wheels)

@@ -26,11 +26,11 @@ class Stepping(Protocol):
     """The part of a simulation that the service needs."""
 
     def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Do some ticks, then pause and call ``ended``; return a function that cancels the request."""
+        """Run some ticks, then pause and call ``ended``; return a function that cancels the request."""
 
 
 class ExchangeServices(AbstractObject):
-    """One round trip for what otherwise takes several messages on several connections."""
+    """Sends commands, runs ticks and reads data in one round trip, instead of messages on several connections."""
 
     def __init__(self, simulation: Stepping, context: Context) -> None:
         super().__init__()
@@ -41,7 +41,7 @@ class ExchangeServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @concurrent_service(changes=False)  # the actuators note the commands when they take them
+    @concurrent_service(changes=False)  # commands are recorded in the journal when the actuators take them
     def exchange(
         self,
         ended: Callable[[tuple[str, Any]], object],
@@ -49,13 +49,13 @@ class ExchangeServices(AbstractObject):
         read: list[str],
         n: Steps = 1,
     ) -> Any:
-        """Give commands to actuators, run ``n`` ticks, and answer with the data of sensors.
+        """Pass commands to actuators, run ``n`` ticks, and return the data of sensors.
 
-        The simulation is paused afterwards. Earlier step requests come first.
+        The simulation is paused afterwards. Earlier step requests are processed first.
 
         Args:
             commands: fields of actuators, by the name of the component.
-            read: names of the components whose data are the answer, by name, as after the last tick.
+            read: names of the components whose data after the last tick are returned.
             n: number of ticks.
         """
         wanted = {name: self._component(name) for name in read}
@@ -66,7 +66,7 @@ class ExchangeServices(AbstractObject):
                 given.append((inbox, inbox.fitting(command)))
             except CommandError as error:
                 raise MorseRPCInvokationError(f"{short(name)}: {error}") from None
-        for inbox, fields in given:  # all of them fit
+        for inbox, fields in given:  # all commands are valid
             inbox.put(fields)
 
         def answer(outcome: tuple[str, Any]) -> None:

@@ -29,7 +29,7 @@ class Steppable(Protocol):
         """Resume the simulation."""
 
     def request_steps(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Do some ticks, then pause and call ``ended``; return a function that cancels the request."""
+        """Run some ticks, then pause and call ``ended``; return a function that cancels the request."""
 
     def restart(self, seed: int | None) -> None:
         """Restart with ``seed`` or the present seed."""
@@ -69,19 +69,19 @@ class LockstepServices(AbstractObject):
         n: Steps = 1,
         tell_sent: bool = False,
     ) -> Any:
-        """Run ``n`` ticks, and answer when they are done and the last message of every stream has been sent.
+        """Run ``n`` ticks; the service ends when they are done and the last message of every stream has been sent.
 
-        The simulation is paused afterwards. Earlier step requests come first.
+        The simulation is paused afterwards. Earlier step requests are processed first.
 
         Args:
             n: number of ticks.
-            tell_sent: the answer of the socket contains the number of messages that were sent to each client of a
-                stream, by address of the client and port of the stream, as in ``"127.0.0.1:40000 60000"``. Clients need
-                it because data on one connection may arrive later than a newer answer on another connection.
+            tell_sent: whether the answer of the socket contains the number of messages that were sent to each client of
+                a stream, by address of the client and port of the stream, as in ``"127.0.0.1:40000 60000"``. Clients
+                need it because data on one connection may arrive later than a newer answer on another connection.
         """
         return self._simulation.request_steps(n, ended)
 
-    @service(changes=False)  # the simulation itself notes it
+    @service(changes=False)  # the simulation records the call itself
     def reset(self, seed: Seed | None = None) -> None:
         """Restart, as if the simulation had just been launched with ``seed``.
 

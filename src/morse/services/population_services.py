@@ -36,13 +36,13 @@ class PopulationServices(AbstractObject):
         """``simulation``."""
         return "simulation"
 
-    @service(changes=False)  # the simulation itself notes it
+    @service(changes=False)  # the simulation records the call itself
     def spawn(self, name: str, kind: str, position: Point | None = None, orientation: EulerAngles | None = None) -> str:
         """Spawn a robot or an object in the scene.
 
         Args:
             name: name of the new object, which must not exist in the scene.
-            kind: name of a robot as scene scripts write it, e.g. ``ATRV``, or of a model, e.g. ``props/crates``.
+            kind: name of a robot in scene scripts, e.g. ``ATRV``, or of a model, e.g. ``props/crates``.
             position: x, y, z in the world, m; the origin if it is not given.
             orientation: roll, pitch, yaw, rad.
         """
@@ -53,7 +53,7 @@ class PopulationServices(AbstractObject):
         self._attempt(lambda: self._simulation.spawn(name, kind, position or [0.0] * 3, orientation or [0.0] * 3))
         return name
 
-    @service(changes=False)  # the simulation itself notes it
+    @service(changes=False)  # the simulation records the call itself
     def delete(self, name: str) -> None:
         """Delete a robot or an object with all its parts."""
         self._attempt(lambda: self._simulation.delete(name))

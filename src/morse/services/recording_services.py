@@ -15,7 +15,7 @@ _SUFFIX = ".mcap"
 
 
 class Recordable(Protocol):
-    """What the services need of a simulation."""
+    """The part of a simulation that the services need."""
 
     def record(self, path: Path) -> Any:
         """Record the run in a file."""
@@ -35,7 +35,7 @@ class RecordingServices(AbstractObject):
 
     @property
     def path(self) -> str | None:
-        """The path of the recording that `stop_recording` stops; None if there is none."""
+        """The path of the recording that `stop_recording` ends; None if there is no recording."""
         return self._recorder.path if self._recorder is not None and self._recorder.running else None
 
     @service(changes=False)
@@ -43,8 +43,8 @@ class RecordingServices(AbstractObject):
         """Record sensors, frames, log and inputs from now on.
 
         Args:
-            name: of the file without ``.mcap``: letters, digits, ``_``, ``-`` and dots. If there is such a file, a
-                number is added: recordings overwrite nothing.
+            name: name of the file without ``.mcap``: letters, digits, ``_``, ``-`` and dots. If the file exists, a
+                number is added to the name, because recordings never overwrite files.
 
         Returns:
             The path of the file.
@@ -54,7 +54,7 @@ class RecordingServices(AbstractObject):
                 f"the name of a recording is made of up to 64 letters, digits, '_', '-' and dots, not {name[:80]!r}"
             )
         if self._recorder is not None and self._recorder.running:
-            raise MorseRPCInvokationError(f"{self._recorder.path} is being recorded already: call stop_recording first")
+            raise MorseRPCInvokationError(f"{self._recorder.path} is already being recorded: call stop_recording first")
         stem = name.removesuffix(_SUFFIX)
         path, number = Path(stem + _SUFFIX).absolute(), 1
         while path.exists():

@@ -27,7 +27,7 @@ class Saveable(Protocol):
 
 
 class StateServices(AbstractObject):
-    """Keeps states by name, in memory or in files in the directory in which the simulation was started."""
+    """Stores states by name, in memory or in files in the directory in which the simulation was started."""
 
     def __init__(self, simulation: Saveable) -> None:
         super().__init__()
@@ -58,11 +58,11 @@ class StateServices(AbstractObject):
                 raise MorseRPCInvokationError(f"the state cannot be written: {error}") from None
             return str(path)
         if name not in self._states and len(self._states) >= _MOST:
-            raise MorseRPCInvokationError(f"{_MOST} states are kept already: give one of their names")
+            raise MorseRPCInvokationError(f"{_MOST} states are already stored: use one of their names")
         self._states[name] = self._simulation.save()
         return name
 
-    @service(changes=False)  # the simulation itself notes it
+    @service(changes=False)  # the simulation records the call itself
     def restore(self, name: str = "state", from_file: bool = False) -> None:
         """Restore a saved state; running services end as preempted."""
         self._check_name(name)
@@ -74,7 +74,7 @@ class StateServices(AbstractObject):
         elif name in self._states:
             self._simulation.restore(self._states[name])
         else:
-            raise MorseRPCInvokationError(f"no state is called '{name}'{nearest(name, list(self._states))}")
+            raise MorseRPCInvokationError(f"there is no state '{name}'{nearest(name, list(self._states))}")
 
     @staticmethod
     def _check_name(name: str) -> None:

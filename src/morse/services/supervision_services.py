@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from morse.core.context import Context
 
-#: names that the error message for a wrong name lists
+#: names that are listed in the error message about a wrong name
 _PARTS = ("core.", "middleware.", "simulation.", "physics.", "viewer")
 
 
@@ -114,7 +114,7 @@ class Supervision(AbstractObject):
         known = log.known_components()
         if component.removeprefix("morse.") not in known:
             hint = nearest(component, sorted(name for name in known if name.startswith(_PARTS)))
-            raise MorseRPCTypeError(f"nothing that is called {quoted(component)} writes to the log{hint}")
+            raise MorseRPCTypeError(f"there is no logger {quoted(component)}{hint}")
         log.set_level(component, level)
 
     @service(changes=False)
@@ -168,7 +168,7 @@ class Supervision(AbstractObject):
             quaternion: w, x, y, z; of any length but zero.
         """
         if not any(quaternion):
-            raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is not an orientation; 1, 0, 0, 0 turns nothing")
+            raise MorseRPCTypeError("the quaternion 0, 0, 0, 0 is not an orientation; 1, 0, 0, 0 is no rotation")
         obj = self._object(object_name)
         obj.worldOrientation = Quaternion([float(number) for number in quaternion])
         obj.worldPosition = [float(coordinate) for coordinate in position]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MAX_ALARMS = 100_000
 #: maximum number of cancelled alarms that are kept until their time
 _FEW = 64
-#: 30 years
+#: s, 30 years
 _LONGEST_SLEEP = 1e9
 _FASTEST = 1e9
 
@@ -77,9 +77,9 @@ class TimeServices(AbstractObject):
 
     @concurrent_service(changes=False)
     def sleep(self, ended: Callable[[Any], None], seconds: Duration) -> Any:
-        """Answer after ``seconds`` of simulated time; any number of clients may sleep at the same time."""
+        """Sleep for ``seconds`` of simulated time, then end; any number of clients may sleep at the same time."""
         if len(self._alarms) >= _MAX_ALARMS:
-            raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients sleep already: wake-up calls are used up")
+            raise MorseRPCInvokationError(f"{_MAX_ALARMS} clients are already sleeping, which is the maximum")
         self._number += 1
         number = self._number
         self._alarms[number] = ended
@@ -103,7 +103,7 @@ class TimeServices(AbstractObject):
             callback((status.PREEMPTED, None))
 
     def action(self) -> None:
-        """Ring the alarms that are due, the earliest first."""
+        """End the alarms that are due, the earliest first."""
         if not self._order:
             return
         # half a tick of tolerance: sums of periods are not exact

@@ -108,7 +108,7 @@ class ComponentHandle:
             raise RuntimeError(f"{self.fqn}: the simulation is closed")
         found = self._context.component(self.fqn)
         if found is None:
-            raise LookupError(f"there is no component '{self.fqn}' any more")
+            raise LookupError(f"the component '{self.fqn}' does not exist any more")
         return found
 
     def replaced(self, before: Object, after: Object) -> None:
@@ -252,7 +252,7 @@ class RobotHandle(ComponentHandle):
         """The component of that name.
 
         Raises:
-            KeyError: the robot has none.
+            KeyError: the robot has no such component.
         """
         if name not in self.parts:
             raise KeyError(f"the robot {self.fqn} has no '{name}'{nearest(name, list(self.parts))}")

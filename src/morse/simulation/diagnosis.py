@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 #: number of ticks that are measured for a diagnosis
 TICKS = 60
-#: if the simulation gets less than this share of one processor, other programs use the machine
+#: share of one processor; if the simulation gets less, other programs use the machine
 _ALONE = 0.75
-#: if ticks take less than this share of their budget, they are not the cause
+#: share of their budget; if ticks take less, they are not the cause
 _FITS = 0.8
-#: a part that takes at least this share of the tick is a cause
+#: share of the tick; a part that takes at least this share is a cause
 _CAUSE = 0.3
 
 
@@ -56,11 +56,11 @@ class Diagnosis:
         tick = (self.profile.total - total) / max(self.profile.ticks - ticks, 1)
         of_budget = f"of the {budget * 1e3:.1f} ms that it may take"
         if tick < _FITS * budget:
-            return f"the machine is busy with something else: a tick takes {tick * 1e3:.1f} ms {of_budget}"
+            return f"the machine is busy with other work: a tick takes {tick * 1e3:.1f} ms {of_budget}"
         wall, processor = (clock() - began for clock, began in zip(self._clocks, self._began, strict=True))
         if processor < _ALONE * wall:
             return f"the machine is busy with other programs: MORSE gets {100 * processor / wall:.0f} % of a processor"
         name, cost = self.profile.costliest()
         if cost < _CAUSE * tick:
             return ""
-        return f"most time goes to {name}: {cost * 1e3:.1f} ms a tick {of_budget}"
+        return f"most time goes to {name}: {cost * 1e3:.1f} ms per tick {of_budget}"

@@ -29,8 +29,8 @@ class _Segment(NamedTuple):
     """The time from one state to the next.
 
     Attributes:
-        start: the state at its beginning; None for that after the launch, or after a reset.
-        seed: of the random numbers.
+        start: the state at the beginning; None for the state after the launch, or after a reset.
+        seed: seed of the random numbers.
         entries: the inputs since then.
     """
 
@@ -40,7 +40,7 @@ class _Segment(NamedTuple):
 
 
 class FlightRecorder(Observer):
-    """Keeps states and inputs; after a failure they are written to a file, and the log names it.
+    """Keeps states and inputs; after a failure they are written to a file, whose name is logged.
 
     With the scene, a state and the inputs after it determine the run: ``morse replay FILE --resimulate`` simulates the
     seconds before the failure again, any number of times.
@@ -80,7 +80,7 @@ class FlightRecorder(Observer):
         try:
             start = simulation.silent_state() if simulation.ticks else None
         except StateError as error:
-            logger.debug("the last seconds before a failure are not kept: %s", error)
+            logger.debug("the last seconds before a failure cannot be saved: %s", error)
             self.close()
             self._segments.clear()
             self._every = _NEVER
@@ -88,7 +88,7 @@ class FlightRecorder(Observer):
         self._segments = [*self._segments[-2:], _Segment(start, simulation.seed(), [])]
 
     def after_tick(self) -> None:
-        """Save a state if it is time; check whether a component has failed."""
+        """Save a state if one is due; check whether a component has failed."""
         failed = self._simulation.context.failed
         if len(failed) > len(self._known):
             names = ", ".join(sorted(failed - self._known))
@@ -112,7 +112,7 @@ class FlightRecorder(Observer):
             self._begin_anew()
 
     def write(self, failure: str, last: int) -> str | None:
-        """Write a file, and log it.
+        """Write a file, and log its name.
 
         Args:
             failure: description of the failure.
@@ -125,7 +125,7 @@ class FlightRecorder(Observer):
             return None
         from morse.simulation.recorders import (
             write_inputs,
-        )  # on demand: it imports the messages of ROS
+        )  # on demand, because it imports the messages of ROS
 
         self._files += 1
         first = self._segments[0]
@@ -136,10 +136,10 @@ class FlightRecorder(Observer):
             with open(handle, "wb", buffering=0) as file:
                 write_inputs(file, self._simulation, first.start, first.seed, entries, last, failure)
         except OSError as error:
-            logger.warning("the last seconds before the failure cannot be kept: %s", error.strerror or error)
+            logger.warning("the last seconds before the failure cannot be saved: %s", error.strerror or error)
             return None
         logger.error(
-            "[ERROR][MORSE] the last %.0f s before it are in %s: morse replay %s --resimulate",
+            "[ERROR][MORSE] the last %.0f s before the failure are in %s: morse replay %s --resimulate",
             seconds,
             path,
             path,

@@ -20,7 +20,7 @@ def _nothing() -> None:
 class LocalFuture:
     """The result of a service call, with the interface of `pymorse.MorseFuture`.
 
-    Most services are done at once. If a service continues over several ticks, `result` runs the simulation until the
+    Most services end immediately. If a service continues over several ticks, `result` runs the simulation until the
     service has ended. A comparison of the future does the same.
 
     Attributes:
@@ -101,7 +101,7 @@ class LocalFuture:
         return MorseServicePreempted(value) if state == status.PREEMPTED else MorseServiceFailed(value)
 
     def add_done_callback(self, fn: Callable[[LocalFuture], object]) -> None:
-        """Call ``fn(future)`` when the service ends, or at once if it has ended."""
+        """Call ``fn(future)`` when the service ends, or immediately if it has ended."""
         if self.done():
             fn(self)
         else:
@@ -129,7 +129,7 @@ class LocalFuture:
     __hash__ = object.__hash__
 
     def __repr__(self) -> str:
-        return repr(self.result()) if self.done() else "<a service that goes on>"
+        return repr(self.result()) if self.done() else "<a service that is running>"
 
 
 def _value(other: Any) -> Any:

@@ -69,7 +69,7 @@ class Handles:
             for name in self._handles:
                 if (hasattr(type(self), name) or name in vars(self)) and name not in self._taken:
                     self._taken.add(name)
-                    logger.warning("the name '%s' is taken: reach the robot as simulation[%r]", name, name)
+                    logger.warning("the attribute '%s' already exists: access the robot as simulation[%r]", name, name)
         return self._handles
 
     def components_changed(self) -> None:
@@ -100,7 +100,7 @@ class Handles:
         """Return the robot of that name; ``<name>s`` returns the list of robots that a loop of the scene created.
 
         Raises:
-            KeyError: there is none.
+            KeyError: there is no such robot.
         """
         handles = self._all_handles()
         if name not in handles:
@@ -124,8 +124,9 @@ class Handles:
         """Call a service without waiting; the future contains the result.
 
         Raises:
-            TypeError: wrong number of arguments.
-            pymorse.MorseServiceFailed: no such service, wrong arguments, or the service failed at once.
+            TypeError: the number of arguments is wrong.
+            pymorse.MorseServiceFailed: there is no such service, the arguments are wrong, or the service failed
+                immediately.
         """
         self._check_open()
         return self._requests.call(component, service, *arguments)
@@ -166,7 +167,7 @@ class Handles:
 
     @property
     def ticks(self) -> int:
-        """Number of ticks done since the start."""
+        """Number of completed ticks since the start."""
         return self.clock.tick
 
     def sleep(self, time: float) -> None:

@@ -71,10 +71,10 @@ class InputRecording:
         """
         file = Path(path)
         if file.stat().st_size > _LARGEST:
-            raise StateError(f"{file} is larger than any recording of inputs")
+            raise StateError(f"{file} is too large for a recording of inputs")
         content = file.read_bytes()
         if not content.startswith(_HEAD):
-            raise StateError(f"{file} is not a recording of inputs, or one of another version")
+            raise StateError(f"{file} is not a recording of inputs, or has another version")
         try:
             (seed, start, last, waiting), entries = msgspec.msgpack.decode(content[len(_HEAD) :], type=tuple[Any, Any])
             state = None if start is None else State.from_bytes(start)
@@ -125,7 +125,7 @@ class _NoReferences:
         return None
 
     def find(self, name: str) -> Any:
-        raise StateError(f"an input cannot hold {name!r:.60}")
+        raise StateError(f"an input cannot contain {name!r:.60}")
 
     def find_class(self, path: str) -> type[Any] | None:
         return None
@@ -137,23 +137,23 @@ class _NoReferences:
         return None
 
     def find_global(self, name: str) -> Any:
-        raise StateError(f"an input cannot hold {name!r:.60}")
+        raise StateError(f"an input cannot contain {name!r:.60}")
 
 
 def entry_to_bytes(entry: Entry) -> bytes:
     """One input, for a file.
 
     Raises:
-        ValueError: a robot was spawned by a function of the process, which a file cannot hold.
+        ValueError: a robot was spawned by a function of the process, which cannot be written to a file.
     """
     return _encoder.encode(_packed(entry))
 
 
 def entry_from_bytes(data: bytes) -> Entry:
-    """The input in the bytes that `entry_to_bytes` gave.
+    """The input in the bytes that `entry_to_bytes` returned.
 
     Raises:
-        StateError: they are damaged.
+        StateError: the bytes are damaged.
     """
     try:
         return _unpacked(msgspec.msgpack.decode(data))
@@ -162,15 +162,15 @@ def entry_from_bytes(data: bytes) -> Entry:
 
 
 def waiting_to_bytes(waiting: dict[str, dict[str, Any]]) -> bytes:
-    """Commands that are not taken yet, for a file."""
+    """Convert the commands that have not been applied yet, for a file."""
     return _encoder.encode(Writer(_NoReferences()).value(waiting))
 
 
 def waiting_from_bytes(data: bytes) -> dict[str, dict[str, Any]]:
-    """The commands in the bytes that `waiting_to_bytes` gave.
+    """The commands in the bytes that `waiting_to_bytes` returned.
 
     Raises:
-        StateError: they are damaged.
+        StateError: the bytes are damaged.
     """
     try:
         return dict(Reader(_NoReferences()).value(msgspec.msgpack.decode(data)))
@@ -183,7 +183,7 @@ def _packed(entry: Entry) -> list[Any]:
     if entry.kind == RESTORE:
         content = content.to_bytes()
     elif entry.kind == SPAWN and not isinstance(content[0], str):
-        raise ValueError(f"'{entry.name}' was made by a function of this program, which a file cannot hold")
+        raise ValueError(f"'{entry.name}' was created by a function of this program, which cannot be written to a file")
     return [entry.tick, entry.kind, entry.name, Writer(_NoReferences()).value(content)]
 
 

@@ -66,7 +66,7 @@ def load_components(context: Context, declarations: Sequence[ComponentDeclaratio
         declarations: the components to create; None for all components of the scene.
 
     Raises:
-        LoadError: naming the component and the line of the script that made it.
+        LoadError: the message contains the component and the line of the script that created it.
     """
     loaded = Loaded()
     declarations = context.scene.components if declarations is None else declarations
@@ -101,7 +101,7 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
     """Instantiate one component.
 
     Raises:
-        LoadError: naming the component and the line of the script that made it.
+        LoadError: the message contains the component and the line of the script that created it.
     """
     obj = context.world.object_of(declaration.node)
     if declaration.frequency is not None:
@@ -119,7 +119,7 @@ def make_component(context: Context, declaration: ComponentDeclaration, robot: R
     except MorseError as error:
         raise LoadError(f"{_where(declaration)}: {error}") from None
     except Exception as error:
-        raise LoadError(f"{_where(declaration)} could not be made: {describe(error)}") from error
+        raise LoadError(f"{_where(declaration)} could not be created: {describe(error)}") from error
 
 
 def _class_of_level(cls: type[Any], level: str | None) -> type[Any]:
@@ -180,7 +180,7 @@ def check_kinds(present: list[tuple[ComponentDeclaration, Object]]) -> None:
     """Raise one error for all invalid message kinds; it is called after the modifiers have changed the fields.
 
     Raises:
-        LoadError: naming the components.
+        LoadError: the message contains the names of the components.
     """
     declarations = {component: declaration for declaration, component in present}
     findings = findings_of(component for _, component in present)
@@ -192,7 +192,7 @@ def make_modifier(component: Object, declaration: ComponentDeclaration, modifier
     """Instantiate one modifier of a component.
 
     Raises:
-        LoadError: naming the component and the line of the script that made it.
+        LoadError: the message contains the component and the line of the script that created it.
     """
     try:
         instance = load_class(modifier.classpath)(component, dict(modifier.options))

@@ -50,8 +50,8 @@ class LocalRequests(RequestManager):
         """Call a service.
 
         Raises:
-            TypeError: wrong number of arguments.
-            pymorse.MorseServiceFailed: no such service, wrong arguments, or the service failed.
+            TypeError: the number of arguments is wrong.
+            pymorse.MorseServiceFailed: there is no such service, the arguments are wrong, or the service failed.
         """
         with acting(self._context):
             try:
@@ -69,7 +69,7 @@ class LocalRequests(RequestManager):
         else:
             self._futures[outcome] = future
             future.abort = lambda: self._abort(outcome)
-            self.answer()  # the service may have ended already
+            self.answer()  # the service may already have ended
         return future
 
     def _abort(self, request_id: uuid.UUID) -> None:

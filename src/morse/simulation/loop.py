@@ -1,4 +1,4 @@
-"""The main loop: ticks in step with the wall clock, until told to stop."""
+"""The main loop: ticks synchronized with the wall clock, until the end is requested."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Loop:
     """Runs a simulation.
 
     Attributes:
-        pacer: keeps simulated time and the wall clock together.
-        stopping: whether the simulation was told to end.
+        pacer: synchronizes simulated time with the wall clock.
+        stopping: whether the simulation was asked to end.
     """
 
     def __init__(self, context: Context, ticker: Ticker, stepping: Stepping, speed: float) -> None:
@@ -34,7 +34,11 @@ class Loop:
         self.pacer.while_waiting = self._look_around
         self.stopping = False
         self._diagnosis: Diagnosis | None = None
-        self._slow = False
+        self._slow = self._running = False
+        context.paced = self._is_paced
+
+    def _is_paced(self) -> bool:
+        return self._running and not self._stepping.paused and not math.isinf(self.pacer.speed)
 
     def stop(self) -> None:
         """End the run after this tick; may be called from signal handlers."""
@@ -47,9 +51,10 @@ class Loop:
         self.pacer.start()
 
     def run(self, last: float = math.inf) -> None:
-        """Run until told to stop, or until tick ``last``."""
+        """Run until `stop` is called, or until tick ``last``."""
         self.pacer.restart()
         clock, pacer, network, stepping = self._context.clock, self.pacer, self._context.network, self._stepping
+        self._running = True
         try:
             while not self.stopping:
                 if stepping.halted:
@@ -72,6 +77,7 @@ class Loop:
             stepping.end(status.FAILED, str(error))
             raise
         finally:
+            self._running = False
             self.go_on()
             if network is not None:
                 network.give_back()
@@ -81,7 +87,7 @@ class Loop:
         self._ticker.look()
         if self._stepping.halted and not self.stopping:
             if self._context.network is None:
-                raise RuntimeError("the simulation is paused, and nothing could ever resume it: it has no clients")
+                raise RuntimeError("the simulation is paused and has no clients that could resume it")
             self._context.wait(self._context.clock.period)
             self.pacer.restart()
 
@@ -112,7 +118,7 @@ class Loop:
         cause = self._diagnosis.cause(self._context.clock.period / self.pacer.speed)
         self._stop_measuring()
         logger.warning(
-            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (asked for %.2f)%s",
+            "the simulation cannot keep up: %.1f s lost, running at %.2f times real time (requested: %.2f)%s",
             lost,
             self.pacer.real_time_factor,
             self.pacer.speed,

@@ -10,7 +10,7 @@ class RunOptions:
     """Options of ``morse run``.
 
     Attributes:
-        script: path of the scene script (or of a ``.blend`` environment); empty for a scene that exists already.
+        script: path of the scene script (or of a ``.blend`` environment); empty if the scene is already loaded.
         arguments: ``sys.argv[1:]`` of the script.
         source_paths: directories that come first on ``sys.path`` (``<env>/src``).
         resource_paths: directories that are searched for models before ``MORSE_RESOURCE_PATH`` (``<env>/data``).
@@ -21,7 +21,7 @@ class RunOptions:
         host: address that every server binds to.
         view_port: TCP port of the live view; if it is in use, the next free port is used.
         view_token: token that a page from another host has to send.
-        view_origins: origins of other web pages that may show the live view in a frame, and drive.
+        view_origins: origins of other web pages that may embed and control the live view.
         open_browser: whether to open the live view in a browser if there is a display.
         speed: simulated seconds per wall-clock second; ``inf`` for as fast as possible; None for the value of the
             scene.
@@ -31,8 +31,8 @@ class RunOptions:
         watch: whether to reload models and components that are saved while the simulation runs.
         strict: whether an unknown or ill-typed field in a message is an error.
         record: path of the file in which the run is recorded; None for no recording.
-        keep_last: simulated seconds before a failure that are kept, to be run again; 0 for none.
-        record_only: full names of the sensors that are recorded; None for all, empty for inputs and the log alone.
+        keep_last: simulated seconds before a failure that are kept, to be simulated again; 0 for none.
+        record_only: full names of the sensors that are recorded; None for all, empty for only inputs and the log.
     """
 
     script: str = ""

@@ -48,7 +48,7 @@ def check_population(state: Any) -> dict[str, Any]:
     _converted("population", state, _Population)
     checked: dict[str, Any] = state
     if any(len(place) != 3 or len(turn) != 3 for _, _, place, turn in checked["came"]):
-        raise StateError("population: the saved state is damaged: a position and a rotation are 3 numbers")
+        raise StateError("population: the saved state is damaged: a position and a rotation have 3 numbers")
     return checked
 
 
@@ -69,7 +69,7 @@ class ClockState:
             raise StateError("clock: the saved state is damaged: it has no tick, or no seed")
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         self._simulation.clock.go_to(state["tick"])
         self._simulation.context.seed = state["seed"]
 
@@ -81,7 +81,7 @@ class ControlsState:
         self._simulation = simulation
 
     def get_state(self) -> dict[str, Any]:
-        """Keys, axes and the chosen robot."""
+        """Keys, axes and the selected robot."""
         keys, axes, robot = self._simulation.context.controls
         return {"keys": sorted(keys), "axes": list(axes), "robot": robot}
 
@@ -90,7 +90,7 @@ class ControlsState:
         _converted("controls", state, _Controls)
 
     def set_state(self, state: dict[str, Any]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         controls = Controls(frozenset(state["keys"]), tuple(state["axes"]), state["robot"])
         self._simulation.context.controls = controls
 
@@ -125,7 +125,7 @@ class InputsState:
                 raise StateError(f"inputs: {name}: {error}") from None
 
     def set_state(self, state: dict[str, dict[str, Any]]) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
         for actuator in self._simulation.loaded.actuators:
             pending = PendingCommands.all_of(actuator)
             for each in pending:

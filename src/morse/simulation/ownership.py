@@ -29,7 +29,7 @@ class Ownership:
         holds_back: whether Ctrl+C is delayed to the end of a tick; the system calls take as long as the rest of a step.
 
     Args:
-        stop: called when Ctrl+C is pressed.
+        stop: callback, called when Ctrl+C is pressed.
     """
 
     def __init__(self, stop: Callable[[], object]) -> None:
@@ -43,7 +43,7 @@ class Ownership:
     def __enter__(self) -> None:
         if not self._lock.acquire(blocking=False):
             if self._owner == threading.get_ident():
-                raise RuntimeError("a tick is under way: time cannot be told to pass, or to end, from within it")
+                raise RuntimeError("a tick is running: the simulation cannot be run or ended from within the tick")
             raise RuntimeError("this simulation is running in another thread: stop it first")
         self._owner = threading.get_ident()
         self.interrupted = False
@@ -74,7 +74,7 @@ class Ownership:
             RuntimeError: the run does not stop, or a tick of this thread is running.
         """
         if self._owner == threading.get_ident():
-            raise RuntimeError("a tick is under way: the simulation cannot be closed from within it")
+            raise RuntimeError("a tick is running: the simulation cannot be closed from within the tick")
         if self._lock.acquire(blocking=False):
             self._lock.release()
             return

@@ -11,13 +11,13 @@ from morse.core.clock import SLOWEST
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-#: delay beyond which lost time is dropped, because catching up would run the simulation too fast
+#: delay above which lost time is dropped, because the simulation would run too fast to catch up
 _GIVE_UP = 0.25
 #: interval of warnings that the simulation falls behind, wall-clock seconds
 _REPORT_EVERY = 10.0
-#: share of lost time below which no warning is given
+#: share of lost time below which no warning is logged
 _WORTH_A_WORD = 0.05
-#: interval at which waits check whether the simulation has been told to end, wall-clock seconds
+#: interval at which waits check whether the simulation was asked to end, wall-clock seconds
 _NAP = 0.05
 
 

@@ -70,16 +70,16 @@ class Population:
         """Spawn a robot or an object.
 
         Raises:
-            MorseBuilderError: the name is taken, or there is no such kind.
-            LoadError: a component of it cannot be created.
-            ValueError: the engine refuses its shape.
+            MorseBuilderError: the name already exists, or there is no such kind.
+            LoadError: a component of the robot cannot be created.
+            ValueError: the engine refuses the shape of the object.
         """
         simulation = self._simulation
         scene, context = simulation.scene, simulation.context
         if scene.find(name) is not None:
-            raise MorseBuilderError(f"there is an object '{short(name)}' in the scene already")
+            raise MorseBuilderError(f"there is already an object '{short(name)}' in the scene")
         if len(scene.roots) >= _MOST_ROOTS:
-            raise MorseBuilderError(f"{_MOST_ROOTS} objects are enough for a scene: delete some before others come")
+            raise MorseBuilderError(f"a scene has at most {_MOST_ROOTS} objects: delete some before you add others")
         newcomer = self._describe(name, kind, position, rotation)
         part = Scene(roots=newcomer.roots, components=newcomer.components, settings=scene.settings)
         resolve_shapes(part)
@@ -129,10 +129,10 @@ class Population:
             top = obj.node
             while top.parent is not None:
                 top = top.parent
-            raise MorseBuilderError(f"'{name}' is a part of '{top.name}': only the whole can be deleted")
+            raise MorseBuilderError(f"'{name}' is a part of '{top.name}': only the whole object can be deleted")
         came_with = next((came for came, recipe in self._recipes.items() if name in recipe.roots), name)
         if came_with != name:
-            raise MorseBuilderError(f"'{name}' came with '{came_with}': only both can be deleted")
+            raise MorseBuilderError(f"'{name}' was spawned with '{came_with}': only both together can be deleted")
         roots = [obj]
         if name in self._recipes:
             roots = [objects[root] for root in self._recipes[name].roots if root in objects]
@@ -212,7 +212,7 @@ class Population:
         return [d.name for d in self._launch[1] if d.node not in gone and d.robot not in gone]
 
     def makers(self) -> dict[str, Callable[[], Any]]:
-        """Return the functions that created spawned objects, by name; objects with a named kind are left out."""
+        """Return the functions that created spawned objects, by name; objects with a named kind are omitted."""
         return {name: recipe.kind for name, recipe in self._recipes.items() if callable(recipe.kind)}
 
     def get_state(self) -> dict[str, Any]:
@@ -255,7 +255,7 @@ class Population:
             if name in self._recipes:
                 continue
             if not recipe.kind:
-                raise StateError(f"'{name}' was made by a function of a program: it cannot be made again here")
+                raise StateError(f"'{name}' was created by a function of a program, and cannot be created again here")
             self.spawn(name, recipe.kind, recipe.position, recipe.rotation)
         self._put_in_order(list(wanted))
 
@@ -271,7 +271,7 @@ class Population:
         place |= {root: place[name] for name, recipe in self._recipes.items() for root in recipe.roots}
 
         def order(name: str) -> int:
-            return place.get(name, -1)  # objects of the launch come first, as before
+            return place.get(name, -1)  # objects of the launch are the first, as before
 
         roots = sorted(scene.roots, key=lambda root: order(root.name))
         components = sorted(scene.components, key=lambda declared: order(declared.robot.name))
@@ -310,7 +310,7 @@ def check_newcomer(name: Any, kind: Any, position: Any, rotation: Any) -> None:
     """Raise an error for an invalid name, kind or pose of a spawned object.
 
     Raises:
-        MorseBuilderError: with the invalid value.
+        MorseBuilderError: the message contains the invalid value.
     """
     if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME or name.split() != [name] or "." in name:
         raise MorseBuilderError(

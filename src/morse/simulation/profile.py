@@ -22,7 +22,7 @@ PHASES = (
     "output",
 )
 
-#: maximum number of events in the trace file; later events are counted only
+#: maximum number of events in the trace file; later events are only counted
 _MAX_EVENTS = 1_000_000
 
 
@@ -52,7 +52,7 @@ class Profile:
     Attributes:
         phases: cost by phase.
         components: cost by component name.
-        ticks: ticks measured.
+        ticks: number of measured ticks.
     """
 
     def __init__(self, *, trace: bool = False) -> None:

@@ -69,8 +69,8 @@ class Recorded:
         """Replay a recording from its beginning to its end, bit for bit.
 
         Args:
-            recording: of a simulation of the same scene.
-            each_tick: called after every tick.
+            recording: recording of a simulation of the same scene.
+            each_tick: callback, called after every tick.
 
         Raises:
             StateError: the recording belongs to another scene.

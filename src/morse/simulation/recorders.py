@@ -76,9 +76,9 @@ def write_inputs(
     """Write a recording with the data that determine a failed run, without messages of sensors.
 
     Args:
-        file: opened for writing without a buffer.
-        start: the state at the beginning; None for that after the launch.
-        seed: of the random numbers at the beginning.
+        file: file that was opened for writing without a buffer.
+        start: the state at the beginning; None for the state after the launch.
+        seed: seed of the random numbers at the beginning.
         entries: the inputs.
         last: the tick of the failure.
         failure: description of the failure.
@@ -137,7 +137,7 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
 def _ending(simulation: Running) -> dict[str, str]:
     waiting = waiting_to_bytes(InputsState(simulation).get_state())
     facts = {"tick": str(simulation.ticks), "waiting": base64.b64encode(waiting).decode()}
-    with suppress(StateError):  # the state of a user's component is not available
+    with suppress(StateError):  # the state of a component of the user is not available
         facts["state"] = simulation.silent_state().hash()
     return facts
 

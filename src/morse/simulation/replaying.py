@@ -62,7 +62,7 @@ class Replay:
 
     @property
     def done(self) -> bool:
-        """Whether the end of the recording is reached."""
+        """Whether the end of the recording was reached."""
         return self._next >= len(self._recording.entries) and self._simulation.ticks >= self._recording.last
 
     def place(self) -> tuple[int, dict[str, dict[str, Any]]]:
@@ -100,7 +100,7 @@ class Replay:
         """Run to the end of the recording.
 
         Args:
-            each_tick: called after every tick.
+            each_tick: callback, called after every tick.
         """
         while not self.done:
             self.step()

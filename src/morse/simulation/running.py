@@ -29,7 +29,7 @@ class Holder(Protocol):
         """Return the state as plain data."""
 
     def set_state(self, state: Any) -> None:
-        """Take a state from `get_state`."""
+        """Restore a state that `get_state` returned."""
 
 
 class Populated(Holder, Protocol):
@@ -66,7 +66,7 @@ class Running(Protocol):
 
     @property
     def ticks(self) -> int:
-        """Number of ticks done since the start."""
+        """Number of completed ticks since the start."""
 
     @property
     def paused(self) -> bool:
@@ -88,7 +88,7 @@ class Running(Protocol):
         """The seed of all random numbers."""
 
     def _check_open(self) -> None:
-        """Refuse to go on if the simulation is closed."""
+        """Raise an error if the simulation is closed."""
 
     def schedule(self) -> None:
         """Update the schedule after the components have changed."""
@@ -118,7 +118,7 @@ class Running(Protocol):
         """Cancel the requested ticks."""
 
     def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = ...) -> Callable[[], None]:
-        """Let `run` do a number of ticks and then pause."""
+        """Let `run` execute a number of ticks and then pause."""
 
     def call(self, component: str, service: str, *arguments: Any) -> LocalFuture:
         """Call a service."""

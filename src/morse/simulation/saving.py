@@ -32,7 +32,7 @@ class Saving:
         """Return the present state.
 
         Args:
-            tell: log what cannot be saved.
+            tell: whether to log values that cannot be saved.
 
         Raises:
             StateError: ``get_state`` of a component of the user failed.
@@ -44,14 +44,14 @@ class Saving:
         for unsaved in writer.unsaved:
             if tell and unsaved not in self._said:
                 self._said.add(unsaved)
-                logger.warning("%s cannot be saved: it stays as it is when a state is restored", unsaved)
+                logger.warning("%s cannot be saved: it does not change when a state is restored", unsaved)
         return State(parts, tuple(writer.unsaved), self._simulation.population.makers())
 
     def restore(self, state: State, begin: Callable[[], object]) -> None:
         """Restore a state.
 
         Args:
-            begin: called after the state was validated, when only the population may have changed.
+            begin: callback, called after the state was validated; only the population may have changed before.
 
         Raises:
             StateError: the state is damaged, or belongs to another scene; the simulation is then unchanged.
@@ -74,14 +74,16 @@ class Saving:
         """Return the state of the population, after a first check that the state belongs to this scene."""
         check = Reader(self._parts, fresh=True)
         if "population" not in state.parts:
-            raise StateError("the saved state is damaged: it does not say who is there")
+            raise StateError("the saved state is damaged: it does not contain the population")
         there = check_population(check.part("population", state.parts["population"], {}))
         population = self._simulation.population
         everybody, launch = population.names_at_launch([]), population.names_at_launch(there["gone"])
         fits = set(there["gone"]) <= set(population.roots_at_launch())
         if not fits or [name for name in everybody if name in state.parts] != launch:
             self._compare(state, dict.fromkeys([*launch, *(name for name, _ in self._own_holders())]))
-            raise StateError("the state belongs to another scene: it says that things have gone which were never there")
+            raise StateError(
+                "the state belongs to another scene: it contains deleted objects that this scene never had"
+            )
         return there
 
     def _check(self, state: State) -> None:

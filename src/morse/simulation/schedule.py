@@ -16,16 +16,16 @@ class _Periodic(Protocol):
 
 _C = TypeVar("_C", bound=_Periodic)
 
-#: patterns that are longer (ticks) are not cached
+#: maximum length of cached patterns, ticks
 _LONGEST_PATTERN = 3600
 
 
 class Schedule(Generic[_C]):
     """Schedules components by frequency; components keep their order within a tick.
 
-    A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not
-    before ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow,
-    exactly ``f`` times per second on average, computed from integers, so that it never drifts.
+    A component of rate ``f`` and phase ``p`` (s) in a simulation of rate ``b`` acts in tick ``k`` (from 0, not before
+    ``b p``) if ``floor((k - b p) f/b)`` differs from ``floor((k - 1 - b p) f/b)``: as evenly as ticks allow, and
+    exactly ``f`` times per second on average. The ticks are computed from integers, so that the schedule never drifts.
 
     Args:
         frequency: frequency of the simulation, Hz.

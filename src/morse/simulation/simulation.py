@@ -50,10 +50,10 @@ class Simulation(Recorded, Handles):
     """A loaded scene that can be run; it is created by `morse.load`.
 
     Robots are attributes, and their components are attributes of the robots, with the interface of `pymorse.Morse`: see
-    `morse.simulation.handles`. Simulated time advances in `step` and `run` only.
+    `morse.simulation.handles`. Simulated time advances only in `step` and `run`.
 
     Attributes:
-        context: the part of the simulation that components see.
+        context: the interface of the simulation for components.
         observers: objects that are notified before and after each tick, in order.
         view: the live view, which is one of the observers, or None.
         failed: whether the simulation has to end because a part of it cannot continue.
@@ -86,7 +86,7 @@ class Simulation(Recorded, Handles):
         #: callback that loads the edited scene instead of this one; it returns False if nothing has changed
         self.reread: Callable[[], bool] | None = None
         self.profile: Profile | None = None
-        #: profile of the sensors that the script wants to be profiled
+        #: profile of the sensors for which the script requests a profile
         self.sensor_profile = Profile() if any(d.profile for d in scene.components) else None
         self._set_up_profiles()
         self.failed = self.finished = False
@@ -108,7 +108,7 @@ class Simulation(Recorded, Handles):
         """Create the components and connect them.
 
         Raises:
-            LoadError: naming the component and the line of the script that made it.
+            LoadError: the message contains the component and the line of the script that created it.
         """
         try:
             with acting(self.context), self.scene.project:
@@ -118,7 +118,7 @@ class Simulation(Recorded, Handles):
                     if opens and options and manager not in self.context.stream_managers:
                         self.context.stream_managers[manager] = make_stream_manager(self.context, manager)
         finally:
-            # also if a stream is refused: those that are open are closed then
+            # also if a stream is refused: the streams that are open are then closed
             self.observers[:0] = self.context.stream_managers.values()
 
     def _make_components(self) -> None:
@@ -165,7 +165,7 @@ class Simulation(Recorded, Handles):
         self._raise_failure()
 
     def run(self, duration: float | None = None, speed: float | None = None) -> None:
-        """Run in step with the wall clock until told to stop.
+        """Run in step with the wall clock until `stop` is called.
 
         Args:
             duration: stop after that many simulated seconds; None to run until `stop`.
@@ -203,7 +203,7 @@ class Simulation(Recorded, Handles):
 
     @property
     def paused(self) -> bool:
-        """Whether `run` is paused and does only the ticks that are requested."""
+        """Whether `run` is paused and executes only the requested ticks."""
         return self._stepping.paused
 
     def pause(self) -> None:
@@ -212,15 +212,15 @@ class Simulation(Recorded, Handles):
         self.cancel_steps()
 
     def resume(self) -> None:
-        """Let time pass again in `run`."""
+        """Resume `run`."""
         self._stepping.paused = False
         self.pacer.restart()
 
     def request_steps(self, ticks: int = 1, ended: Callable[[tuple[str, Any]], object] = _nobody) -> Callable[[], None]:
-        """Let `run` do ``ticks`` ticks and then pause; earlier requests come first.
+        """Let `run` execute ``ticks`` ticks and then pause; earlier requests are executed first.
 
         Args:
-            ended: called with the status when the data of the last tick have been passed to the network.
+            ended: callback, called with the status when the data of the last tick have been passed to the network.
 
         Returns:
             A function that cancels the request.
@@ -231,7 +231,7 @@ class Simulation(Recorded, Handles):
         return self._stepping.add(ticks, ended)
 
     def cancel_steps(self) -> None:
-        """Do no more of the ticks that were asked for."""
+        """Cancel the requested ticks."""
         self._stepping.end(status.PREEMPTED)
 
     # -- input -----------------------------------------------------------------------------
@@ -252,12 +252,12 @@ class Simulation(Recorded, Handles):
 
     @property
     def observers(self) -> list[Observer]:
-        """The observers; append an observer to have it notified of every tick."""
+        """The observers; append an observer to notify it of every tick."""
         return self._ticker.observers
 
     @property
     def before_physics(self) -> list[Callable[[], object]]:
-        """Called in every tick after the actuators and before the physics."""
+        """Callbacks that are called in every tick after the actuators and before the physics."""
         return self._ticker.before_physics
 
     def viewpoint_changed(self) -> None:
@@ -277,11 +277,11 @@ class Simulation(Recorded, Handles):
         self._check_open()
         show = getattr(self.view, "show", None)
         if show is None:
-            raise RuntimeError("there is no page to show: load the simulation with view='web'")
+            raise RuntimeError("there is no live view: load the simulation with view='web'")
         return show(height)
 
     def picture(self, width: int = 960, height: int = 600, **view: Any) -> Any:
-        """The world as it is now, seen from where the live view begins.
+        """Render an image of the present world, from the initial viewpoint of the live view.
 
         Args:
             width: pixels.
@@ -293,7 +293,7 @@ class Simulation(Recorded, Handles):
             (height, width, 3) uint8, red, green and blue.
 
         Raises:
-            ValueError: numbers that make no picture.
+            ValueError: an argument is not valid for an image.
             RuntimeError: the simulation is closed.
         """
         self._check_open()
@@ -374,9 +374,9 @@ class Simulation(Recorded, Handles):
             The handle of a robot; None for another object.
 
         Raises:
-            MorseBuilderError: the name is taken, or there is no such kind.
+            MorseBuilderError: the name already exists, or there is no such kind.
             LoadError: a component cannot be created.
-            ValueError: the engine refuses its shape.
+            ValueError: the engine refuses the shape of the object.
         """
         self._check_open()
         check_newcomer(name, kind, position, rotation)

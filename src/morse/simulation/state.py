@@ -77,7 +77,7 @@ class State:
             StateError: the content is not a saved state, or is damaged.
         """
         if not content.startswith(_HEAD):
-            raise StateError("this is not a saved state of MORSE, or one of another version")
+            raise StateError("this is not a saved state of MORSE, or it has another version")
         try:
             parts = msgspec.msgpack.decode(content[len(_HEAD) :], type=dict[str, Any])
             state = cls(parts)
@@ -112,5 +112,5 @@ class State:
         """
         file = Path(path)
         if file.stat().st_size > _LARGEST:
-            raise StateError(f"{file} is larger than any saved state")
+            raise StateError(f"{file} is too large for a saved state")
         return cls.from_bytes(file.read_bytes())

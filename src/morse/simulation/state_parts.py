@@ -77,7 +77,7 @@ class StateParts:
         self._classes[f"{cls.__module__}:{cls.__qualname__}"] = cls
 
     def global_name(self, value: Any) -> str | None:
-        """Return ``module:NAME``, or ``module:Class.NAME``, if the value is the value of a variable of the project."""
+        """Return ``module:NAME``, or ``module:Class.NAME``, if the object is the value of a variable of the project."""
         return self._globals.get(id(value))
 
     def find_global(self, name: str) -> Any:

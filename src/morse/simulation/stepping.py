@@ -18,8 +18,8 @@ class Stepping:
     """The queue of requested ticks.
 
     Attributes:
-        paused: whether only requested ticks are done.
-        forced: whether the process itself runs ticks now.
+        paused: whether only requested ticks are executed.
+        forced: whether the process itself executes ticks now.
     """
 
     def __init__(self) -> None:
@@ -29,11 +29,11 @@ class Stepping:
 
     @property
     def halted(self) -> bool:
-        """Whether no tick may be done now."""
+        """Whether no tick may be executed now."""
         return self.paused and not self._left and not self.forced
 
     def add(self, ticks: int, ended: Callable[[tuple[str, Any]], object]) -> Callable[[], None]:
-        """Request ``ticks`` ticks, after earlier requests; ``ended((status, None))`` is called when they are done.
+        """Request ``ticks`` ticks, after earlier requests; ``ended((status, None))`` is called after the last tick.
 
         Returns:
             A function that cancels the request.
@@ -56,7 +56,7 @@ class Stepping:
         self._left = next(iter(self._series.values()))[0] if self._series else 0
 
     def count(self) -> None:
-        """Count a tick that was done."""
+        """Count a tick that was executed."""
         if not self._left:
             return
         self._left -= 1

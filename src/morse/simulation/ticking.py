@@ -84,7 +84,7 @@ class Ticker:
                 return self._measured_tick()
             self._take_input()
             self._serve()
-            # paused, or restarted while paused: the state must not change until the next request
+            # the simulation is paused, or was restarted while paused: the state must not change until the next request
             if self._stepping.halted:
                 return False
             self._actuate()
@@ -95,7 +95,7 @@ class Ticker:
         return True
 
     def _measured_tick(self) -> bool:
-        """The same, with the time that each phase takes."""
+        """Run one tick, and measure the time of each phase."""
         profiles = self.profiles
         for profile in profiles:
             profile.begin()
@@ -158,7 +158,7 @@ class Ticker:
             robot.update_pose()
 
     def _answer_sensors(self) -> None:
-        """Answer the requests of all due sensors in one call, which costs little more than those of one sensor."""
+        """Answer the requests of all due sensors in one call, which costs little more than a call for one sensor."""
         if asking := self._asking_sensors.due(self._due):
             serve(asking)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 #: initial number of ticks between two states
 _EVERY = 30
-#: maximum number of states; beyond it, every second state is dropped
+#: maximum number of states; above it, every second state is removed
 _MOST = 600
 
 
@@ -27,7 +27,7 @@ class _Kept(NamedTuple):
 class Timeline:
     """A simulation at any tick of a recorded run.
 
-    Positions count ticks since the beginning of the recording; resets and restored states do not set them back.
+    Positions count ticks since the beginning of the recording. Resets and restored states do not decrease them.
 
     Args:
         simulation: a simulation of the scene; it is set to the beginning of the recording.
@@ -53,11 +53,11 @@ class Timeline:
 
     @property
     def at_end(self) -> bool:
-        """Whether the end of the recording is reached."""
+        """Whether the end of the recording was reached."""
         return self.position >= self.length or self._replay.done
 
     def forward(self) -> None:
-        """One tick."""
+        """Run one tick."""
         self._replay.step()
         self.position += 1
         if self.position > self._kept[-1].position + self._every - 1:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: groups with fewer members act one by one, which is faster
+#: minimum number of members; in smaller groups, members act one by one, which is faster
 _LEAST = 4
 #: number of ticks after which groups are formed again, so that further members can join
 _LOOK = 64
@@ -122,7 +122,7 @@ class Together:
             for member in self._alone:
                 self._act(member)
             return
-        # a member has changed or is wrong: acting one by one shows which one
+        # a member has changed or is invalid: acting one by one shows which one
         error, self._error = self._error, None
         acting = [member for member in self.members if member.active]
         self._form()
@@ -133,8 +133,8 @@ class Together:
             self.dissolve()
             self._alone = self.members
             logger.error(
-                "[ERROR][MORSE] act_together of %s failed, while none of its components does alone: they act one by "
-                "one from now on: %s",
+                "[ERROR][MORSE] act_together of %s failed, although none of its components fails alone: they act "
+                "one by one from now on: %s",
                 self._class.__name__,
                 describe(error),
             )
@@ -197,7 +197,7 @@ def phase_of(component: Any) -> float:
 def arranged(components: Sequence[Object], act: Callable[[Object], None]) -> list[Any]:
     """Return components in the order of their actions, with those that can act together merged into one `Together`.
 
-    Actuators of a robot with several actuators keep their place, because the last one takes precedence.
+    Actuators of a robot with several actuators keep their position in the order, because the last one takes precedence.
     """
     carriers: dict[int, int] = {}
     for component in components:

@@ -1,6 +1,6 @@
 """Tests of your own simulations.
 
-As `unittest` cases, in the manner of MORSE 1.4 (`morse.testing.testing`)::
+As `unittest` cases, in the style of MORSE 1.4 (`morse.testing.testing`)::
 
     from morse.testing.testing import MorseTestCase, main
     from pymorse import Morse

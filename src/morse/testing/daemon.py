@@ -22,13 +22,13 @@ _PERIOD = 0.05
 class Daemon:
     """A server on a TCP port of this machine.
 
-    A server that already listens there is used as it is, and is left running.
+    A server that already listens there is used, and is left running.
 
     Args:
         command: program and arguments.
-        port: where the server listens.
-        hint: how the program is installed, for the message if the program is missing.
-        timeout: how long the server may take to listen, s.
+        port: port on which the server listens.
+        hint: instruction for installing the program, for the error message if it is missing.
+        timeout: timeout for the start of the server, s.
 
     Raises:
         MorseTestingError: the program is not on the PATH, ends, or does not listen in time.

@@ -2,4 +2,4 @@
 
 
 class MorseTestingError(Exception):
-    """The simulation of a test did not start, did not end, or broke down."""
+    """The simulation of a test did not start, did not end, or failed."""

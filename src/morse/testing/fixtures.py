@@ -39,16 +39,16 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def simulate(tmp_path: Path) -> Iterator[Simulate]:
-    """Call it with a scene to run it: ``simulate(scene, *options, sockets=True, strict=True)``.
+    """Runs a scene when it is called: ``simulate(scene, *options, sockets=True, strict=True)``.
 
-    The scene is a function of a module, or the path of a scene script; the options are those of
-    ``morse run``. The simulation runs in a process of its own, on ports of its own, and the result is a
-    `pymorse.Morse`; with ``sockets=False`` it runs in the process of the test, without any port, and the result is
-    the simulation, which has the same words. There, time passes only while the test asks for it, by ``step``,
-    ``get``, ``sleep`` or the result of a service, and of the options there are ``--seed`` and ``--speed``.
+    The scene is a function of a module, or the path of a scene script; the options are those of ``morse run``. The
+    simulation runs in a separate process on its own ports, and the result is a `pymorse.Morse`. With ``sockets=False``
+    it runs in the process of the test, without any port, and the result is the simulation, which has the same methods.
+    Its time passes only while the test requests it, by ``step``, ``get``, ``sleep`` or the result of a service, and the
+    only options are ``--seed`` and ``--speed``.
 
-    Every simulation ends with the test, which fails if the simulation reported an error. Unless ``strict`` is
-    False, a command with an unknown or ill-typed field is one.
+    Every simulation ends with the test, which fails if the simulation reported an error. Unless ``strict`` is False, a
+    command with an unknown field or a wrong type is an error.
     """
     with contextlib.ExitStack() as endings:
         errors: list[str] = []
@@ -128,7 +128,7 @@ def _in_process(options: tuple[str, ...]) -> dict[str, Any]:
 
 
 class _Errors(logging.Handler):
-    """Notes the errors that a simulation reports."""
+    """Records the errors that a simulation reports."""
 
     def __init__(self, errors: list[str]) -> None:
         super().__init__(logging.ERROR)

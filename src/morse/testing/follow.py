@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 INITIALIZED = "SCENE INITIALIZED"
 EXITING = "EXITING SIMULATION"
-#: at the beginning of a record: what clients and scripts say is further right
+#: matches only at the beginning of a record, because texts of clients and scripts are farther to the right
 _ERROR = re.compile(r"(\x1b\[[\d;]+m)?(\[[\w.]+\] )?(\[ERROR\]\[MORSE\]|INITIALIZATION ERROR)")
 _PORT = re.compile(r"services are on port (\d+)")
 _PERIOD = 0.02
@@ -27,10 +27,10 @@ def _never() -> bool:
 
 
 def follow(file: TextIO, ended: Callable[[], bool] = _never) -> Iterator[str]:
-    """The lines of a file, as they are written to it.
+    """The lines of a file, while they are written.
 
     Args:
-        ended: whether nothing more will be written; without it, the lines never end.
+        ended: function that returns whether nothing more will be written; without it, the lines never end.
     """
     partial = ""
     while True:
@@ -52,15 +52,15 @@ class LogWatch(threading.Thread):
     """Follows and evaluates the log of a simulation.
 
     Args:
-        path: of the log.
-        ended: whether the process has ended.
-        on_error: called with the first line that reports an error after the start.
+        path: path of the log.
+        ended: function that returns whether the process has ended.
+        on_error: callback, called with the first line that reports an error after the start.
 
     Attributes:
-        pid: process id of the simulation, once it has said so.
-        port: of its services, once it has said so.
+        pid: process id of the simulation, once it was logged.
+        port: port of its services, once it was logged.
         error: the first line that reports an error.
-        initialized: it has begun to run.
+        initialized: whether it has begun to run.
         tail: the last lines.
     """
 
@@ -78,7 +78,7 @@ class LogWatch(threading.Thread):
         self.tail: deque[str] = deque(maxlen=_TAIL)
 
     def run(self) -> None:
-        """Read until the process has ended and everything it wrote has been read."""
+        """Read until the process has ended and all of its output has been read."""
         with self._path.open(encoding="utf-8", errors="replace") as log:
             for line in follow(log, self._ended):
                 self._read(line.rstrip("\n"))
@@ -105,7 +105,7 @@ class LogWatch(threading.Thread):
             self._on_error(line)
 
     def wait(self, condition: Callable[[], bool], timeout: float) -> bool:
-        """Wait until ``condition()``, or until there is nothing more to wait for; its last value."""
+        """Wait until ``condition()`` is true, or until the log has ended; return its last value."""
         deadline = time.monotonic() + timeout
         with self._change:
             while not condition() and not self.over:

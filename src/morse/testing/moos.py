@@ -10,7 +10,7 @@ class MOOSTestCase(MorseTestCase):
     """Runs ``MOOSDB`` during each test, unless a database already runs on this machine.
 
     Attributes:
-        moos_port: of the database.
+        moos_port: port of the database.
     """
 
     moos_port = 9000

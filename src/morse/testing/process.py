@@ -15,7 +15,7 @@ from morse.testing.follow import EXITING, LogWatch
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-#: the environment variable by which simulations and clients agree on a port
+#: environment variable with the port for simulations and clients
 PORT_VARIABLE = "MORSE_SOCKET_PORT"
 START_TIMEOUT = 30.0
 _END_TIMEOUT = 10.0
@@ -32,9 +32,9 @@ class SimulationProcess:
     Args:
         script: path of the scene script.
         log: path of the log; overwritten.
-        port: wanted for its services; 0 for any free one.
-        options: of ``morse run``.
-        on_error: called with the line if the log reports an error while the simulation runs.
+        port: preferred port for its services; 0 for any free port.
+        options: options of ``morse run``.
+        on_error: callback, called with the line if the log reports an error while the simulation runs.
     """
 
     def __init__(
@@ -75,14 +75,14 @@ class SimulationProcess:
             MorseTestingError: the log does not contain it.
         """
         if self.watch.port is None:
-            raise MorseTestingError(f"the simulation did not say on which port its services are ({self.log})")
+            raise MorseTestingError(f"the log of the simulation does not contain the port of its services ({self.log})")
         return self.watch.port
 
     def wait_initialized(self, timeout: float = START_TIMEOUT) -> None:
-        """Wait until it runs.
+        """Wait until the simulation runs.
 
         Raises:
-            MorseTestingError: it reported an error, ended, or takes too long; it is stopped then.
+            MorseTestingError: the simulation reported an error, ended, or takes too long; it is then stopped.
         """
         if self.watch.wait(lambda: self.watch.initialized or self.watch.error is not None, timeout):
             if self.watch.error is None:
@@ -96,10 +96,10 @@ class SimulationProcess:
         raise self._failure(what)
 
     def wait_refused(self, timeout: float = START_TIMEOUT) -> str:
-        """Wait until it reports an error in its scene, and return that line.
+        """Wait until the simulation reports an error in its scene, and return that line.
 
         Raises:
-            MorseTestingError: it started, ended without an error, or takes too long.
+            MorseTestingError: the simulation started, ended without an error, or takes too long.
         """
         self.watch.wait(lambda: self.watch.initialized or self.watch.error is not None, timeout)
         if self.watch.error is None:
@@ -110,21 +110,21 @@ class SimulationProcess:
         return self.watch.error
 
     def stop(self) -> None:
-        """End the simulation, by its service if the service answers, and wait for the end.
+        """End the simulation, through its service if the service responds, and wait for the end.
 
         Raises:
-            MorseTestingError: the simulation had to be killed, or had failed.
+            MorseTestingError: the simulation had to be killed, or failed.
         """
         asked = self._process.poll() is not None or self._ask_to_quit()
-        # a simulation that is ending may not answer
+        # a simulation that is ending may not respond
         self.watch.join(_END_TIMEOUT if asked else _KILL_TIMEOUT)
         if self._process.poll() is None:
             self.kill()
-            raise self._failure("the simulation did not end when it was told to, and was killed")
+            raise self._failure("the simulation did not end when requested, and was killed")
         status = self._process.returncode
         ended_well = any(EXITING in line for line in self.watch.tail)
         if status or not ended_well:
-            raise self._failure(f"the simulation broke off, with status {status}")
+            raise self._failure(f"the simulation failed, with status {status}")
 
     def _ask_to_quit(self) -> bool:
         try:
@@ -157,7 +157,7 @@ def _morse() -> list[str]:
 
 
 def preferred_port(wanted: int) -> int:
-    """``wanted`` if nothing listens on it, else 0 for any free port."""
+    """Return ``wanted`` if no server listens on it, otherwise 0 for any free port."""
     with socket.socket() as probe:
         if os.name == "posix":
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

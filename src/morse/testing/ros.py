@@ -14,7 +14,7 @@ _PORT = 11311
 class RosTestCase(MorseTestCase):
     """Runs ``roscore`` during each test, unless a master already runs on this machine.
 
-    The port of the master is that of the environment variable ``ROS_MASTER_URI``, or 11311.
+    The port of the master is taken from the environment variable ``ROS_MASTER_URI``; the default is 11311.
     """
 
     def setUpMw(self) -> None:  # noqa: N802

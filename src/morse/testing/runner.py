@@ -41,12 +41,12 @@ def _mode_name(mode: Any) -> str:
     if isinstance(name, int) and 0 <= name < len(names):
         name = names[name]
     if name not in names:
-        raise ValueError(f"{mode!r} is not a time mode: there are {', '.join(names)}")
+        raise ValueError(f"{mode!r} is not a time mode: expected one of {', '.join(names)}")
     return str(name)
 
 
 class MorseTestRunner(unittest.TextTestRunner):
-    """Names every test, and what its simulation is doing."""
+    """Prints the name of every test, and the state of its simulation."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**{"verbosity": 2, **options})
@@ -64,9 +64,9 @@ class MorseTestRunner(unittest.TextTestRunner):
 
 
 def main(*test_cases: type[MorseTestCase], time_modes: Sequence[Any] = (BEST_EFFORT, FIXED_STEP)) -> None:
-    """Run test cases, in every time mode, and end the process with status 0 if all is well, else 1.
+    """Run test cases, in every time mode, and end the process with status 0 if all pass, otherwise 1.
 
-    A test file can also be given to ``morse run``: that shows the scene of its first case.
+    A test file can also be given to ``morse run``, which shows the scene of its first case.
     """
     if not test_cases:
         raise TypeError("main() takes at least one test case: main(MyTest)")

@@ -25,21 +25,23 @@ class MyEnv():
 
 
 def script_of_method(method: Callable[..., Any], time_strategy: str) -> str:
-    """A scene script from a method that builds a scene in terms of ``morse.builder``.
+    """Return a scene script from a method that builds a scene with the names of ``morse.builder``.
 
-    The source of the method is taken word for word: it knows the names of the builder, and none of
-    the module it stands in. It has to leave the environment in a variable ``env``.
+    The source of the method is copied verbatim: it can use the names of the builder, but no names of its own module. It
+    has to assign the environment to a variable ``env``.
 
     Args:
         time_strategy: ``BestEffort`` or ``FixedSimulationStep``.
 
     Raises:
-        MorseTestingError: there is no source.
+        MorseTestingError: the source is not available.
     """
     try:
         source = inspect.getsource(method)
     except (OSError, TypeError) as error:
-        raise MorseTestingError(f"{method.__qualname__} has no source to make a scene of: {error}") from None
+        raise MorseTestingError(
+            f"{method.__qualname__} has no source from which a scene can be created: {error}"
+        ) from None
     if not source[0].isspace():
         source = textwrap.indent(source, "    ")
     text = _IMPORTS + source.rstrip() + "\n"
@@ -52,7 +54,7 @@ def _instance(method: Callable[..., Any]) -> str:
 
 
 def _indentation(text: str) -> str:
-    """The blanks before the statements of the only method of the only class."""
+    """The indentation of the statements of the only method of the only class."""
     (cls,) = (node for node in ast.parse(text).body if isinstance(node, ast.ClassDef))
     method = cls.body[0]
     assert isinstance(method, ast.FunctionDef)
@@ -60,15 +62,15 @@ def _indentation(text: str) -> str:
     line = text.splitlines()[first.lineno - 1]
     blanks = line[: len(line) - len(line.lstrip())]
     if first.lineno == method.lineno:
-        raise MorseTestingError(f"{method.name} has to be written in several lines, the last of which knows 'env'")
+        raise MorseTestingError(f"{method.name} has to be written in several lines, and has to assign 'env'")
     return blanks
 
 
 def script_of_function(function: Callable[[], Any]) -> str:
-    """A scene script that imports the module of a function and calls it.
+    """Return a scene script that imports the module of a function and calls the function.
 
     Raises:
-        MorseTestingError: the function cannot be imported: it is nested in another one, or in no file.
+        MorseTestingError: the function cannot be imported: it is nested in another function, or is not in a file.
     """
     module = sys.modules.get(function.__module__)
     file = getattr(module, "__file__", None)

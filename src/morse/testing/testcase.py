@@ -32,13 +32,13 @@ FIXED_STEP = "FixedSimulationStep"
 class MorseTestCase(unittest.TestCase):
     """Runs the scene that `setUpEnv` describes during each test.
 
-    The log of the simulation goes to ``<name of the class>.log`` in the working directory. If it
-    reports an error, the test fails at once. Services are on port 4000 if that port is free;
-    ``Morse()`` finds them in any case.
+    The log of the simulation is written to ``<name of the class>.log`` in the working directory. If the log reports an
+    error, the test fails immediately. Services are on port 4000 if that port is free; ``Morse()`` finds their port in
+    any case.
 
     Attributes:
         time_mode: ``BestEffort`` or ``FixedSimulationStep``, see `main`.
-        simulation: the process that runs.
+        simulation: the running process.
     """
 
     time_mode = BEST_EFFORT
@@ -53,9 +53,9 @@ class MorseTestCase(unittest.TestCase):
     def setUpEnv(self) -> None:  # noqa: N802
         """Build the scene.
 
-        The source of this method is run by the simulation, in another process: it may use the names
-        of ``morse.builder`` without importing them, and nothing of its own module. It has to leave the
-        environment in a variable ``env``.
+        The source of this method is run by the simulation, in another process. It may use the names of
+        ``morse.builder`` without importing them, but no names of its own module. It has to assign the environment to a
+        variable ``env``.
         """
         raise NotImplementedError(f"{type(self).__name__} has no scene: define setUpEnv(self)")
 
@@ -140,15 +140,15 @@ def _interrupt_main_thread() -> None:
 
 
 class MorseMoveTestCase(MorseTestCase):
-    """Tests of a robot that moves.
+    """Tests of a moving robot.
 
-    The scene has one robot called ``robot``, with components called ``pose``, ``motion`` and ``teleport``.
+    The scene has a robot with the name ``robot``, whose components are ``pose``, ``motion`` and ``teleport``.
     """
 
     def assertAlmostEqualPosition(  # noqa: N802
         self, simu: Morse, expected_pose: Sequence[float], precision: float
     ) -> None:
-        """Check where ``simu.robot`` is.
+        """Check the pose of ``simu.robot``.
 
         Args:
             simu: connection to the simulation.
@@ -166,7 +166,7 @@ class MorseMoveTestCase(MorseTestCase):
     def assertAlmostEqualPositionThenFix(  # noqa: N802
         self, simu: Morse, expected_pose: Sequence[float], precision: float
     ) -> None:
-        """Check where ``simu.robot`` is, and put it exactly there, 1 cm higher, so that errors do not add up.
+        """Check the pose of ``simu.robot``, and move it 1 cm above the expected pose, so that errors do not accumulate.
 
         Args:
             simu: connection to the simulation.
@@ -188,7 +188,7 @@ class MorseBuilderFailureTestCase(MorseTestCase):
     """Tests that a scene is refused: `setUpEnv` has to make the simulation report an error.
 
     Attributes:
-        refusal: the line of the log that says why.
+        refusal: the line of the log with the reason.
     """
 
     refusal = ""
@@ -199,5 +199,5 @@ class MorseBuilderFailureTestCase(MorseTestCase):
         self.refusal = self.simulation.wait_refused()
 
     def tearDown(self) -> None:
-        """Nothing runs any more."""
+        """Do nothing, because the simulation has ended."""
         self.simulation = None

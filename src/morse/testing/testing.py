@@ -1,4 +1,4 @@
-"""The names under which test files know the classes of this package."""
+"""The classes of this package under the module name of MORSE 1.4."""
 
 from morse.testing.exceptions import MorseTestingError
 from morse.testing.follow import follow

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, cast
 from morse.core.observer import Observer
 from morse.viewer import page_messages as page
 from morse.viewer.describe import describe_light
+from morse.viewer.feeds.clouds import ViewClouds
 from morse.viewer.feeds.debug_properties import ViewDebug
 from morse.viewer.feeds.frustums import ViewFrustums
 from morse.viewer.feeds.log import LogFeed
@@ -90,6 +91,7 @@ class View(Observer):
         self._history = Rewinder(simulation, lambda: simulation.clock.time, server)
         self._states = StatesFeed(context, server)
         self._rays = ViewRays(context, server)
+        self._clouds = ViewClouds(context, server)
         self._frustums = ViewFrustums(context, server)
         self._pictures: Feed = PicturesFeed(context, server)
         self._sounds = SoundsFeed(context, server)
@@ -97,6 +99,7 @@ class View(Observer):
             ValuesFeed(context, server),
             self._states,
             self._rays,
+            self._clouds,
             ViewOverlays(context, server),
             ViewDebug(simulation, server),
             self._frustums,
@@ -269,6 +272,7 @@ class View(Observer):
         self._services.register_all()
         self._commands.restarted()
         self._rays.restarted()
+        self._clouds.restarted()
         self._frustums.restarted()
         self._sounds.restarted()
 

@@ -320,6 +320,15 @@ class Rays(Payload, frozen=True):
     _lasting: ClassVar[bool] = False
 
 
+class Cloud(Payload, frozen=True):
+    """The points of a cloud that a sensor has measured: (N, 3) float32, m, world frame."""
+
+    component: str
+
+    _about: ClassVar[tuple[str, ...] | None] = ("component",)
+    _lasting: ClassVar[bool] = False
+
+
 class Contacts(Payload, frozen=True):
     """Contacts: (N, 6) float32 of point (m) and force (N), both in the world frame."""
 
@@ -392,8 +401,8 @@ class Picture(Payload, frozen=True):
         mime: ``image/jpeg``, ``image/png``, ``image/x-rgba`` for raw rows of 8-bit RGBA, or ``image/x-u16`` for
             raw rows of little-endian uint16, compressed by zlib; the top row is first.
         meaning: of the pixels. Depth is 8-bit: 255 means ``low``, `FARTHEST_LEVEL` means ``high``, and pixels
-            without depth are black. Ids are 16-bit, 0 for none.
-        low, high: the smallest and the largest depth in the image, in ``unit``.
+            without depth are black; temperatures are the same. Ids are 16-bit, 0 for none.
+        low, high: the smallest and the largest depth or temperature in the image, in ``unit``.
         sightings: the detected objects.
     """
 
@@ -402,7 +411,7 @@ class Picture(Payload, frozen=True):
     height: int
     mime: str
     time: float = 0.0
-    meaning: Literal["color", "depth", "ids"] = "color"
+    meaning: Literal["color", "depth", "ids", "temperature"] = "color"
     low: float = 0.0
     high: float = 0.0
     unit: str = ""

@@ -194,7 +194,7 @@ def test_a_group_that_shows_itself_ends(tmp_path: Path) -> None:
     members = writer.chain(group, "GroupObject", [{"ob": shower}, {"ob": other}])
     writer.datablock("GR", "Group", "mirrors", group, gobject=members)
     library = read(tmp_path, writer)
-    assert "shows itself" in library.warnings[0]
+    assert "contains an instance of itself" in library.warnings[0]
     assert len(library.nodes()) == 4
 
 
@@ -211,7 +211,7 @@ def test_groups_of_groups_are_bounded(tmp_path: Path) -> None:
         previous = group
     # 4 to the power of 14 copies
     library = read(tmp_path, writer)
-    assert any("the rest is left out" in warning for warning in library.warnings)
+    assert any("the remaining objects are ignored" in warning for warning in library.warnings)
     assert len(library.nodes()) < 300_000
 
 
@@ -288,9 +288,9 @@ def test_textures_beside_the_file(tmp_path: Path, stored: str) -> None:
         ("//missing.png", None, "cannot be read"),
         ("//folder", None, "is not a file"),
         ("//secret.txt", None, "neither PNG, JPEG nor TGA"),
-        ("\\\\server\\share\\wood.png", None, "cannot be followed"),
+        ("\\\\server\\share\\wood.png", None, "cannot be resolved"),
         ("//nul\udcff.png", None, "cannot be"),
-        ("", None, "cannot be followed"),
+        ("", None, "cannot be resolved"),
         ("wood.tga", b"\0\0\2 no picture", "neither PNG, JPEG nor TGA"),
     ],
 )
@@ -332,7 +332,7 @@ def test_a_model_reads_no_image_outside_of_its_folder(private: Path, number: int
     library, paint = painted(private.parents[1] / "model", stored, None)
     assert paint.image is None
     (warning,) = library.warnings
-    assert "leads out of the folder of the model" in warning
+    assert "is outside of the folder of the model" in warning
     assert "MORSE_IMAGE_PATH" in warning
 
 

@@ -37,9 +37,12 @@ def robot(inside: str = BODY, more: str = "") -> str:
         (robot('<body name="b"><geom size="0.1" mass="1e12"/></body>'), "body 'b' has a mass of 1e"),
         (robot(f'<replicate count="1e6">{BODY}</replicate>'), "more than 1000 copies"),
         (robot(f'<replicate count="40"><replicate count="40">{BODY}</replicate></replicate>'), "more than 1000 copies"),
-        ("<mujoco>" + "<worldbody>" * 300 + "</worldbody>" * 300 + "</mujoco>", "elements are inside each other"),
+        (
+            "<mujoco>" + "<worldbody>" * 300 + "</worldbody>" * 300 + "</mujoco>",
+            "elements are nested more than 200 deep",
+        ),
         (robot(BODY, '<include file="/etc/passwd"/>'), "cannot be included: it is at /etc/passwd, outside"),
-        (robot(BODY, '<include file="gone.xml"/>'), "cannot be included: there is no file"),
+        (robot(BODY, '<include file="gone.xml"/>'), "cannot be included: the file does not exist"),
         (robot(BODY, "<include/>"), "cannot be included"),
         (
             robot(BODY, '<asset><mesh name="m" builtin="sphere" params="9999"/></asset>'),

@@ -214,7 +214,7 @@ def test_many_small_pieces_are_grouped():
         warnings = []
         parts = convex_parts(*joined(*boxes), limit=limit, warnings=warnings)
         assert len(parts) <= limit
-        assert "wrapped in hulls" in warnings[-1]
+        assert "combined with neighbours into hulls" in warnings[-1]
         solid = Solid(parts)
         assert all(solid.is_solid((x, y, 0)) for x in range(20) for y in range(5))
     assert len(convex_parts(*joined(*boxes), limit=100)) == 100

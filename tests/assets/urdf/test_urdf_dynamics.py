@@ -100,7 +100,7 @@ def test_too_many_joints_in_a_row_are_refused(tmp_path: Path) -> None:
     )
     file = tmp_path / "long.urdf"
     file.write_text(f"<robot name='long'>{links}{joints}</robot>")
-    with pytest.raises(AssetError, match="more than 200 joints follow each other"):
+    with pytest.raises(AssetError, match="more than 200 joints in a chain"):
         read_urdf(file)
 
 

@@ -100,7 +100,7 @@ def test_they_can_be_left_out(tmp_path: Path) -> None:
             '<gazebo reference="base"><sensor name="s" type="camera"><update_rate>x</update_rate></sensor></gazebo>',
             "'x'",
         ),
-        ('<gazebo reference="gone"><sensor name="s" type="camera"/></gazebo>', "'gone', which there is not"),
+        ('<gazebo reference="gone"><sensor name="s" type="camera"/></gazebo>', "'gone', which does not exist"),
         ('<gazebo reference="base"><sensor name="s"/></gazebo>', "'s' (no type)"),
         (
             '<gazebo reference="base"><sensor name="s" type="camera"><camera><image><width>nan</width></image></camera>'

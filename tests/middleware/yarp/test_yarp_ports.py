@@ -19,7 +19,7 @@ from morse.middleware.yarp.bottle import decode, encode
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-LIMIT = 30.0
+LIMIT = 100.0
 #: the carrier tcp, and the name of a sender
 BEGIN, NAME = b"YA\xe4\x1e\0\0RP", struct.pack("<i", 3) + b"/a\0"
 POSE, MOTION = "/morse/robot/pose/out", "/morse/robot/motion/in"
@@ -36,6 +36,7 @@ def until(sim: Any, holds: Callable[[], object]) -> None:
     while not holds():
         assert time.monotonic() < end, "it does not become so"
         sim.step()
+        time.sleep(0.001)  # the other threads need the lock of the interpreter, too
 
 
 def meanwhile(sim: Any, work: Callable[[], Any]) -> Any:

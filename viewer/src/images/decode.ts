@@ -1,5 +1,5 @@
 import type { Picture } from "../generated/protocol";
-import { depthColor, idColor } from "./palette";
+import { depthColor, heatColor, idColor } from "./palette";
 
 /** The grey value of the largest depth: `FARTHEST_LEVEL` of the simulator. */
 const FARTHEST = 32;
@@ -11,11 +11,11 @@ export interface Pixels {
   image: ImageData | ImageBitmap;
   /** ids, row by row, or null */
   ids: Uint16Array | null;
-  /** depth of a pixel, NaN for none; null if the image has no depth */
+  /** depth or temperature of a pixel, NaN for none; null if the image has neither */
   depthAt: ((index: number) => number) | null;
 }
 
-/** Decode an image, and colour depths and ids. */
+/** Decode an image, and colour depths, temperatures and ids. */
 export async function decode(picture: Picture): Promise<Pixels> {
   const { width, height, mime, payload, meaning } = picture;
   if (mime === "image/x-rgba") return plain(new ImageData(new Uint8ClampedArray(payload), width, height));
@@ -25,7 +25,9 @@ export async function decode(picture: Picture): Promise<Pixels> {
   }
   const options: ImageBitmapOptions = { colorSpaceConversion: "none", premultiplyAlpha: "none" };
   const bitmap = await createImageBitmap(new Blob([payload], { type: mime }), options);
-  return meaning === "depth" ? depths(bitmap, picture) : plain(bitmap);
+  if (meaning === "depth") return depths(bitmap, picture, (depthWords ??= wordsOf(depthColor)));
+  if (meaning === "temperature") return depths(bitmap, picture, (heatWords ??= wordsOf(heatColor)));
+  return plain(bitmap);
 }
 
 function plain(image: ImageData | ImageBitmap): Pixels {
@@ -49,16 +51,21 @@ function colored(ids: Uint16Array, width: number, height: number): ImageData {
 }
 
 let depthWords: Uint32Array | null = null;
+let heatWords: Uint32Array | null = null;
 
-function depths(bitmap: ImageBitmap, { width, height, low, high }: Picture): Pixels {
-  depthWords ??= Uint32Array.from({ length: 256 }, (_, grey) => asWord(grey < NOTHING ? [0, 0, 0] : depthColor(shareOf(grey))));
+/** The pixel for each grey value. */
+function wordsOf(color: (share: number) => readonly [number, number, number]): Uint32Array {
+  return Uint32Array.from({ length: 256 }, (_, grey) => asWord(grey < NOTHING ? [0, 0, 0] : color(shareOf(grey))));
+}
+
+function depths(bitmap: ImageBitmap, { width, height, low, high }: Picture, colors: Uint32Array): Pixels {
   const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true }) as OffscreenCanvasRenderingContext2D;
   context.drawImage(bitmap, 0, 0, width, height);
   bitmap.close();
   const image = context.getImageData(0, 0, width, height);
   const greys = Uint8Array.from({ length: width * height }, (_, i) => image.data[4 * i] as number);
   const words = new Uint32Array(image.data.buffer);
-  greys.forEach((grey, i) => (words[i] = (depthWords as Uint32Array)[grey] as number));
+  greys.forEach((grey, i) => (words[i] = colors[grey] as number));
   const depthAt = (index: number): number => {
     const grey = greys[index] ?? 0;
     return grey < NOTHING ? NaN : low + (high - low) * Math.min(Math.max(shareOf(grey), 0), 1);

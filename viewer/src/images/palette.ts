@@ -22,8 +22,16 @@ export function depthColor(share: number): Rgb {
   return [mix(0), mix(1), mix(2)];
 }
 
+/** The colour of a share, 0 for cold, 1 for hot: the colours of depths, so that hot is bright. */
+export function heatColor(share: number): Rgb {
+  return depthColor(1 - share);
+}
+
 /** The colours of depths as a CSS gradient, near at the left. */
 export const DEPTH_GRADIENT = `linear-gradient(90deg, ${DEPTHS.map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
+
+/** The colours of temperatures as a CSS gradient, cold at the left. */
+export const HEAT_GRADIENT = DEPTH_GRADIENT.replace("90deg", "270deg");
 
 /** The colour of an id; black for 0. */
 export function idColor(id: number): Rgb {

@@ -13,20 +13,25 @@ interface Drawn {
   hits: Points;
 }
 
-/** Rays of laser scanners and similar sensors: a line for each ray, a dot at each hit. */
+/** Rays of laser scanners and similar sensors: a line for each ray, a dot at each hit; and the points of depth cameras. */
 export class Rays extends Layer {
   private readonly drawn = new Map<string, Drawn>();
 
   constructor(connection: Connection, changed: () => void) {
-    super("rays", "laser rays and hits");
+    super("rays", "rays and points");
     connection.on("rays", ({ component, payload }) => {
       if (!this.on) return;
       this.show(component, new Float32Array(payload));
       changed();
     });
+    connection.on("cloud", ({ component, payload }) => {
+      if (!this.on) return;
+      this.showPoints(component, new Float32Array(payload));
+      changed();
+    });
   }
 
-  /** Delete the rays of sensors that are no longer shown. */
+  /** Delete the rays and points of sensors that are no longer shown. */
   keep(components: string[]): void {
     for (const [name, { beams, hits }] of this.drawn) {
       if (components.includes(name)) continue;
@@ -34,6 +39,11 @@ export class Rays extends Layer {
       discard(hits);
       this.drawn.delete(name);
     }
+  }
+
+  private showPoints(component: string, points: Float32Array): void {
+    const { hits } = this.drawn.get(component) ?? this.make(component);
+    hits.geometry.setAttribute("position", new BufferAttribute(points, 3));
   }
 
   override clear(): void {

@@ -2,7 +2,7 @@ import type { Picture } from "../generated/protocol";
 import type { Pixels } from "../images/decode";
 import { decode } from "../images/decode";
 import { Marks } from "../images/marks";
-import { DEPTH_GRADIENT } from "../images/palette";
+import { DEPTH_GRADIENT, HEAT_GRADIENT } from "../images/palette";
 import { h, iconButton } from "../ui/dom";
 import { fileName, save } from "../ui/files";
 import { icons } from "../ui/icons";
@@ -24,7 +24,8 @@ export class PicturePanel {
   private readonly reading = h("output", { class: "reading", hidden: true });
   private readonly near = h("span", {});
   private readonly far = h("span", {});
-  private readonly scale = h("div", { class: "scale", hidden: true }, this.near, h("span", { class: "ramp" }), this.far);
+  private readonly ramp = h("span", { class: "ramp" });
+  private readonly scale = h("div", { class: "scale", hidden: true }, this.near, this.ramp, this.far);
   private readonly facts = h("span", { class: "facts quiet" }, "no picture yet");
   private readonly holdButton: HTMLButtonElement;
   private readonly boxesButton = iconButton(icons.boxes, "Boxes with names", () => this.toggleBoxes());
@@ -47,7 +48,6 @@ export class PicturePanel {
     this.holdButton.classList.add("hold");
     this.boxesButton.hidden = true;
     this.boxesButton.setAttribute("aria-pressed", "true");
-    (this.scale.querySelector(".ramp") as HTMLElement).style.background = DEPTH_GRADIENT;
     const shown = h("div", { class: "shown" }, this.canvas, this.marks.element, this.reading);
     shown.addEventListener("pointermove", (event) => this.read(event));
     shown.addEventListener("pointerleave", () => (this.reading.hidden = true));
@@ -115,7 +115,8 @@ export class PicturePanel {
     this.pixels = pixels;
     this.marks.show(sightings, width, height);
     this.boxesButton.hidden = meaning !== "ids";
-    this.scale.hidden = meaning !== "depth";
+    this.scale.hidden = meaning !== "depth" && meaning !== "temperature";
+    this.ramp.style.background = meaning === "temperature" ? HEAT_GRADIENT : DEPTH_GRADIENT;
     this.near.textContent = withUnit(low, unit);
     this.far.textContent = withUnit(high, unit);
     this.count(time);
@@ -138,7 +139,7 @@ export class PicturePanel {
     return (this.times.length - 1) / (last - first);
   }
 
-  /** Show the meaning of the pixel under the pointer: a depth, or the name of an object. */
+  /** Show the meaning of the pixel under the pointer: a depth, a temperature, or the name of an object. */
   private read(event: PointerEvent): void {
     const { picture, pixels } = this;
     const { left, top, width, height } = this.canvas.getBoundingClientRect();

@@ -1,7 +1,7 @@
 """Runs inside Blender: evaluates meshes and poses of some objects and writes them as arrays.
 
 ``blender -b --python blend_export.py -- source.blend result.npz names.json``. It imports nothing but Blender's own
-module, numpy and the standard library, and shares no process with the program that starts it.
+module, numpy and the standard library, and runs in a process of its own.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def limit_subdivision(obj: Any) -> None:
 
 
 def surface(evaluated: Any) -> dict[str, Any]:
-    """The polygons of an evaluated object; nothing if it has none."""
+    """The polygons of an evaluated object; empty if it has none."""
     if evaluated.type not in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
         return {}
     mesh = evaluated.to_mesh()

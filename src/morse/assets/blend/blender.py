@@ -1,4 +1,4 @@
-"""Runs Blender in a separate process to evaluate what this reader cannot evaluate; results are cached."""
+"""Runs Blender in a separate process to evaluate what this reader cannot; results are cached."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _MAX_RESULT = 1 << 30
 
 
 def find_blender(given: str | None = None) -> str | None:
-    """The program to run: the given one, that of MORSE_BLENDER, or `blender` on the PATH; None if there is none."""
+    """The Blender program: the given one, that of MORSE_BLENDER, or `blender` on the PATH; None if not found."""
     wanted = given or os.environ.get("MORSE_BLENDER") or "blender"
     return shutil.which(wanted)
 
@@ -38,7 +38,7 @@ def evaluate(path: Path, names: list[str], blender: str) -> Arrays:
     """Return the arrays of `blend_export.py` for the meshes and poses of some objects of a file.
 
     Raises:
-        Damage: Blender failed; with the reason.
+        Damage: Blender failed; the message contains the reason.
     """
     key = _key(path, names, blender)
     kept = _CACHE.get(key, _MAX_RESULT)
@@ -106,7 +106,7 @@ def _load(data: bytes) -> Arrays:
 
 
 def _key(path: Path, names: list[str], blender: str) -> str:
-    """Return a cache key of all that the result depends on: the file, the objects, the script, the program."""
+    """Return a cache key of everything that affects the result: the file, the objects, the script, the program."""
     program = Path(blender).stat()
     digest = hashlib.blake2b(digest_size=20)
     for part in (

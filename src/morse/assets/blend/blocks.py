@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from morse.assets.blend.errors import Damage
 
-#: maximum number of blocks; a file of 1 GiB with Blender's usual blocks has a tenth of that
+#: maximum number of blocks; a file of 1 GiB with blocks of the usual size has a tenth of it
 _MAX_BLOCKS = 4_000_000
 
 
@@ -34,7 +34,7 @@ class Block(NamedTuple):
     """A block of the file.
 
     Attributes:
-        code: ``OB``, ``ME``, ... of a datablock; ``DATA`` for what belongs to one.
+        code: ``OB``, ``ME``, ... of a datablock; ``DATA`` for a block that belongs to a datablock.
         address: value of the pointers in the file that refer to this block.
         struct: index of the struct that the block contains.
         number: number of structs.

@@ -39,8 +39,8 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
     program = find_blender(blender)
     if program is None:
         file.warn(
-            f"{_listed(nodes)}: modifiers, curves and constraints need Blender to be worked out, and it was not found. "
-            "Apply them in the file, or install Blender (or name the program in MORSE_BLENDER)"
+            f"{_listed(nodes)}: modifiers, curves and constraints can only be evaluated by Blender, which was not "
+            "found. Apply them in the file, or install Blender (or set MORSE_BLENDER to the path of the program)"
         )
         return
     try:
@@ -57,8 +57,8 @@ def complete(path: Path, file: BlendFile, objects: Objects, blender: str | None)
                 _move(nodes[number], Matrix(pose.tolist()))
     except Damage as damage:
         file.warn(
-            f"{_listed(nodes)}: modifiers, curves and constraints are left out, as '{program}' could not work them "
-            f"out: {damage}"
+            f"{_listed(nodes)}: modifiers, curves and constraints are ignored, because '{program}' could not "
+            f"evaluate them: {damage}"
         )
 
 
@@ -102,7 +102,7 @@ def _mesh(name: str, own: Arrays, slots: tuple[Material | None, ...]) -> Mesh:
 
 
 def _move(node: Node, world: Matrix) -> None:
-    """Set the pose of a node to the result of Blender."""
+    """Set the pose of a node to the pose that Blender computed."""
     if node.parent is None:
         set_free(node, world)
         return

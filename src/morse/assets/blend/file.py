@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-#: maximum number of list steps in one file, against files that would take excessive time and memory
+#: maximum number of list steps in one file; protects against files that would take excessive time and memory
 _MAX_STEPS = 3_000_000
 #: maximum number of warnings
 _MAX_WARNINGS = 50
@@ -72,7 +72,7 @@ class BlendFile:
         return self._data.get((owner, address)) or self._ids.get(address) or self._shared.get(address)
 
     def record(self, block: Block, index: int | None = None, item: int = 0) -> Record:
-        """Return one of the structs of a block, read as the struct type of the block or as a given type.
+        """Return one of the structs of a block, read as the struct type of the block or as the given type.
 
         Raises:
             Damage: the block is too small.
@@ -90,7 +90,7 @@ class BlendFile:
         """
         field = struct.fields.get(name)
         if field is None or not field.numpy or count * struct.size > block.size:
-            raise Damage(f"an array of {struct.name} is shorter than it says, or has no {name}")
+            raise Damage(f"an array of {struct.name} is shorter than its declared length, or has no {name}")
         kind = np.dtype(
             {
                 "names": ["value"],
@@ -109,4 +109,4 @@ class BlendFile:
         """
         self._steps += steps
         if self._steps > _MAX_STEPS:
-            raise Excess("its lists are longer than any scene needs")
+            raise Excess("its lists are longer than those of any real scene")

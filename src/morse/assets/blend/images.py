@@ -86,10 +86,10 @@ class Images:
         stored = record.text(record.either("name", "filepath"))
         path = _resolve(stored, self._folder)
         if path is None:
-            raise Damage(f"its path '{stored}' cannot be followed; store it relative to the .blend file")
+            raise Damage(f"its path '{stored}' cannot be resolved; store it relative to the .blend file")
         if not _is_allowed(path, self._folder):
             raise Damage(
-                f"its path '{stored}' leads out of the folder of the model; put the image below it, pack it into the "
+                f"its path '{stored}' is outside of the folder of the model; put the image below it, pack it into the "
                 f".blend file, or list the image's folder in the environment variable {PATH_VARIABLE}"
             )
         try:
@@ -160,7 +160,7 @@ def _resolve(stored: str, folder: Path) -> Path | None:
     if stored.startswith("//"):
         path = folder / stored[2:].replace("\\", "/")
     elif stored.startswith("\\\\") or not stored:
-        # a network share: opening it would send the credentials of the user to another computer
+        # this is a network share: opening it would send the credentials of the user to another computer
         return None
     else:
         path = Path(stored.replace("\\", "/"))

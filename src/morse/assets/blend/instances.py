@@ -39,7 +39,7 @@ class Instances:
         """Add the copies to the nodes that show them.
 
         Returns:
-            Copies that are dynamic bodies. They become root nodes, because a body moves with all nodes below it.
+            Copies that are dynamic bodies. They become root nodes, because all nodes below a dynamic body move with it.
         """
         # all copies are made from the content of the file before the first one is attached
         made = [(node, self._shown(node, ())) for node in self._addresses]
@@ -60,9 +60,7 @@ class Instances:
             return []
         name, address = datablock_name(collection), collection.block.address
         if address in path or len(path) >= _MAX_DEPTH:
-            self._file.warn(
-                f"the collection '{name}' shows itself, which has no end; its copy within itself is left out"
-            )
+            self._file.warn(f"the collection '{name}' contains an instance of itself, which is ignored")
             return []
         origin = collection.reals(collection.either("dupli_ofs", "instance_offset"), (0.0, 0.0, 0.0))
         offset = Matrix.Translation([-x for x in origin])
@@ -74,7 +72,8 @@ class Instances:
                 continue
             if self._count > _MAX_NODES:
                 self._file.warn(
-                    f"the copies of collections come to more than {_MAX_NODES} objects; the rest is left out"
+                    f"the instances of collections contain more than {_MAX_NODES} objects; "
+                    "the remaining objects are ignored"
                 )
                 break
             copies.append(self._copy(member, members, (*path, address)))

@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from morse.assets.blend.record import Record
 
 _TYPES = {0: "POINT", 1: "SUN", 2: "SPOT", 3: "HEMI", 4: "AREA"}
-#: since 2.80: watts (of a sun: W/m^2) that look like a lamp of energy 1. A new scene has a point lamp of
-#: 1000 W; an area lamp sends all into one half space, mostly forward (1/pi of its power per steradian ahead,
-#: a point lamp 1/(4 pi)); a sun lights a white wall fully with pi W/m^2.
+#: since 2.80: power in watts (of a sun: irradiance in W/m^2) that looks like a lamp of energy 1. A new scene has a
+#: point lamp of 1000 W. An area lamp emits only into one half space, mostly forward (1/pi of its power per steradian
+#: along its axis; a point lamp 1/(4 pi)). A sun with pi W/m^2 fully lights a white wall.
 _UNIT = {"POINT": 1000.0, "SPOT": 1000.0, "AREA": 250.0, "SUN": pi, "HEMI": pi}
 _SHADOW, _OLD_SHADOWS = 1 << 0, (1 << 0) | (1 << 13)
 _LEGACY_SENSOR = 32.0

@@ -28,7 +28,7 @@ class Layer(NamedTuple):
     """A named array.
 
     Attributes:
-        type: one of Blender's numbers for the type of its items.
+        type: Blender's number for the type of its items.
         data: the block that contains the items.
         render: whether it is the layer to show among those of its type.
         single: whether one item applies to all elements.
@@ -120,6 +120,6 @@ def plain(mesh: Record, block: Block, kind: str, count: int, width: int = 1) -> 
     """
     numpy = np.dtype(mesh.file.endian + kind)
     if count * width * numpy.itemsize > block.size:
-        raise Damage("an array of it is shorter than it says")
+        raise Damage("one of its arrays is shorter than its declared length")
     stored = np.frombuffer(mesh.file.data, numpy, count * width, block.offset)
     return stored if width == 1 else stored.reshape(count, width)

@@ -1,4 +1,4 @@
-"""Materials: node trees, the plain settings beside them, and those of Blender's old internal renderer."""
+"""Materials: node trees, the plain settings beside them, and the settings of Blender's old internal renderer."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Materials:
                 return material
             return plain_material(name, record)
         except Damage as damage:
-            self._file.warn(f"the material '{name}' is damaged and shown grey: {damage}")
+            self._file.warn(f"the material '{name}' is damaged and is shown in grey: {damage}")
             return Material(name)
 
 

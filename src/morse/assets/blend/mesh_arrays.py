@@ -1,7 +1,7 @@
 """The arrays of a mesh, from every generation of the file format.
 
-Until 2.62 a mesh has faces of three or four corners (MFace); then polygons and corners in structs (MPoly, MLoop);
-since 3.6 named arrays of plain numbers, in custom data layers and since 5.0 in attributes.
+Until 2.62 a mesh has faces of three or four corners (MFace). Then it has polygons and corners in structs (MPoly,
+MLoop). Since 3.6 it has named arrays of plain numbers, in custom data layers, and since 5.0 in attributes.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ class _Arrays:
             return np.logical_not(values(self.mesh, layer, self.polygon_count).astype(np.bool_))
         flags = self._polygon_field("flag", "flag_legacy")
         if flags is None:
-            # without an attribute, nothing is sharp
+            # without an attribute, no edge is sharp
             return np.ones(self.polygon_count, np.bool_)
         return (flags & _SMOOTH).astype(np.bool_)
 

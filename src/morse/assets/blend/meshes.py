@@ -95,7 +95,7 @@ def _threshold(record: Record) -> float:
 
 
 def build(name: str, polygons: Polygons, normals: Floats | None, materials: tuple[Material | None, ...]) -> Mesh:
-    """Triangles from polygons; `normals` (C, 3) are those of the corners, or None for flat shading."""
+    """Triangles from polygons; `normals` (C, 3) are the normals of the corners, or None for flat shading."""
     corners, owner = triangulate(polygons)
     used, vertices = np.unique(polygons.corners[corners], return_inverse=True)
     return Mesh(

@@ -102,7 +102,7 @@ class NodeTree:
         yield from self._nodes.values()
 
     def source(self, socket: Record) -> Node | None:
-        """The node that feeds a socket; past reroutes and muted nodes."""
+        """The node that feeds a socket, directly or through reroutes and muted nodes."""
         for _ in range(_DEPTH):
             node = self._nodes.get(self._sources.get(socket.block.address, 0))
             if node is None or not (node.kind == "NodeReroute" or node.record.integer("flag") & _MUTED):

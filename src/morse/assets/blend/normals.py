@@ -12,8 +12,8 @@ from morse.assets.blend.polygons import Floats, Ints, Polygons, unit
 def corner_normals(polygons: Polygons, crease: float | None = None) -> Floats | None:
     """(C, 3) unit normals, or None if all polygons are flat.
 
-    Each is the mean of the normals of the polygons around its vertex, weighted with their angles there
-    (Thürmer and Wüthrich 1998).
+    Each is the mean of the normals of the polygons around its vertex, weighted with the angles of the polygons at the
+    vertex (Thürmer and Wüthrich 1998).
 
     Args:
         polygons: the mesh.

@@ -96,7 +96,7 @@ class Objects:
             node.bones = bones(record)
 
     def slots(self, record: Record) -> list[Material | None]:
-        """Return the materials of an object: its own for slots of the object, else those of its mesh."""
+        """Return the materials of an object: those of the object for slots of the object, else those of its mesh."""
         data = record.follow("data") if record.integer("data", 0) else None
         shared: list[Material | None] = []
         if data is not None and data.has("mat"):
@@ -132,7 +132,9 @@ class Objects:
             node, above = waiting.pop()
             world = above @ node.local_matrix()
             if not all(abs(value) < _FAR for row in world for value in row):
-                self._file.warn(f"the object '{node.name}' is out of this world; it is put where its parent is")
+                self._file.warn(
+                    f"the object '{node.name}' has a pose that is too large or not finite; it is placed at its parent"
+                )
                 node.location, node.rotation_euler, node.scale = [0.0] * 3, [0.0] * 3, [1.0] * 3
                 node.parent_inverse = None
                 world = above
@@ -155,8 +157,8 @@ class Objects:
                 depth += 1
                 if address in parents and (depth > _MAX_DEPTH or depth == 0):
                     self._file.warn(
-                        f"the object '{self.nodes[address].name}' is below itself, or too deep below others; "
-                        "it is left without a parent"
+                        f"the object '{self.nodes[address].name}' is its own ancestor, or has too many ancestors; "
+                        "its parent is ignored"
                     )
                     del parents[address]
                     depth = 0

@@ -24,7 +24,7 @@ def old_material(name: str, record: Record, images: Images) -> Material:
     specular = _share(record.real("spec", 0.5))
     image = color_texture(record, images)
     if image is not None:
-        # the texture replaced the colour
+        # the texture replaces the colour
         red = green = blue = 1.0
     emit = max(record.real("emit", 0.0), 0.0)
     culls = record.has("game") and record.part("game").integer("flag", 0) & _BACKFACE_CULLING

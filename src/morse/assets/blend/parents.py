@@ -33,7 +33,7 @@ def parent_frame(record: Record, parent: Record) -> Matrix | None:
 
 
 def _bone_frame(parent: Record, name: str) -> Matrix | None:
-    """The tail of a bone in its present pose; its rest pose if the file has no other."""
+    """The tail of a bone in its present pose; in its rest pose if the file has no other."""
     bone = _bone(parent, name)
     relative = bone is not None and bone.integer("flag", 0) & _RELATIVE
     pose = parent.follow("pose", "bPose") if parent.has("pose") else None
@@ -66,7 +66,7 @@ def _bone(parent: Record, name: str) -> Record | None:
 
 
 def _vertex_frame(parent: Record, indices: list[int]) -> Matrix | None:
-    """A vertex, or the middle of three."""
+    """A vertex, or the mean of three vertices."""
     mesh = parent.follow("data", "Mesh") if parent.integer("type") == 1 else None
     if mesh is None:
         return None

@@ -24,8 +24,8 @@ class Polygons:
         corners: (C,) vertex of each corner.
         sizes: (P,) corners of each polygon.
         materials: (P,) material slot.
-        smooth: (P,) shaded smoothly.
-        uvs: (C, 2), or None.
+        smooth: (P,) whether the polygon is shaded smoothly.
+        uvs: (C, 2) texture coordinates, or None.
         sharp: (E, 2) vertices of the sharp edges.
         pictures: (P,) address of the image that each polygon shows (until 2.79), 0 for none; or None.
     """
@@ -110,7 +110,7 @@ def gather(
 
 
 def _without(polygons: Polygons, lost: Bools) -> Polygons:
-    """Leave out the polygons with one of the lost vertices (V,)."""
+    """Remove the polygons with one of the lost vertices (V,)."""
     bad = np.zeros(len(polygons.sizes), np.bool_)
     bad[polygons.polygon[lost[polygons.corners]]] = True
     stays = ~bad[polygons.polygon]

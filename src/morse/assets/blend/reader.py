@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from morse.assets.blend.record import Record
     from morse.scene import Node
 
-#: kinds of datablocks for which a warning is given if they are in another file
+#: kinds of datablocks that cause a warning if they are in another file
 _LINKED = ("OB", "ME", "GR", "MA", "IM")
 
 

@@ -51,11 +51,11 @@ class Record:
     def _values(self, name: str) -> tuple[float, ...]:
         field = self._field(name)
         if field.codec is None:
-            raise Damage(f"the field {name} of {self.struct.name} holds no numbers")
+            raise Damage(f"the field {name} of {self.struct.name} does not contain numbers")
         return field.codec.unpack_from(self.file.data, self.offset + field.offset)
 
     def integer(self, name: str, default: int | None = None) -> int:
-        """A whole number or an address; the default if the field does not exist."""
+        """An integer or an address; the default if the field does not exist."""
         if default is not None and name not in self.struct.fields:
             return default
         return _whole(self._values(name)[0])
@@ -74,7 +74,7 @@ class Record:
         return tuple(float(value) for value in values)
 
     def array(self, name: str) -> tuple[int, ...]:
-        """The whole numbers or addresses of a field; none if it does not exist."""
+        """The integers or addresses of a field; empty if it does not exist."""
         return tuple(map(_whole, self._values(name))) if name in self.struct.fields else ()
 
     def at(self, address: int, struct: str) -> Record | None:
@@ -113,7 +113,7 @@ class Record:
         """Return the struct to which a pointer refers, or None.
 
         Args:
-            name: of the field.
+            name: name of the field.
             struct: the struct type of the data; by default, the type that the block names.
         """
         block = self.target(name)

@@ -52,7 +52,7 @@ def _shade(name: str, shader: Node, images: Images, depth: int) -> Material | No
     return material
 
 
-#: simple shaders: metallic, roughness where the node has none, alpha
+#: simple shaders: metallic, roughness if the node has no such input, alpha
 _SURFACES = {
     "BsdfDiffuse": (0.0, 1.0, 1.0),
     "BsdfGlossy": (1.0, 0.2, 1.0),
@@ -88,7 +88,7 @@ def _principled(name: str, shader: Node, images: Images) -> Material:
 
 
 def _mixed(name: str, shader: Node, images: Images, depth: int) -> Material | None:
-    """Return the shader with the larger weight; mixing with a transparent shader makes the other translucent."""
+    """Return the shader with the larger weight; if the other one is transparent, it is made translucent."""
     factor = _share(shader.value("Fac", "Factor", default=0.5)) if shader.kind == "ShaderNodeMixShader" else 0.5
     sockets = [socket for socket in shader.inputs if socket.text("name") == "Shader"][:2]
     sources = [shader.tree.source(socket) for socket in sockets]

@@ -48,7 +48,7 @@ def _rotation(record: Record) -> list[float]:
         order = _ORDERS.get(mode, "XYZ")
         angles, turned = record.reals("rot", _ZERO), record.reals("drot", _ZERO)
         if order == "XYZ" and not any(turned):
-            # not normalised, so that scripts see the numbers of the file
+            # not normalised, so that scripts read the numbers of the file
             return list(angles)
         delta, own = Euler(turned, order).to_matrix(), Euler(angles, order).to_matrix()
     return list((delta @ own).to_euler())

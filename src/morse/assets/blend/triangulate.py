@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from morse.assets.blend.polygons import Floats, Ints, Polygons
 
-#: limit of the time for ear clipping: 10 ns times the square of the number of corners, 5 s for a mesh
+#: limit of the time for ear clipping, which takes 10 ns times the square of the number of corners: 5 s for a mesh
 _CLIP_BUDGET = 500_000_000
 
 
@@ -64,7 +64,7 @@ def _dents(polygons: Polygons, chosen: Ints, corners: Ints) -> list[tuple[int, i
 def _clip(points: Floats, normal: Floats) -> Ints | None:
     """Return triangles (T, 3) of one polygon with its winding; None if it crosses itself.
 
-    Corners on straight sides may be left out.
+    Corners on straight sides may be skipped.
     """
     drop = int(np.argmax(np.abs(normal)))
     kept = [axis for axis in range(3) if axis != drop]

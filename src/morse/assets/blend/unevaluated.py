@@ -38,7 +38,7 @@ class Needs(NamedTuple):
 
 
 def needs(record: Record) -> Needs:
-    """What Blender has to evaluate for an object."""
+    """Whether Blender has to evaluate something."""
     kind = record.integer("type")
     shaped = kind in (SURFACE, FONT, METABALL) or (kind == CURVE and _has_surface(record))
     if kind == MESH:

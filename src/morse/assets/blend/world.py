@@ -27,7 +27,7 @@ def world_properties(file: BlendFile, scene: Record | None) -> dict[str, object]
         if world is not None:
             found.update(_appearance(world))
     except Damage as damage:
-        file.warn(f"the world settings are damaged and left out: {damage}")
+        file.warn(f"the world settings are damaged and are ignored: {damage}")
     return found
 
 

@@ -23,7 +23,7 @@ def collada_unit(path: Path) -> float:
     if root.tag.rpartition("}")[2] != "COLLADA":
         raise AssetError(path, f"it is not COLLADA: it begins with <{root.tag:.60}>")
     if importlib.util.find_spec("collada") is None:
-        raise AssetError(path, "COLLADA files are read by a package of its own: pip install 'morse-simulator[collada]'")
+        raise AssetError(path, "COLLADA files need another package: pip install 'morse-simulator[collada]'")
     given = root.find("./{*}asset/{*}unit")
     text = "1" if given is None else given.get("meter", "1")
     try:

@@ -1,4 +1,4 @@
-"""The files that a model file names: only those below its folder."""
+"""Access to the files that a model file refers to: only those in its folder and below."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-#: bytes of a file
+#: maximum size of a file, bytes
 SIZE_LIMIT = 512 << 20
 
 
 class Below:
-    """Gives trimesh the files that a model refers to; a model from a stranger must not read elsewhere.
+    """Gives trimesh the files that a model refers to; an untrusted model must not read other files.
 
     Attributes:
-        refused: names of files that lie elsewhere, are missing or are too large.
+        refused: names of files that are outside of the folder, are missing or are too large.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -28,7 +28,7 @@ class Below:
         """The content of a file.
 
         Raises:
-            FileNotFoundError: it lies elsewhere, is missing or is too large.
+            FileNotFoundError: it is outside of the folder, is missing or is too large.
         """
         try:
             path = Path(os.path.realpath(self._folder / str(name).strip().replace("\\", "/")))
@@ -46,7 +46,7 @@ class Below:
         return (self._folder / str(name)).is_file()
 
     def keys(self) -> Iterator[str]:
-        """Return no names: a folder may be large, and trimesh requests the files that a model names."""
+        """Return no names: a folder may be large, and trimesh requests files by name."""
         return iter(())
 
     def write(self, name: str, data: bytes) -> None:
@@ -54,5 +54,5 @@ class Below:
         raise PermissionError(name)
 
     def namespaced(self, namespace: str) -> Below:
-        """The files of a folder below."""
+        """Access to the files of a subfolder."""
         return Below(self._folder / namespace)

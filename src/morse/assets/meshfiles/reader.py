@@ -16,7 +16,7 @@ from morse.assets.meshfiles.surfaces import Surfaces
 from morse.mathutils import Matrix
 from morse.scene import Library, Node, NodeKind, PhysicsType
 
-#: glTF looks along +Z with +Y up; models of MORSE look along +X with +Z up
+#: glTF models face +Z with +Y up; models of MORSE face +X with +Z up
 _FROM_GLTF = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _GLTF = (".gltf", ".glb")
 #: relative tolerance for parts of a matrix other than rotation and scale
@@ -26,11 +26,9 @@ _SHEAR = 1e-3
 def read_meshes(path: str | Path) -> Library:
     """Read a file.
 
-    glTF is turned so that its front becomes +X and its top +Z. The axes of OBJ, STL and PLY, which say nothing of
-    front and top, are taken as they are; one unit is a metre. COLLADA files say what their unit is; their axes are
-    taken
-    as they are, too, as the viewers of ROS do. Files that a model names are read only from its folder
-    and below.
+    glTF models are rotated so that their front is along +X and their top along +Z. OBJ, STL and PLY files do not define
+    front and top: their axes are kept, and their unit is the metre. COLLADA files define their unit; their axes are
+    also kept, as in the viewers of ROS. Files that a model refers to are only read from its folder and below.
 
     Raises:
         AssetError: it is broken, too large or empty.
@@ -52,13 +50,13 @@ def read_meshes(path: str | Path) -> Library:
     except RecursionError:
         raise AssetError(path, "it is nested too deeply") from None
     except MemoryError:
-        raise AssetError(path, "it needs more memory than there is") from None
+        raise AssetError(path, "it needs more memory than is available") from None
     except Exception as error:  # trimesh may raise any exception for a damaged file
         what = f" ({', '.join(below.refused[:3])} cannot be read)" if below.refused else ""
         raise AssetError(path, f"it cannot be read{what}: {type(error).__name__}: {error!s:.200}") from error
     if below.refused:
         names = ", ".join(f"'{name:.80}'" for name in below.refused[:5])
-        library.warnings.append(f"files that are missing, or not below its folder, are left out: {names}")
+        library.warnings.append(f"files that are missing, or are outside of its folder, are ignored: {names}")
     return library
 
 
@@ -79,7 +77,7 @@ def _loaded(path: Path, below: Any) -> Any:
 
 
 class _Reading:
-    """From the graph of a scene of trimesh to nodes."""
+    """Converts the graph of a trimesh scene to nodes."""
 
     def __init__(self, path: Path, scene: Any) -> None:
         self._path, self._scene = path, scene
@@ -105,14 +103,14 @@ class _Reading:
                 above.attach(node)
         roots = [root for root in roots if any(node.mesh is not None for node in root.walk())]
         if not roots:
-            raise AssetError(self._path, "there is no mesh in it")
+            raise AssetError(self._path, "it contains no mesh")
         library = Library(path=str(self._path), roots=roots, images=self._surfaces.images)
         if self._sheared:
-            library.warnings.append(f"sheared objects are shown without it: {', '.join(self._sheared[:5])}")
+            library.warnings.append(f"sheared objects are shown without shear: {', '.join(self._sheared[:5])}")
         return library
 
     def _in_order(self, parents: dict[Any, Any], base: Any) -> list[Any]:
-        """The frames but the base, parents first."""
+        """All frames except the base, parents first."""
         ordered: dict[Any, None] = {}
         for frame in sorted(parents, key=str):
             chain = []
@@ -127,7 +125,7 @@ class _Reading:
         has_triangles = given is not None and len(getattr(given, "faces", ())) > 0
         node = Node(self._unique(name), NodeKind.MESH if has_triangles else NodeKind.EMPTY)
         node.source_name = node.name
-        node.body.type = PhysicsType.AUTO  # the file has no physics: its role decides
+        node.body.type = PhysicsType.AUTO  # the file has no physics settings: its role determines them
         if has_triangles:
             node.mesh = self._surfaces.mesh(str(geometry), given)
             node.materials = list(node.mesh.materials)
@@ -147,8 +145,8 @@ class _Reading:
 
     def _place(self, node: Node, matrix: Any) -> None:
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise AssetError(self._path, f"the place of '{node.name}' is not a matrix of finite numbers")
-        # the axes of each node are turned, as its mesh is
+            raise AssetError(self._path, f"the pose of '{node.name}' is not a matrix of finite numbers")
+        # the axes of each node are rotated in the same way as the axes of its mesh
         turn = self._turn @ matrix[:3, :3] @ self._turn.T
         scale = np.linalg.norm(turn, axis=0)
         if np.linalg.det(turn) < 0.0:

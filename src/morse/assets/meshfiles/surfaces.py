@@ -1,4 +1,4 @@
-"""Meshes and materials of trimesh as those of a scene."""
+"""Converts meshes and materials of trimesh to those of a scene."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from morse.assets.blend.polygons import Polygons
 from morse.mathutils.light import linear_light
 from morse.scene import Image, Material, Mesh
 
-#: rad; edges that bend by more are shown as edges
+#: rad; edges with a larger angle are shown as creases
 _CREASE = 0.7
 
 
 class Surfaces:
-    """Converts each mesh, material and picture once.
+    """Converts each mesh, material and image once.
 
     Args:
-        turn: (3, 3) from the axes of the file to those of MORSE.
+        turn: (3, 3) rotation from the axes of the file to those of MORSE.
     """
 
     def __init__(self, turn: Any) -> None:
@@ -45,7 +45,7 @@ class Surfaces:
         if not np.isfinite(vertices).all():
             raise ValueError(f"the mesh '{name}' has coordinates that are not finite numbers")
         if triangles.size and (triangles.min() < 0 or triangles.max() >= len(vertices)):
-            raise ValueError(f"the mesh '{name}' has triangles without corners")
+            raise ValueError(f"the mesh '{name}' has triangles whose corners are missing")
         a, b, c = triangles.T
         triangles = triangles[(a != b) & (b != c) & (a != c)]
         uvs = getattr(given.visual, "uv", None)
@@ -126,7 +126,7 @@ def _normals(vertices: Any, triangles: Any) -> Any:
 
 
 def _numbers(given: Any, count: int, default: tuple[float, ...]) -> Any:
-    """Some numbers, or the default where there are others."""
+    """Some numbers, or the default if there are no numbers or too few."""
     if given is None:
         return np.array(default, dtype=float)
     array = np.asarray(given, dtype=float).ravel()
@@ -136,5 +136,5 @@ def _numbers(given: Any, count: int, default: tuple[float, ...]) -> Any:
 
 
 def _linear(color: Any) -> list[float]:
-    """From sRGB; the fourth number is opacity."""
+    """Convert a colour from sRGB; the fourth number is opacity."""
     return [*linear_light(color[:3]).tolist(), float(color[3])]

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from morse.assets.mjcf.model import BodyData, JointData, ModelData, MotorData
 
-#: rad or m, for joints without limits
+#: range of joints without limits, rad or m
 _ENDLESS = 1e4
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_KINDS = {"slide": JointKind.PRISMATIC, "hinge": JointKind.REVOLUTE, "ball": JointKind.BALL}
 
 
 def pose(position: Iterable[float], quaternion: Iterable[float]) -> Matrix:
@@ -32,9 +32,9 @@ class Bones:
 
     Attributes:
         bones: parents before their children.
-        places: 4x4 of each body in the model, while all joints have the values of the file.
-        hung: body to the index of the bone on which it hangs, -1 for none, and its 4x4 in the frame of the bone.
-        warnings: what is not as in the file, one sentence each.
+        places: 4x4 of each body in the model when all joints have the values of the file.
+        hung: body to the index of the bone that carries it, -1 for none, and its 4x4 in the frame of the bone.
+        warnings: differences from the file, one sentence each.
     """
 
     def __init__(self, model: ModelData, chosen: list[int]) -> None:
@@ -57,13 +57,11 @@ class Bones:
         for number in body.joints:
             joint = self._model.joints[number]
             if joint.kind == "ball":
-                self.warnings.append(f"the ball joint '{joint.name}' is three joints, about X, Y and Z")
-                for letter, axis in _AXES.items():
-                    last = self._bone(index, f"{joint.name}_{letter}", joint, axis, number, last)
+                last = self._bone(index, joint.name, joint, (0.0, 0.0, 1.0), number, last)
             elif joint.kind in ("hinge", "slide"):
                 last = self._bone(index, joint.name, joint, joint.axis, number, last)
         if not body.joints and last >= 0:
-            # a link that does not move against its parent hangs on the same bone
+            # a link that does not move relative to its parent belongs to the same bone
             last = above
         frame = self._frames[last] if last >= 0 else Matrix.Identity(4)
         self.hung[index] = (last, frame.inverted() @ self.places[index])
@@ -73,14 +71,14 @@ class Bones:
         turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
         frame = place @ Matrix.Translation(joint.position) @ turned
         self._frames.append(frame)
-        # bones say where they are at the value 0
+        # the pose of a bone is that at joint value 0
         if joint.kind == "slide":
             frame = frame @ Matrix.Translation((0.0, 0.0, -joint.start))
         elif joint.start:
             frame = frame @ Matrix.Rotation(-joint.start, 4, "Z")
         local = frame if parent < 0 else self._frames[parent].inverted() @ frame
-        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None or joint.kind == "ball" else joint.limits
-        kind = JointKind.PRISMATIC if joint.kind == "slide" else JointKind.REVOLUTE
+        low, high = (-_ENDLESS, _ENDLESS) if joint.limits is None else joint.limits
+        kind = _KINDS[joint.kind]
         x, y, z = local.translation
         index = len(self.bones)
         self.bones.append(
@@ -102,6 +100,11 @@ class Bones:
         self._bone_of.setdefault(number, index)
         return index
 
+    @property
+    def names(self) -> dict[int, str]:
+        """Joint of the model to the name of its bone."""
+        return {joint: self.bones[bone].name for joint, bone in self._bone_of.items()}
+
     # -- motors ----------------------------------------------------------------------------
 
     def _dynamics(self, number: int, joint: JointData) -> JointDynamics:
@@ -114,7 +117,7 @@ class Bones:
             stiffness=max(joint.stiffness, 0.0),
             rest=joint.rest,
             effort=min(effort, joint.effort) or math.inf,
-            limited=joint.limits is not None and joint.kind != "ball",
+            limited=joint.limits is not None,
             control=control,
             gain=gain,
             slowing=slowing,
@@ -137,7 +140,7 @@ class Bones:
 
 
 def _drive(motor: MotorData | None) -> tuple[Control, float | None, float | None, float]:
-    """Return what a motor is told, its gain and damping, and its largest effort, all of them at the joint."""
+    """Return the quantity that a motor controls, its gain and damping, and its largest effort, at the joint."""
     if motor is None:
         return Control.EFFORT, None, None, math.inf
     gear, most = abs(motor.gear), abs(motor.gear) * motor.force

@@ -1,8 +1,7 @@
-"""A compiled MJCF model as plain data. This is the only module outside of the physics that knows MuJoCo.
+"""A compiled MJCF model as plain data. No other module outside of the physics uses MuJoCo.
 
-The parser of the engine applies defaults, computes inertias from shapes, and resolves all the ways in which MJCF
-gives poses
-and sizes.
+The parser of the engine applies defaults, computes inertias from shapes, and resolves all notations for poses and
+sizes.
 """
 
 from __future__ import annotations
@@ -15,8 +14,11 @@ import mujoco
 import numpy as np
 
 from morse.assets.errors import AssetError
+from morse.assets.mjcf.couplings import CouplingReader
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from numpy.typing import NDArray
 
     from morse.assets.mjcf.source import Source
@@ -58,7 +60,7 @@ class JointData:
 
     Attributes:
         kind: ``free``, ``ball``, ``slide`` or ``hinge``.
-        start: value in which the bodies have the poses of the file.
+        start: joint value at which the bodies have the poses of the file.
         limits: smallest and largest value, or None.
         effort: largest effort of its motors, or infinity.
     """
@@ -84,7 +86,7 @@ class GeomData:
 
     Attributes:
         mesh: vertices (V, 3) and triangles (T, 3), or None.
-        masks: the bits of its type and of those that it collides with.
+        masks: the bits of its type, and the bits of the types that it collides with (``contype``, ``conaffinity``).
     """
 
     name: str
@@ -105,8 +107,8 @@ class MotorData:
 
     Attributes:
         gear: effort of the joint divided by the force of the actuator.
-        gain, bias: of the actuator: force = gain * control + bias[0] + bias[1] * length + bias[2] * velocity.
-        is_direct: whether the control acts without dynamics of its own, linearly.
+        gain, bias: constants of the actuator: force = gain * control + bias[0] + bias[1] * length + bias[2] * velocity.
+        is_direct: whether the force is linear in the control, without dynamics of the actuator.
         force: largest force, or infinity.
         control: largest control, or infinity.
     """
@@ -126,8 +128,8 @@ class SensorData:
     """A sensor or a camera in the frame of a body.
 
     Attributes:
-        kind: the word of MJCF, ``camera`` for a camera.
-        values: of a camera: vertical field of view, deg; of a range finder: largest distance, m, 0 for none.
+        kind: name of the MJCF element; ``camera`` for a camera.
+        values: for a camera, vertical field of view, deg; for a range finder, largest distance, m, 0 for none.
     """
 
     name: str
@@ -143,10 +145,12 @@ class ModelData:
     """A model.
 
     Attributes:
-        bodies: the world first, parents before their children.
-        follows: (joint, leader, factor, offset).
+        bodies: the world first; parents are before their children.
+        follows: joints that follow another joint: (joint, leader, factor, offset).
         apart: pairs of bodies that do not collide.
-        lost: what is not supported, one sentence each.
+        lost: unsupported features of the file, one sentence each.
+        handled: the constraints that are in ``follows``.
+        couplings: returns a reader of tendons and constraints, given the names of links and bones.
     """
 
     bodies: list[BodyData]
@@ -157,17 +161,19 @@ class ModelData:
     follows: list[tuple[int, int, float, float]]
     apart: list[tuple[int, int]]
     lost: list[str]
+    handled: frozenset[int]
+    couplings: Callable[[Mapping[int, str], Mapping[int, str]], CouplingReader]
 
 
 def compiled(source: Source) -> ModelData:
     """Compile a model.
 
     Raises:
-        AssetError: the engine refuses it; with the reason.
+        AssetError: the engine refuses it; the message contains the reason.
     """
     try:
         with warnings.catch_warnings():
-            # those of the engine are for authors of MJCF
+            # warnings of the engine are for authors of MJCF
             warnings.simplefilter("ignore")
             model = mujoco.MjSpec.from_string(source.text, assets=source.meshes).compile()
     except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
@@ -179,6 +185,7 @@ class _Reading:
     def __init__(self, model: mujoco.MjModel) -> None:
         self.model = model
         self.lost: list[str] = []
+        self.handled: set[int] = set()
 
     def name(self, kind: str, index: int) -> str:
         return mujoco.mj_id2name(self.model, _OBJECTS[kind], index) or f"{kind}{index}"
@@ -194,9 +201,20 @@ class _Reading:
             bodies[m.geom_bodyid[index]].geoms.append(index)
         motors = [motor for index in range(m.nu) if (motor := self.motor(index)) is not None]
         sensors = [*self.cameras(), *self.sensors()]
-        if m.ntendon:
-            self.lost.append(f"it has {m.ntendon} tendons; they are left out, with their motors")
-        return ModelData(bodies, joints, geoms, motors, sensors, self.follows(), self.apart(), self.lost)
+        follows = self.follows()
+        handled = frozenset(self.handled)
+        return ModelData(
+            bodies,
+            joints,
+            geoms,
+            motors,
+            sensors,
+            follows,
+            self.apart(),
+            self.lost,
+            handled,
+            lambda links, bones: CouplingReader(m, links, bones, handled),
+        )
 
     def body(self, index: int) -> BodyData:
         m = self.model
@@ -269,7 +287,7 @@ class _Reading:
         at_joint = int(m.actuator_trntype[index]) in (0, 1) and m.jnt_type[joint] in (2, 3)
         if not at_joint:
             if int(m.actuator_trntype[index]) != int(mujoco.mjtTrn.mjTRN_TENDON):
-                self.lost.append(f"the motor '{name}' moves no single joint; it is left out")
+                self.lost.append(f"the motor '{name}' does not move a single joint; it is ignored")
             return None
         gains, bias = m.actuator_gainprm[index], m.actuator_biasprm[index]
         affine = int(m.actuator_biastype[index]) == int(mujoco.mjtBias.mjBIAS_AFFINE)
@@ -298,7 +316,7 @@ class _Reading:
                 (float(np.ravel(m.cam_fovy[index])[0]),),
             )
             for index in range(m.ncam)
-            # a camera of the world looks at the robot, and is no part of it
+            # a camera of the world observes the robot, and is not a part of it
             if m.cam_bodyid[index] > 0 and int(m.cam_mode[index]) == int(mujoco.mjtCamLight.mjCAMLIGHT_FIXED)
         ]
 
@@ -328,14 +346,15 @@ class _Reading:
 
     def follows(self) -> list[tuple[int, int, float, float]]:
         m = self.model
-        found = []
+        found: list[tuple[int, int, float, float]] = []
         for index in range(m.neq):
             one, other = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
             is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
             if not is_joint or other < 0 or any(m.eq_data[index][2:5]) or m.jnt_type[one] < 2 or m.jnt_type[other] < 2:
-                word = mujoco.mjtEq(int(m.eq_type[index])).name.removeprefix("mjEQ_").lower()
-                self.lost.append(f"a constraint '{word}' is left out")
                 continue
+            if not m.eq_active0[index] or any(one == joint for joint, *_ in found):
+                continue
+            self.handled.add(index)
             factor = float(m.eq_data[index][1])
             start, leading = (float(m.qpos0[m.jnt_qposadr[joint]]) for joint in (one, other))
             found.append((one, other, factor, start + float(m.eq_data[index][0]) - factor * leading))

@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from morse.assets.mjcf.model import BodyData, ModelData
 
 _LIGHTEST = 1e-3
-#: m and kg
+#: largest accepted length, m, and mass, kg
 _FARTHEST, _HEAVIEST = 1e6, 1e9
-#: bodies, and bodies that hang on each other
+#: maximum number of bodies, and maximum depth of the tree of bodies
 _MOST_BODIES, _DEEPEST = 2000, 200
 
 
 def read_mjcf(path: str | Path) -> Library:
     """Read a robot.
 
-    Its bodies become nodes of their names below the armature ``<model>_joints``, whose bones are the joints.
+    Its bodies become nodes with the same names below the armature ``<model>_joints``, whose bones are the joints.
 
     Raises:
         AssetError: the file is broken, or the engine refuses it.
@@ -66,7 +66,12 @@ class _Reader:
         root.attach(armature)
         links = {index: self._link_name(index) for index in (*chosen, 0)}
         apart = tuple((links[a], links[b]) for a, b in self._apart(chosen))
-        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart)
+        # a robot that is free cannot be tied to the world
+        places = {index: name for index, name in links.items() if index or base is None}
+        reading = self.model.couplings(places, bones.names)
+        couplings = reading.read()
+        self.warnings += dict.fromkeys(reading.lost)
+        armature.articulation = Articulation(mass=mass, self_collision=True, apart=apart, couplings=couplings)
         root.articulation = Articulation(mass=mass)
         frames = []
         for (x, y, z), r in start_frames(armature.bones):
@@ -85,12 +90,12 @@ class _Reader:
         if world.children and base is None:
             armature.attach(world)
         elif world.children:
-            self.warnings.append(f"{len(world.children)} shapes of the world are left out: the robot is free")
+            self.warnings.append(f"{len(world.children)} shapes of the world are ignored, because the robot is free")
         sensors, remarks = sensors_of(self.model, {index: links[index] for index in chosen})
         return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
 
     def _demand_usual_sizes(self) -> None:
-        """Refuse lengths and masses with which the physics could not compute."""
+        """Refuse lengths and masses that are too large for the physics."""
         model = self.model
         lengths = [
             *(("body", one.name, one.position) for one in model.bodies),
@@ -112,7 +117,7 @@ class _Reader:
                 )
 
     def _choose(self) -> tuple[list[int], int | None]:
-        """Return the bodies of the robot, parents first, and the one that is free; None for a robot that is fixed."""
+        """Return the bodies of the robot, parents first, and the free body; None for the latter if it is fixed."""
         bodies, joints = self.model.bodies, self.model.joints
         if len(bodies) > _MOST_BODIES:
             raise AssetError(self.source.path, f"it has {len(bodies)} bodies, more than {_MOST_BODIES}")
@@ -124,7 +129,7 @@ class _Reader:
         left = [index for index in free if index != base]
         if left:
             names = ", ".join(f"'{bodies[index].name:.60}'" for index in left[:5])
-            self.warnings.append(f"a robot has one free body at most; {names} are left out")
+            self.warnings.append(f"a robot has at most one free body; {names} are ignored")
         chosen: list[int] = []
         depth = {0: 0}
         for index in range(1, len(bodies)):
@@ -133,7 +138,7 @@ class _Reader:
                 continue
             depth[index] = depth[parent] + 1
             if depth[index] > _DEEPEST:
-                raise AssetError(self.source.path, f"more than {_DEEPEST} bodies hang on each other")
+                raise AssetError(self.source.path, f"the tree of bodies is deeper than {_DEEPEST}")
             chosen.append(index)
         return chosen, base
 
@@ -159,9 +164,9 @@ class _Reader:
         for number in body.geoms:
             geom = self.model.geoms[number]
             if geom.kind in ("plane", "other"):
-                what = "plane: the floor is that of the environment" if geom.kind == "plane" else "unknown shape"
+                what = "plane: the environment provides the floor" if geom.kind == "plane" else "unknown shape"
                 if what not in " ".join(self.warnings):
-                    self.warnings.append(f"the shape '{geom.name:.60}' is left out, as a {what}")
+                    self.warnings.append(f"the shape '{geom.name:.60}' is ignored: {what}")
                 continue
             name = geom.name
             while name in self._names:
@@ -170,7 +175,7 @@ class _Reader:
             node.attach(shape_node(geom, name))
 
     def _apart(self, chosen: list[int]) -> list[tuple[int, int]]:
-        """Return the pairs of bodies that the file keeps apart, or whose shapes do not collide by their masks."""
+        """Return the pairs of bodies that the file excludes from collision, or whose masks exclude it."""
         bodies, known = self.model.bodies, {*chosen, 0}
         found = [pair for pair in self.model.apart if set(pair) <= known]
         masks = {i: [self.model.geoms[geom].masks for geom in bodies[i].geoms] for i in (*chosen, 0)}

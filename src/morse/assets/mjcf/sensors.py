@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from morse.assets.mjcf.model import ModelData
 
-#: what `ArmaturePose` and the motors measure
+#: quantities that `ArmaturePose` and the motors already measure
 _OF_JOINTS = ("joint", "actuator", "tendon", "ball")
 _PRODUCTS = {
     "camera": "VideoCamera",
@@ -34,7 +34,7 @@ _FROM_FINDER = Matrix(((0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))).to_4
 def sensors_of(model: ModelData, links: Mapping[int, str]) -> tuple[list[DeclaredSensor], list[str]]:
     """Return the sensors of a model, and warnings about those that are left out.
 
-    An accelerometer and a gyroscope at the same place are one IMU.
+    An accelerometer and a gyroscope with the same pose become one IMU.
 
     Args:
         links: names of the nodes by body.

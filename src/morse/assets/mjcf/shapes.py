@@ -13,7 +13,7 @@ from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, No
 if TYPE_CHECKING:
     from morse.assets.mjcf.model import GeomData
 
-#: groups of shapes from this one on are hidden by the viewers of MuJoCo
+#: the viewers of MuJoCo hide shapes of this group and of higher groups
 _HIDDEN = 3
 _KINDS = {
     "sphere": ShapeKind.SPHERE,
@@ -25,7 +25,7 @@ _KINDS = {
 
 
 def shape_node(geom: GeomData, name: str) -> Node:
-    """Return the node of a shape, which is solid if the shape collides with anything."""
+    """Return the node of a shape; it is solid if the shape collides with anything."""
     node = Node(name, NodeKind.MESH, source_name=name, location=list(geom.position))
     node.rotation_euler = list(Quaternion(geom.quaternion).to_euler())
     red, green, blue, alpha = geom.color
@@ -63,7 +63,7 @@ def _mesh(geom: GeomData) -> tuple[Mesh, tuple[float, ...]]:
 
 
 def _capsule(radius: float, half: float) -> Mesh:
-    """A sphere that is pulled apart along Z."""
+    """A sphere that is elongated along Z."""
     ball = solids.sphere()
     vertices = ball.vertices * radius
     vertices[:, 2] += np.where(ball.vertices[:, 2] > 1e-6, half, -half)

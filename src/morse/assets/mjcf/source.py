@@ -1,7 +1,7 @@
-"""An MJCF file with all that it includes, reduced to what a robot needs.
+"""An MJCF file with all files that it includes, reduced to the robot.
 
-The parser of the engine reads the files that a model names, wherever they are, and allocates what a model asks for. The
-text that it gets here names no files, and holds nothing of which a few bytes could ask for much memory.
+The parser of the engine would read any file that a model names, and allocate any amount of memory that a model
+requests. The text that it receives from here names no files, and has no elements that request much memory.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _MOST_ELEMENTS, _MOST_FILES = 100_000, 200
 _MOST_MESH_BYTES = 512 << 20
-#: copies of a part, in all
+#: maximum number of copies of parts in a file
 _MOST_COPIES = 1000
 _LARGEST = 1e15
 #: top-level elements that do not describe the robot
@@ -29,20 +29,20 @@ _LEFT_OUT = ("keyframe", "visual", "statistic", "custom", "size", "option")
 _UNSUPPORTED = (
     "attach", "composite", "deformable", "extension", "flex", "flexcomp", "hfield", "model", "plugin", "skin",
 )  # fmt: skip
-#: attributes that ask for memory or files
+#: attributes that request memory or name files
 _ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
-#: attributes of words, which may look like numbers
+#: attributes with words that may look like numbers
 _WORDS = ("name", "class", "childclass", "mesh", "material", "model")
 
 
 class Source:
-    """The text for the engine, and the meshes that it needs.
+    """The text for the engine, and the meshes that it requires.
 
     Attributes:
-        name: of the model.
+        name: name of the model.
         text: MJCF.
         meshes: name in the text to the content of the file.
-        warnings: what is left out, one sentence each.
+        warnings: ignored elements, one sentence each.
     """
 
     def __init__(self, path: Path) -> None:
@@ -84,7 +84,7 @@ class Source:
             included = self._found(name, path)
             if included in above:
                 circle = " includes ".join(one.name for one in [*above[above.index(included) :], included])
-                raise self._fail(f"{circle}: files include each other in a circle")
+                raise self._fail(f"{circle}: files include each other")
             content = self._read(included, ("mujocoinclude", "mujoco"))
             self._include(content, included, [*above, included])
             index = list(parent).index(child)
@@ -94,7 +94,7 @@ class Source:
 
     def _found(self, name: str, path: Path) -> Path:
         reason: Exception | None = None
-        # relative to the model, or to the file that includes it
+        # the path is relative to the model, or to the file that includes it
         for model in (self.path, path):
             try:
                 return find_near(name, model).absolute()
@@ -105,7 +105,7 @@ class Source:
     # -- elements --------------------------------------------------------------------------
 
     def _check(self, root: ElementTree.Element) -> None:
-        """Refuse numbers that are none, or absurd, and a number of copies that is."""
+        """Refuse invalid or extremely large numbers, and a too large number of copies."""
         for element in root.iter():
             for name, value in element.attrib.items():
                 if name in _WORDS:
@@ -113,7 +113,7 @@ class Source:
                 for number in _numbers(value):
                     if not abs(number) <= _LARGEST:
                         raise self._fail(
-                            f"<{element.tag} {name}={value[:60]!r}>: expected numbers that a robot can have"
+                            f"<{element.tag} {name}={value[:60]!r}>: expected numbers that are realistic for a robot"
                         )
         copies = 1.0
         for element in root.iter("replicate"):
@@ -147,7 +147,7 @@ class Source:
             self._folder = compiler.get("meshdir") or compiler.get("assetdir") or self._folder
             for name in ("meshdir", "assetdir", "texturedir", "strippath"):
                 compiler.attrib.pop(name, None)
-            # the links of the file, and its visible shapes, are kept
+            # the links of the file and its visible shapes are kept separate
             compiler.attrib.update(fusestatic="false", discardvisual="false", balanceinertia="true")
             for name in ("boundmass", "boundinertia"):
                 compiler.attrib.setdefault(name, "1e-9")
@@ -191,7 +191,7 @@ class Source:
 
 
 def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> bool:
-    """Whether an element is not supported, or a picture, which could be of any size."""
+    """Whether an element is ignored: it is not supported, or is an image, which could be of any size."""
     if child.tag == "geom":
         return child.get("type") in ("hfield", "sdf")
     is_picture = (parent.tag, child.tag) in (("asset", "texture"), ("material", "layer"))
@@ -199,7 +199,7 @@ def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> boo
 
 
 def _numbers(text: str) -> Iterator[float]:
-    """The words of a text that are numbers; an infinity counts as one."""
+    """The words of a text that are numbers, including infinity."""
     for word in text.split():
         try:
             number = float(word)

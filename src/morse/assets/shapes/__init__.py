@@ -1,7 +1,8 @@
 """Collision shapes from triangle meshes.
 
-The physics supports boxes, spheres, cylinders, capsules and convex hulls. A mesh that is one of these is represented by
-it. Any other mesh is divided into such parts, so that rooms, doorways and shelves stay hollow.
+The physics supports boxes, spheres, cylinders, capsules and convex hulls. A mesh with the shape of one of these solids
+is represented by the solid. Any other mesh is divided into such solids, so that rooms, doorways and shelves stay
+hollow.
 """
 
 from morse.assets.shapes.convexity import thickened

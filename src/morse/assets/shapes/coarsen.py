@@ -21,7 +21,7 @@ def coarsened(surface: Surface, cell: float) -> Surface:
     No vertex moves farther than the diagonal of a cell.
 
     Args:
-        surface: any.
+        surface: the surface.
         cell: width of the cells, metres.
     """
     low = surface.vertices.min(axis=0)
@@ -38,7 +38,7 @@ def coarsened(surface: Surface, cell: float) -> Surface:
 
 
 def _sharpness(surface: Surface) -> NDArray[np.float64]:
-    """(V,) 0 where the surface is flat, up to 1 where its faces look apart; 2 along its rim, up to 3 at corners."""
+    """(V,) 0 on flat areas, up to 1 where the normals of the faces differ most; 2 at the rim, up to 3 at corners."""
     weights = np.repeat(surface.areas, 3)
     total = np.bincount(surface.triangles.ravel(), weights=weights, minlength=len(surface.vertices))
     mean = _sums(surface, surface.triangles.ravel(), np.repeat(surface.normals, 3, axis=0) * weights[:, None])

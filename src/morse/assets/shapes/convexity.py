@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_BULGE = 1e-3  # of the diagonal: how far a vertex may lie in front of a face
+_BULGE = 1e-3  # share of the diagonal: tolerance for vertices in front of a face
 _WORK = 20_000_000  # maximum product of vertices and faces that are tested
 _CHUNK = 2_000_000
-_HULL_POINTS = 512  # a hull with more vertices is given by its extreme ones
-_THINNEST = 0.001  # metres; flatter hulls get this thickness
+_HULL_POINTS = 512  # maximum number of vertices of a hull; of a larger hull, only the extreme vertices are used
+_THINNEST = 0.001  # metres; minimum thickness of hulls
 
 
 def is_convex(surface: Surface) -> bool:
@@ -43,7 +43,7 @@ def is_convex(surface: Surface) -> bool:
 
 
 def _bends_backward(surface: Surface, offsets: Floats, tolerance: float) -> bool:
-    """True if no triangle rises in front of its neighbours."""
+    """True if no triangle is in front of the plane of its neighbours."""
     for across in edge_neighbours(surface).T:
         corners = surface.corners[across]
         heights = np.einsum("tcj,tj->tc", corners, surface.normals) - offsets[:, None]
@@ -74,7 +74,7 @@ def thickened(points: Floats, least: float) -> Floats:
 
 
 def _extreme_points(points: Floats) -> Floats:
-    """Those points (P, 3) that are farthest out in directions spread evenly over the sphere (a Fibonacci lattice)."""
+    """Those of the points (P, 3) that are extreme in directions spread evenly over the sphere (a Fibonacci lattice)."""
     index = np.arange(_HULL_POINTS) + 0.5
     height = 1.0 - 2.0 * index / _HULL_POINTS
     turn = index * (math.pi * (1.0 + math.sqrt(5.0)))

@@ -26,9 +26,9 @@ DEFAULT_LIMIT = 4096
 """Maximum number of parts of a mesh: the engine compiles that many static parts in about 0.2 s."""
 
 _FLAT = Flatness(angle=0.02, distance=2e-3)
-_FLAT_SHARE = 5e-4  # of the diagonal: the same for small pieces
+_FLAT_SHARE = 5e-4  # share of the diagonal: the same for small pieces
 _COARSER = 1.4
-_COARSEST = 1.0 / 3.0  # of the diagonal
+_COARSEST = 1.0 / 3.0  # share of the diagonal
 
 
 def convex_parts(
@@ -47,7 +47,7 @@ def convex_parts(
         warnings: list to which a sentence about lost accuracy is appended.
 
     Returns:
-        The parts; empty for a mesh without area.
+        The parts; an empty list for a mesh without area.
 
     Raises:
         ValueError: the limit is less than 1 or the arrays have other shapes.
@@ -88,7 +88,7 @@ def _parts_of(piece: Surface, budget: int, hollow: bool, losses: Losses) -> list
     made = _plates_of(piece, flatness, budget)
     if made is not None:
         return made
-    # A grid of triangles with cells of this width has as many as the budget; flat parts of it need fewer.
+    # A grid of triangles with cells of this width contains as many triangles as allowed. Flat areas need fewer.
     cell = size / math.sqrt(budget) / 2.0
     while cell < _COARSEST * size:
         made = _plates_of(coarsened(piece, cell), flatness, budget)

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_OFF = 0.02  # how far vertices may lie off the solid, of its size: bevels and rounded numbers
-_BOX_VOLUME = 0.985  # volume of the mesh, of that of the solid, from which on it is one
+_OFF = 0.02  # share of the size: tolerance for vertices beside the surface of the solid, for bevels and rounded numbers
+_BOX_VOLUME = 0.985  # minimum ratio of the volume of the mesh to the volume of the solid
 _SPHERE_VOLUME = 0.8  # an icosphere of 42 vertices has 0.82, a dodecahedron 0.66
 _CYLINDER_VOLUME = 0.88  # a prism of eight sides has 0.90, one of six 0.83
 _PARALLEL = 1e-3  # radians
@@ -41,7 +41,7 @@ def detect_primitive(vertices: ArrayLike, triangles: ArrayLike) -> Primitive | N
 
 
 def primitive_of(surface: Surface) -> Primitive | None:
-    """The box, sphere or cylinder that one piece of a surface is."""
+    """The box, sphere or cylinder that has the shape of one piece of a surface."""
     volume = surface.signed_volume
     if len(surface.triangles) < 8 or volume <= 0.0:
         return None
@@ -84,7 +84,7 @@ def _box_frames(surface: Surface) -> Iterator[Floats]:
 
 
 def _main_normal(normals: Floats, areas: Floats) -> Floats:
-    """The normal, whichever its sign, that most of the area has, to a thousandth."""
+    """The normal, up to its sign, of most of the area, to a thousandth."""
     folded = normals * np.where(_leading_sign(normals) < 0.0, -1.0, 1.0)[:, None]
     keys = np.round(folded / _PARALLEL).astype(np.int64) + 1024
     _, group = np.unique((keys[:, 0] << 22) + (keys[:, 1] << 11) + keys[:, 2], return_inverse=True)
@@ -101,7 +101,7 @@ def _leading_sign(normals: Floats) -> Floats:
 
 
 def _nearest_to_frame(axes: list[Floats]) -> Floats:
-    """The axes as columns of a rotation, each as X, Y or Z, whichever it is nearest to."""
+    """The axes as columns of a rotation, each in the column X, Y or Z to which it is closest."""
     rotation = np.zeros((3, 3))
     left = list(axes)
     for column in range(2):
@@ -132,13 +132,13 @@ def _cylinder_axes(surface: Surface) -> Iterator[Floats]:
     yield from np.eye(3)
     # The caps of a short cylinder have most of the area in one direction …
     yield _main_normal(surface.normals, surface.areas)
-    # … and the side of a long cylinder has normals at right angles to the axis.
+    # … and the side of a long cylinder has normals perpendicular to the axis.
     spread = (surface.normals * surface.areas[:, None]).T @ surface.normals
     yield from np.linalg.eigh(spread)[1].T
 
 
 def _as_cylinder(points: Floats, volume: float, axis: Floats) -> tuple[Primitive, float] | None:
-    """The cylinder along an axis, and how far the vertices lie off it (share of its size)."""
+    """The cylinder along an axis, and the largest distance of a vertex from it (as share of its size)."""
     rotation = _frame_along(axis)
     local = points @ rotation
     low, high = float(local[:, 2].min()), float(local[:, 2].max())

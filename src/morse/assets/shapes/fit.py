@@ -23,10 +23,10 @@ def fit_bounds(vertices: ArrayLike, bounds: Bounds) -> Primitive:
     Args:
         vertices: (V, 3) metres; vertices that are not finite are ignored.
         bounds: BOX, SPHERE (radius: the largest half size), CYLINDER, CONE or CAPSULE (along Z; radius: the larger of
-            the half sizes in X and Y; a capsule ends where the box does).
+            the half sizes in X and Y; a capsule has the length of the box).
 
     Raises:
-        ValueError: there are no vertices, or the bounds are those of a mesh.
+        ValueError: there are no vertices, or the bounds are a mesh.
     """
     points: NDArray[np.float64] = rows_of_three(vertices, "vertices").astype(np.float64)
     points = points[np.isfinite(points).all(axis=1)]
@@ -53,8 +53,8 @@ def fit_bounds(vertices: ArrayLike, bounds: Bounds) -> Primitive:
 def fit_round(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float] | None:
     """Centre (D,) and radius of the circle or sphere through points (P, D) in the least squares sense.
 
-    Linear in the centre c and in r² - c²: I. D. Coope, "Circle fitting by linear and nonlinear least squares",
-    J. Optim. Theory Appl. 76 (1993). None if the points do not determine it.
+    Linear in the centre c and in r² - c²: I. D. Coope, "Circle fitting by linear and nonlinear least squares", J.
+    Optim. Theory Appl. 76 (1993). None if the points do not determine the circle or sphere.
     """
     dimension = points.shape[1]
     if len(points) <= dimension:

@@ -12,7 +12,7 @@ class Losses:
     Attributes:
         coarse: error and size of each piece that was simplified, m.
         hulls: size of each piece that was replaced by its convex hull, m.
-        grouped: size of each piece that shares a hull with others, m, the largest first.
+        grouped: size of each piece that shares a hull with other pieces, m, the largest first.
     """
 
     coarse: list[tuple[float, float]] = field(default_factory=list)
@@ -20,15 +20,15 @@ class Losses:
     grouped: list[float] = field(default_factory=list)
 
     def told(self, limit: int) -> list[str]:
-        """Return a sentence for the user if accuracy was lost by the limit of parts."""
+        """Return a sentence for the user if the limit of parts reduced the accuracy; otherwise an empty string."""
         said = []
         if self.coarse:
             error, size = max(self.coarse)
-            said.append(f"{_pieces(self.coarse, size)} made coarser, with an error of up to {error:.2g} m")
+            said.append(f"{_pieces(self.coarse, size)} simplified, with an error of up to {error:.2g} m")
         if self.hulls:
-            said.append(f"{_pieces(self.hulls, max(self.hulls))} replaced by the convex hull, which fills hollows")
+            said.append(f"{_pieces(self.hulls, max(self.hulls))} replaced by the convex hull, which fills cavities")
         if self.grouped:
-            said.append(f"{_pieces(self.grouped, self.grouped[0])} wrapped in hulls together with neighbours")
+            said.append(f"{_pieces(self.grouped, self.grouped[0])} combined with neighbours into hulls")
         if not said:
             return []
         return [

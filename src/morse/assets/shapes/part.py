@@ -23,10 +23,10 @@ class Primitive:
     """A simple solid in the frame of the mesh.
 
     Attributes:
-        size: metres. Box: three half sizes; sphere: radius; cylinder and cone: radius and half height; capsule:
-            radius and half length of its straight part. Cylinder, cone (tip up) and capsule lie along Z.
-        position: (3,) of its centre.
-        rotation: (3, 3), from the frame of the solid to that of the mesh.
+        size: metres. Box: three half sizes; sphere: radius; cylinder and cone: radius and half height; capsule: radius
+            and half length of its straight part. Cylinder, cone (tip up) and capsule are along Z.
+        position: (3,) position of its centre.
+        rotation: (3, 3) rotation from the frame of the solid to that of the mesh.
     """
 
     kind: PrimitiveKind

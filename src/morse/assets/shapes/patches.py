@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Flatness:
-    """The tolerances of a flat patch.
+    """The tolerances for triangles of a flat patch.
 
     Attributes:
         angle: largest angle between a triangle and the plane, rad.
@@ -37,8 +37,8 @@ class Patch:
     """Neighbouring triangles in one plane.
 
     Attributes:
-        triangles: (N,) their indices.
-        normal: (3,) of the plane.
+        triangles: (N,) indices of the triangles.
+        normal: (3,) normal of the plane.
         offset: metres from the origin to the plane along the normal.
         acute: (K, 4) planes (normal, offset) of patches that meet this one at an acute interior angle.
     """
@@ -108,7 +108,7 @@ def _acute_neighbours(surface: Surface, across: Ints, label: Ints, seeds: Ints, 
 
 
 def outline(surface: Surface, chosen: Ints) -> list[list[int]]:
-    """The closed loops of vertices around some triangles: outer ones counter-clockwise, holes clockwise."""
+    """The closed loops of vertices around some triangles: outer loops are counter-clockwise, holes clockwise."""
     starts, ends = open_edges(surface.triangles[chosen], len(surface.vertices))
     following: dict[int, list[int]] = {}
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_THICKNESS = 0.05  # of the square root of the area: a wall is thicker than a picture frame …
-_THINNEST, _THICKEST = 0.005, 0.1  # … within these, metres: fast objects pass through thin plates
-_HALVINGS = 6  # of the thickness, until something is left behind the neighbouring faces
+_THICKNESS = 0.05  # thickness as a share of the square root of the area: a wall is thicker than a picture frame …
+_THINNEST, _THICKEST = 0.005, 0.1  # … within these limits, metres: fast objects pass through thin plates
+_HALVINGS = 6  # of the thickness at most, until a part of the plate is behind the neighbouring faces
 _SAME_AREA = 1e-3
-_SQUARE = 1e-3  # sine by which the corners of a rectangle may be off
+_SQUARE = 1e-3  # sine of the largest error of the corners of a rectangle
 
 
 def plates(surface: Surface, patches: list[Patch], limit: int) -> list[Part] | None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Point2: TypeAlias = tuple[float, float]
 Polygon: TypeAlias = list[int]
 
-_STRAIGHT = 1e-7  # sine of a bend that counts as none
+_STRAIGHT = 1e-7  # sine of the largest bend that is treated as straight
 _SAME_AREA = 1e-3
 
 
@@ -47,7 +47,7 @@ def _cross(a: Point2, b: Point2, c: Point2) -> float:
 
 
 def _bend(a: Point2, b: Point2, c: Point2) -> float:
-    """Sine of the left turn at b, 0 if two of the points are one."""
+    """Sine of the left turn at b; 0 if two of the points are the same."""
     lengths = ((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2) * ((c[0] - b[0]) ** 2 + (c[1] - b[1]) ** 2)
     return _cross(a, b, c) / lengths**0.5 if lengths > 0.0 else 0.0
 
@@ -92,7 +92,7 @@ def _ears(points: Floats, loops: list[Polygon]) -> list[Polygon]:
 def _merged(where: Sequence[Point2], pieces: list[Polygon]) -> list[Polygon]:
     """Merge convex polygons over common edges, the longest first, as long as the result is convex.
 
-    S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons" (1983): at most four times as many as needed.
+    S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons" (1983): at most four times the minimum number.
     """
     polygons: dict[int, Polygon] = dict(enumerate(pieces))
     owner = {edge: number for number, polygon in polygons.items() for edge in _edges(polygon)}

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_RIGHT = 1e-4  # sine by which edges may lean
-_SAME = 1e-5  # of the extent: coordinates nearer than this are one
+_RIGHT = 1e-4  # sine of the largest angle between an edge and the axes
+_SAME = 1e-5  # share of the extent: coordinates closer than this are merged
 _CELLS = 40_000
 
 
@@ -71,7 +71,7 @@ def _index(lines: Floats, value: float, tolerance: float) -> int:
 
 
 def _strips(inside: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
-    """Rectangles (first and last line of each axis) of runs of filled cells, equal neighbouring runs as one."""
+    """Rectangles (first and last line of each axis) of runs of filled cells; equal neighbouring runs are merged."""
     found = []
     open_runs: dict[tuple[int, int], int] = {}
     for row in range(len(inside) + 1):

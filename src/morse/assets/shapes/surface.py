@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Ints = NDArray[np.int64]
 
-_FARTHEST = 1e9  # metres; coordinates beyond it are taken for rubbish
-_WELD = 1e-6  # of the diagonal: corners nearer than this are one
-_SINGLE_PRECISION = 2.5e-7  # of the coordinates: a few roundings of 32-bit floats
-_NO_AREA = 1e-14  # of the squared diagonal
+_FARTHEST = 1e9  # metres; larger coordinates are treated as invalid
+_WELD = 1e-6  # share of the diagonal: corners closer than this are merged
+_SINGLE_PRECISION = 2.5e-7  # share of the coordinates: a few roundings of 32-bit floats
+_NO_AREA = 1e-14  # share of the squared diagonal
 
 
 @dataclass(eq=False, slots=True)
@@ -26,7 +26,7 @@ class Surface:
     Attributes:
         vertices: (V, 3) metres; each belongs to a triangle.
         triangles: (T, 3) indices, counter-clockwise seen from outside.
-        normals: (T, 3) unit normals, null for triangles without area.
+        normals: (T, 3) unit normals, zero for triangles without area.
         areas: (T,) m².
     """
 
@@ -100,7 +100,7 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
     points: Floats = rows_of_three(vertices, "vertices").astype(np.float64)
     indices = rows_of_three(triangles, "triangles")
     if indices.dtype.kind not in "iu":
-        raise ValueError(f"triangles are made of whole numbers, given {indices.dtype}")
+        raise ValueError(f"the indices of triangles are integers, given {indices.dtype}")
     faces: Ints = indices.astype(np.int64)
     faces = faces[((faces >= 0) & (faces < len(points))).all(axis=1)]
     usable: NDArray[np.bool_] = np.all(np.abs(points) < _FARTHEST, axis=1)
@@ -115,21 +115,21 @@ def clean_surface(vertices: ArrayLike, triangles: ArrayLike) -> Surface:
 
 
 def rows_of_three(values: ArrayLike, what: str) -> NDArray[Any]:
-    """An array of shape (N, 3); an empty array of any shape has no rows.
+    """An array of shape (N, 3); empty arrays may have any shape.
 
     Raises:
-        ValueError: the shape is another.
+        ValueError: the array has another shape.
     """
     array = np.asarray(values)
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int64)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iuf":
-        raise ValueError(f"{what} take numbers in the shape (N, 3), given {array.dtype} in the shape {array.shape}")
+        raise ValueError(f"{what} are an array of numbers of shape (N, 3), given {array.dtype} of shape {array.shape}")
     return array
 
 
 def with_three_corners(faces: Ints) -> Ints:
-    """The triangles whose corners differ."""
+    """The triangles whose corners are three different vertices."""
     a, b, c = faces.T
     kept: Ints = faces[(a != b) & (b != c) & (c != a)]
     return kept
@@ -150,7 +150,7 @@ def measured(points: Floats, faces: Ints) -> Surface:
 
 
 def _weld_borders(points: Floats, faces: Ints) -> Ints:
-    """(V,) index that each vertex gets: the same for vertices of open edges that lie at one place."""
+    """(V,) new index of each vertex: the same index for vertices of open edges at the same position."""
     border = np.unique(np.concatenate(open_edges(faces, len(points))))
     merged = np.arange(len(points))
     if len(border) == 0:
@@ -158,7 +158,7 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
     low = points[border].min(axis=0)
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     cell = max(size * _WELD, float(np.abs(points).max()) * _SINGLE_PRECISION, 1e-12)
-    # Coincident points can lie in neighbouring cells; a second grid with an offset of half a cell joins most of them.
+    # Coincident points can be in neighbouring cells; a second grid with an offset of half a cell merges most of them.
     for shift in (0.0, 0.5):
         x, y, z = np.floor((points[border] - low) / cell + shift).astype(np.int64).T
         _, first, group = np.unique((x << 42) + (y << 21) + z, return_index=True, return_inverse=True)
@@ -168,7 +168,7 @@ def _weld_borders(points: Floats, faces: Ints) -> Ints:
 
 
 def edge_neighbours(surface: Surface) -> Ints:
-    """(T, 3) triangle across each edge, -1 at open edges; around an edge of more than two, the next one."""
+    """(T, 3) triangle across each edge, -1 at open edges; if more than two share an edge, the next one around it."""
     if len(surface.triangles) == 0:
         return np.empty((0, 3), dtype=np.int64)
     starts, ends = half_edges(surface.triangles)

@@ -21,11 +21,17 @@ if TYPE_CHECKING:
     from morse.scene.declared_sensor import DeclaredSensor
 
 _FARTHEST = 1e6
-#: links, and joints in a row
+#: maximum number of links, and of joints in a chain
 _MOST_LINKS, _DEEPEST = 2000, 200
 #: rad or m, for joints without limits
 _ENDLESS = 1e4
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical")
+
+#: joints that move in several directions
+LOOSE = ("floating", "planar", "spherical")
+
+#: a link of that name is the world: links attached to it are fixed
+WORLD = "world"
 
 
 @dataclass(slots=True)
@@ -34,8 +40,8 @@ class Shape:
 
     Attributes:
         kind: ``box``, ``cylinder``, ``sphere`` or ``mesh``.
-        size: m: the three sides of a box, radius and length of a cylinder, the radius of a sphere, the scale of a mesh.
-        file: of a mesh.
+        size: m: the three sides of a box; radius and length of a cylinder; the radius of a sphere; the scale of a mesh.
+        file: path of a mesh.
         origin: 4x4 in the frame of the link.
         color: RGBA, or None.
     """
@@ -66,7 +72,7 @@ class Joint:
     """A joint between two links.
 
     Attributes:
-        origin: 4x4 of the child in the frame of the parent, at the value 0.
+        origin: 4x4 pose of the child in the frame of the parent, at joint value 0.
         axis: unit vector in the frame of the child.
         dynamics: damping, friction, and limits of the motor.
         mimic: name of the joint that this one follows, factor and offset; or None.
@@ -83,15 +89,20 @@ class Joint:
     dynamics: JointDynamics
     mimic: tuple[str, float, float] | None = None
 
+    @property
+    def has_value(self) -> bool:
+        """Whether one number gives its position."""
+        return self.kind != "fixed" and self.kind not in LOOSE
+
 
 @dataclass(slots=True)
 class Document:
-    """What a file says.
+    """The content of a file.
 
     Attributes:
-        joints: each after the one that moves its parent.
+        joints: each joint after the one that moves its parent.
         root: the link without a parent.
-        warnings: what is left out, one sentence each.
+        warnings: ignored elements, one sentence each.
     """
 
     name: str
@@ -120,7 +131,7 @@ class _Parser:
         except ValueError:
             found = ()
         if len(found) > len(default):
-            self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} numbers count")
+            self.warnings.append(f"<{element.tag} {name}={text[:60]!r}>: only the first {len(default)} are used")
             found = found[: len(default)]
         if len(found) != len(default) or not all(abs(value) <= _FARTHEST for value in found):
             count = "a number" if len(default) == 1 else f"{len(default)} numbers"
@@ -174,7 +185,7 @@ class _Parser:
         return self.define(material)
 
     def define(self, material: ElementTree.Element) -> tuple[float, float, float, float] | None:
-        """Return the colour of a material, which is also known by its name from then on."""
+        """Return the colour of a material; the colour of a named material is stored for later references."""
         color = material.find("color")
         if color is None:
             return self.colors.get(material.get("name") or "")
@@ -213,16 +224,15 @@ class _Parser:
         name, kind = self.name(element, "joint"), element.get("type") or ""
         if kind not in _KINDS:
             raise self.fail(f"the joint '{name}' is of the type {kind!r}, expected one of {', '.join(_KINDS)}")
-        if kind in ("floating", "planar", "spherical"):
-            self.warnings.append(f"the joint '{name}' is {kind}; it is fixed here")
-            kind = "fixed"
         x, y, z = self.numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0))
         length = math.sqrt(x * x + y * y + z * z)
-        if length < 1e-9 and kind != "fixed":
+        if length < 1e-9 and kind not in ("fixed", "floating", "spherical"):
             raise self.fail(f"the joint '{name}' has an axis of length 0")
         limit, dynamics = element.find("limit"), element.find("dynamics")
         (low,), (high,) = self.numbers(limit, "lower", (0.0,)), self.numbers(limit, "upper", (0.0,))
-        if kind == "continuous":
+        if kind in LOOSE:
+            low = high = 0.0
+        elif kind == "continuous":
             low, high = -_ENDLESS, _ENDLESS
         if low > high:
             self.warnings.append(f"the joint '{name}' goes from {low:g} to {high:g}; it has no limits here")
@@ -237,7 +247,7 @@ class _Parser:
             friction=max(friction, 0.0),
             effort=effort if effort > 0.0 else math.inf,
             speed=speed if speed > 0.0 else math.inf,
-            limited=low > -_ENDLESS or high < _ENDLESS,
+            limited=kind not in LOOSE and (low > -_ENDLESS or high < _ENDLESS),
         )
         return Joint(name, kind, parent, child, self.origin(element), axis, low, high, moves, self.mimic(element))
 
@@ -266,8 +276,24 @@ def parse(path: Path) -> Document:
     links = {link.name: link for link in map(parser.link, robot.findall("link"))}
     joints = [parser.joint(element) for element in robot.findall("joint")]
     root, ordered = _tree(parser, links, joints)
+    root, ordered = _let_float(parser, links, root, ordered)
     sensors, remarks = sensors_of(robot, links)
     return Document(robot.get("name") or path.stem, links, ordered, root, [*parser.warnings, *remarks], sensors)
+
+
+def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list[Joint]) -> tuple[str, list[Joint]]:
+    """Return the root and the joints without a world in which the robot floats: robots are free by themselves."""
+    first = [joint for joint in ordered if joint.parent == root]
+    if root != WORLD or len(first) != 1 or first[0].kind != "floating":
+        return root, ordered
+    x, y, z = first[0].origin.translation
+    if max(map(abs, (x, y, z))) > 1e-9:
+        parser.warnings.append(
+            f"the joint '{first[0].name}' places the robot at {x:g} {y:g} {z:g}: place it in the script instead, by "
+            "translate()"
+        )
+    del links[root]
+    return first[0].child, [joint for joint in ordered if joint is not first[0]]
 
 
 def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple[str, list[Joint]]:
@@ -282,7 +308,7 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise parser.fail(f"the joint '{joint.name}' joins the link '{link}', which there is not")
+                raise parser.fail(f"the joint '{joint.name}' refers to the link '{link}', which does not exist")
         if joint.name in names:
             raise parser.fail(f"two joints have the name '{joint.name}'")
         if joint.child in above:
@@ -292,22 +318,22 @@ def _tree(parser: _Parser, links: dict[str, Link], joints: list[Joint]) -> tuple
         below.setdefault(joint.parent, []).append(joint)
     roots = [name for name in links if name not in above]
     if len(roots) != 1:
-        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "joints in a circle"
+        what = f"{len(roots)} links without a parent: {', '.join(roots[:4])}" if roots else "the joints form a cycle"
         raise parser.fail(f"it has {what}")
     ordered, waiting, depth = [], [roots[0]], {roots[0]: 0}
     while waiting:
         link = waiting.pop(0)
         if depth[link] > _DEEPEST:
-            raise parser.fail(f"more than {_DEEPEST} joints follow each other, up to the link '{link:.60}'")
+            raise parser.fail(f"there are more than {_DEEPEST} joints in a chain, up to the link '{link:.60}'")
         for joint in below.get(link, ()):
             ordered.append(joint)
             waiting.append(joint.child)
             depth[joint.child] = depth[link] + 1
     if len(ordered) != len(joints):
-        raise parser.fail("it has joints in a circle")
+        raise parser.fail("its joints form a cycle")
     for joint in ordered:
         leader = next((one for one in ordered if joint.mimic and one.name == joint.mimic[0]), None)
-        if joint.mimic and (leader is None or leader.mimic or leader.kind == "fixed" or joint.kind == "fixed"):
+        if joint.mimic and (leader is None or leader.mimic or not leader.has_value or not joint.has_value):
             parser.warnings.append(f"the joint '{joint.name}' cannot follow '{joint.mimic[0]}'; it moves by itself")
             joint.mimic = None
     return roots[0], ordered

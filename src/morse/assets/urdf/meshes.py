@@ -1,4 +1,4 @@
-"""Meshes that model files of robots name."""
+"""Meshes that model files of robots refer to."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
 
     from morse.scene import Library, Node
 
-#: metres
+#: largest accepted coordinate, metres
 _FARTHEST = 1e6
 
 
 class MeshError(ValueError):
-    """A mesh cannot be used; the message says why."""
+    """A mesh cannot be used; the message contains the reason."""
 
 
 def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
     """Copies of the nodes of a mesh file.
 
     Args:
-        known: the files that have been read already; others are added.
+        known: the files that have already been read; newly read files are added.
 
     Raises:
         AssetError: the file is damaged.
@@ -37,6 +37,6 @@ def mesh_nodes(path: Path, *, known: dict[Path, Library]) -> list[Node]:
         library = reader_of(path)(path)
         for mesh in (node.mesh for node in library.nodes() if node.mesh is not None):
             if mesh.vertices.size and not abs(mesh.vertices).max() < _FARTHEST:
-                raise MeshError(f"vertices of '{mesh.name}' are farther away than {_FARTHEST:g} m")
+                raise MeshError(f"vertices of '{mesh.name}' are farther from the origin than {_FARTHEST:g} m")
         known[path] = library
     return [instantiate(root) for root in known[path].roots]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from morse.assets import solids
 from morse.assets.errors import AssetError
 from morse.assets.nearby_files import FileRefusedError, find_near
-from morse.assets.urdf.document import Joint, Link, Shape, parse
+from morse.assets.urdf.document import WORLD, Joint, Link, Shape, parse
 from morse.assets.urdf.meshes import MeshError, mesh_nodes
 from morse.mathutils import Matrix, Vector
 from morse.mathutils.rotations import nine
@@ -29,7 +29,14 @@ if TYPE_CHECKING:
     from morse.assets.urdf.document import Document
     from morse.scene import Mesh
 
-_KINDS = {"revolute": JointKind.REVOLUTE, "continuous": JointKind.REVOLUTE, "prismatic": JointKind.PRISMATIC}
+_KINDS = {
+    "revolute": JointKind.REVOLUTE,
+    "continuous": JointKind.REVOLUTE,
+    "prismatic": JointKind.PRISMATIC,
+    "planar": JointKind.PLANAR,
+    "floating": JointKind.FLOATING,
+    "spherical": JointKind.BALL,
+}
 _BOUNDS = {
     "box": Bounds.BOX,
     "sphere": Bounds.SPHERE,
@@ -37,15 +44,13 @@ _BOUNDS = {
     "mesh": Bounds.CONVEX_HULL,
 }
 _GREY = (0.7, 0.7, 0.7, 1.0)
-#: a link of that name is the world: links attached to it are fixed
-_WORLD = "world"
 _LIGHTEST = 1e-3
 
 
 def read_urdf(path: str | Path) -> Library:
     """Read a robot.
 
-    Its links become nodes of their names below the armature ``<robot>_joints``, whose bones are the joints.
+    Its links become nodes with the same names below the armature ``<robot>_joints``, whose bones are the joints.
 
     Raises:
         AssetError: the file is broken or contradicts itself.
@@ -87,9 +92,9 @@ class _Reader:
         return Library(str(self.path), roots=[root], sensors=document.sensors, warnings=self.warnings)
 
     def _is_fixed(self, mass: float) -> bool:
-        """Whether the robot is bolted to the world: the links that move with the first one have no mass."""
+        """Whether the robot is fixed to the world: the links that move with the first one have no mass."""
         document = self.document
-        if document.root == _WORLD:
+        if document.root == WORLD:
             return True
         if not any(link.inertial is not None for link in document.links.values()):
             return False
@@ -112,7 +117,7 @@ class _Reader:
             parent = above.get(joint.parent, -1)
             local = joint.origin @ _turn(joint)
             if parent >= 0:
-                # from the frame of the link above to that of its bone
+                # from the frame of the parent link to the frame of its bone
                 local = _turn(joints[parent]).inverted() @ local
             kind = _KINDS.get(joint.kind, JointKind.FIXED)
             leader, factor, offset = joint.mimic or ("", 1.0, 0.0)
@@ -140,7 +145,7 @@ class _Reader:
         return found
 
     def _start(self, bones: tuple[Bone, ...]) -> dict[str, Matrix]:
-        """The frame of each bone at the start, in that of the armature."""
+        """The initial frame of each bone in the frame of the armature."""
         frames: list[Matrix] = []
         for bone in bones:
             frame = Matrix((bone.rotation[:3], bone.rotation[3:6], bone.rotation[6:])).to_4x4()
@@ -185,7 +190,7 @@ class _Reader:
         link.attach(node)
 
     def _mesh(self, shape: Shape) -> list[Node]:
-        """The nodes of a mesh file; none, and a warning, if it cannot be read."""
+        """The nodes of a mesh file; if it cannot be read, an empty list and a warning."""
         try:
             return mesh_nodes(find_near(shape.file, self.path), known=self._libraries)
         except (AssetError, FileRefusedError, MeshError, OSError) as error:
@@ -209,7 +214,7 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
 
 def _turn(joint: Joint) -> Matrix:
     """4x4 that turns the Z axis, about which bones turn here, to the axis of a joint."""
-    if joint.kind not in _KINDS:
+    if not joint.has_value and joint.kind != "planar":
         return Matrix.Identity(4)
     turned: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()
     return turned

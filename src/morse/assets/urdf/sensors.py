@@ -1,4 +1,4 @@
-"""The sensors of a URDF file: its elements ``sensor``, and those for Gazebo.
+"""The sensors of a URDF file: elements ``sensor``, and elements for Gazebo.
 
 See http://wiki.ros.org/urdf/XML/sensor and http://sdformat.org/spec?elem=sensor.
 """
@@ -46,7 +46,7 @@ def sensors_of(robot: ElementTree.Element, links: Container[str]) -> tuple[list[
         name = element.get("name") or f"sensor{len(found)}"
         kind = _kind(element)
         if kind not in _PRODUCTS or link not in links:
-            what = kind or "no type" if kind not in _PRODUCTS else f"on the link '{link:.60}', which there is not"
+            what = kind or "no type" if kind not in _PRODUCTS else f"on the link '{link:.60}', which does not exist"
             unknown.append(f"'{name:.60}' ({what:.80})")
             continue
         try:

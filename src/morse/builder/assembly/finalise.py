@@ -25,8 +25,8 @@ def build_scene(workspace: Workspace) -> Scene:
     environment = workspace.environment
     if environment is None:
         raise ScriptError(
-            "the script makes no Environment",
-            mend="Write at its end: env = Environment('sandbox') (or 'empty', 'indoors-1/boxes', ...)",
+            "the script creates no Environment",
+            mend="Write at the end of the script: env = Environment('sandbox') (or 'empty', 'indoors-1/boxes', ...)",
         )
     for interface in environment._default_interfaces:
         for part in workspace.components:
@@ -62,7 +62,7 @@ def declare(component: AbstractComponent) -> ComponentDeclaration:
     """The declaration of a component for the simulation.
 
     Raises:
-        ScriptError: it is on no robot, or its class cannot be loaded.
+        ScriptError: it is not attached to a robot, or its class cannot be loaded.
     """
     try:
         component.component_class()
@@ -71,8 +71,8 @@ def declare(component: AbstractComponent) -> ComponentDeclaration:
     robot = component
     while not robot.is_robot:
         if robot.parent is None:
-            message = f"'{component.name}' ({type(component).__name__}) is on no robot"
-            raise _error(component, message, f"Put it on one: robot.append({component.plain_name})")
+            message = f"'{component.name}' ({type(component).__name__}) is not attached to a robot"
+            raise _error(component, message, f"Attach it to a robot: robot.append({component.plain_name})")
         robot = robot.parent
     return component._declaration(robot)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from morse.scene import Library, Node, Role
 
 
-#: the camera in the file of a world with the initial viewpoint of the live view
+#: name of the camera in the file of a world that defines the initial viewpoint of the live view
 _VIEWPOINT = "CameraFP"
 
 
@@ -32,7 +32,7 @@ def take(library: Library, choice: Choice) -> tuple[list[Node], ModelUse]:
         The copies without a parent, empty if nothing matches; and their `ModelUse`.
 
     Raises:
-        AssetError: a whole component is wanted, and there is no object in the file.
+        AssetError: a whole component is wanted, and the file contains no object.
     """
     if choice.whole:
         roots = [whole_component(library, choice.role)]
@@ -47,7 +47,7 @@ def whole_component(library: Library, role: Role = "component") -> Node:
     """Return all objects of a file as one: the root of a robot, sensor or actuator.
 
     Raises:
-        AssetError: there is no object in the file.
+        AssetError: the file contains no object.
     """
     from morse.assets.rules import gather_under_root
 
@@ -76,14 +76,13 @@ def pick(
 ) -> list[Node]:
     """Return copies of objects of a library, each with all objects below it.
 
-    Objects whose names begin with ``_`` are left out, with all below them.
+    Objects whose names begin with ``_`` are skipped, with all objects below them.
 
     Args:
         library: the content of the file; it is not modified.
         role: role of the objects in the scene.
-        names: only these.
-        prefix: only those whose names begin so; if there are none, those in the collection of
-            that name.
+        names: only objects with these names.
+        prefix: only objects whose names begin with it; if there are none, those in the collection of that name.
 
     Returns:
         The copies without a parent, in the order of the file; empty if nothing matches.

@@ -1,4 +1,4 @@
-"""Meshes of simple bodies, for scene scripts."""
+"""Meshes of simple solids, for scene scripts."""
 
 from morse.assets.solids import cone, cube, cylinder, ico_sphere, plane, sphere, torus
 

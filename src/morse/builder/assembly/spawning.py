@@ -27,8 +27,8 @@ class Newcomer:
 
     Attributes:
         roots: its nodes without a parent.
-        components: its declarations: a robot and its components.
-        models: the model files that the nodes came from.
+        components: its declarations: of a robot and the components of the robot.
+        models: the model files from which the nodes were loaded.
     """
 
     roots: list[Node] = field(default_factory=list)
@@ -50,18 +50,18 @@ def describe_newcomer(
         make: function that returns a robot or an object, e.g. a class of the builder.
         position: x, y, z in the world, m.
         rotation: roll, pitch, yaw, rad.
-        taken: nodes of the running scene; new nodes get other names.
+        taken: nodes of the running scene; new nodes get names that do not exist there.
         interfaces: names of the middlewares to which a robot is connected.
 
     Raises:
-        MorseBuilderError: the function does not return a robot or an object, or the name exists already.
+        MorseBuilderError: the function does not return a robot or an object, or the name already exists.
     """
     with workspace.described() as described:
         described.reserve(taken)
         made = make()
         if not isinstance(made, AbstractComponent):
             raise MorseBuilderError(
-                f"a robot or a thing of morse.builder is expected, such as ATRV(), not {checks.shown(made)}"
+                f"expected a robot or an object of morse.builder, such as ATRV(), not {checks.shown(made)}"
             )
         made.name = name
         made.location = list(position)
@@ -74,7 +74,7 @@ def describe_newcomer(
                 made.add_default_interface(interface)
             connect_by_default(made)
         if made.name != name:
-            raise MorseBuilderError(f"there is an object '{name}' in the scene already")
+            raise MorseBuilderError(f"there is already an object '{name}' in the scene")
         parts = [part for part in described.components if isinstance(part, AbstractComponent) and part.is_morseable()]
         return Newcomer(list(described.roots), [declare(part) for part in parts], list(described.models))
 
@@ -83,7 +83,7 @@ def maker_of(kind: str) -> Callable[[], Any]:
     """Return the function that creates a kind: the name of a class of `morse.builder`, or the name of a model.
 
     Raises:
-        MorseBuilderNoComponentError: there is neither.
+        MorseBuilderNoComponentError: there is no such class and no such model.
     """
     import morse.builder
 
@@ -98,5 +98,5 @@ def maker_of(kind: str) -> Callable[[], Any]:
         if isinstance(value := getattr(morse.builder, name), type) and issubclass(value, Robot)
     ]
     raise MorseBuilderNoComponentError(
-        f"there is no robot '{kind}'{checks.suggestion(kind, robots)}; for a thing, give its model, e.g. props/crates"
+        f"there is no robot '{kind}'{checks.suggestion(kind, robots)}; for an object, give its model, e.g. props/crates"
     )

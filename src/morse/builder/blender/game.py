@@ -170,7 +170,7 @@ class GameSettings:
     def __init__(self, node: Node) -> None:
         self.node = node
 
-    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+    if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> Any:
             unknown_attribute(self, name)

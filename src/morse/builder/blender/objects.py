@@ -43,7 +43,7 @@ class SceneObject:
     def __repr__(self) -> str:
         return f"<SceneObject '{self.node.name}'>"
 
-    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+    if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> NoReturn:
             unknown_attribute(self, name)
@@ -164,7 +164,7 @@ class ObjectMaterial:
         slots[self._index] = replace(self._read(), **changes)
         self._node.materials[:] = slots
 
-    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+    if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> NoReturn:
             unknown_attribute(self, name)

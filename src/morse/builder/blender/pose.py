@@ -26,7 +26,7 @@ class LiveVector(Vector):
     __hash__ = Vector.__hash__
 
     def copy(self) -> Vector:  # type: ignore[override]
-        """The numbers, apart from the node."""
+        """A copy of the numbers, independent of the node."""
         return Vector(self._items)
 
     __copy__ = copy  # type: ignore[assignment]
@@ -54,7 +54,7 @@ class LiveEuler(Euler):
     __hash__ = Euler.__hash__
 
     def copy(self) -> Euler:  # type: ignore[override]
-        """The angles, apart from the node."""
+        """A copy of the angles, independent of the node."""
         return Euler(self._items)
 
     __copy__ = copy  # type: ignore[assignment]

@@ -27,7 +27,7 @@ class Armature(ActuatorCreator):
     """An armature with movable joints; its component class is `morse.actuators.armature.Armature`.
 
     Args:
-        name: its name, if not that of the variable that holds it.
+        name: its name, if it differs from the name of the variable that refers to it.
         armature_name: the armature in the model, or in the scene if no model is given; ``name`` by default, or the
             only armature of the model.
         model_name: a model file.
@@ -47,8 +47,8 @@ class Armature(ActuatorCreator):
             super().__init__(name, self.USE_BLEND, model_name, armature_name)
         elif armature_name is None and name is None:
             raise MorseBuilderError(
-                f"{what} needs an armature: {what}('arm', 'kuka_armature', 'kuka_lwr') takes that of a model, "
-                f"{what}(armature_name='torso_armature') one that is in the scene"
+                f"{what} needs an armature: {what}('arm', 'kuka_armature', 'kuka_lwr') uses an armature of a model, "
+                f"{what}(armature_name='torso_armature') an armature of the scene"
             )
         else:
             super().__init__(name, self.LINK_EXISTING_OBJECT, blendobject=armature_name)
@@ -59,7 +59,7 @@ class Armature(ActuatorCreator):
         self.ik_targets: dict[str, Node] = {}
 
     def _existing(self, name: str | None) -> SceneObject:
-        """Return the armature of that name in the scene; of several from the same file, the first that is not used."""
+        """Return the armature of that name in the scene; if several are from the same file, the first unused one."""
         space = workspace.current()
         used = {part.scene_node for part in space.components if isinstance(part, Armature) and part.is_complete}
         for node in space.nodes():
@@ -71,12 +71,12 @@ class Armature(ActuatorCreator):
         self._category = "actuators"
         found = [node.name for node in self._library(model).nodes() if node.kind is NodeKind.ARMATURE]
         if len(found) != 1:
-            known = f"one of {', '.join(found)}" if found else "it holds none"
+            known = f"one of {', '.join(found)}" if found else "it contains none"
             raise MorseBuilderNoComponentError(f"{type(self).__name__}: which armature of '{model}'? {known}")
         return found[0]
 
     def control(self, control: str, joints: Iterable[str] | None = None) -> None:
-        """Set what the motors of dynamic joints are told; see `morse.actuators.armature.Armature`.
+        """Set the quantity that the motors of dynamic joints control; see `morse.actuators.armature.Armature`.
 
         If joints are named, the armature becomes dynamic.
 
@@ -104,7 +104,7 @@ class Armature(ActuatorCreator):
         self.scene_node.properties.setdefault(DYNAMIC, True)
 
     def create_ik_targets(self, bones: Iterable[str]) -> None:
-        """Create targets for bones, which follow them: ``ik_target.<name of the component>.<bone>``.
+        """Create targets for bones, named ``ik_target.<name of the component>.<bone>``; the bones follow them.
 
         Args:
             bones: names of bones.
@@ -134,7 +134,7 @@ class Armature(ActuatorCreator):
             self.ik_targets[bone] = target
 
     def _scene_options(self) -> dict[str, object]:
-        # the full name is known at this point
+        # the full name is known only at this point
         for bone, target in self.ik_targets.items():
             workspace.current().rename(target, f"{_PREFIX}.{self.name}.{bone}")
         return super()._scene_options()
@@ -157,8 +157,8 @@ class KukaLWR(Armature):
         """Attach a component to the end effector.
 
         Args:
-            obj: the component. Its pose is given in the frame of the arm while the arm is stretched upward; without a
-                translation it is at the tip.
+            obj: the component. Its pose is given in the frame of the arm when the arm is stretched upward; without a
+                translation the component is at the tip.
             child: name of another part to which it is attached; its pose is then in the frame of that part.
             level: stack level of the variables that are searched for the name: 1 for the caller.
         """
@@ -175,7 +175,7 @@ class KukaLWR(Armature):
         marked = [node for node in walk if node.properties.get("end_effector")]
         last = [node for node in walk if node.bone == self.scene_node.bones[-1].name]
         if not marked and not last:
-            raise MorseBuilderError(f"'{self.name}' has no end effector: nothing hangs on its last bone")
+            raise MorseBuilderError(f"'{self.name}' has no end effector: no object is attached to its last bone")
         return (marked or last)[0]
 
     def _seen_from(self, node: Node) -> Matrix:

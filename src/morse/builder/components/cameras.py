@@ -11,7 +11,7 @@ from morse.builder.creator import ComponentCreator, SensorCreator
 from morse.mathutils import Euler, Vector
 from morse.scene import Material, Node, NodeKind
 
-#: a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
+#: orientation of a camera that looks along the X axis of the robot: its X is to the right, its Y down, its Z forward
 MOUNTED = (math.pi / 2, math.pi, math.pi / 2)
 
 
@@ -42,8 +42,8 @@ class CameraCreator(SensorCreator):
     def rotate(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
         """Add radians to its direction.
 
-        As in MORSE 1.4, the angles do not match the axes of their names: x rotates the camera to the left about the
-        vertical axis, y rotates it up, and z rotates it clockwise about its viewing direction.
+        As in MORSE 1.4, the names of the angles do not match the rotation axes: x rotates the camera to the left about
+        the vertical axis, y rotates it up, and z rotates it clockwise about its viewing direction.
         """
         super().rotate(x=y, y=z, z=x)
 
@@ -61,7 +61,7 @@ class _Clouds(CameraCreator):
 
 
 class VLP16_180(SensorCreator):  # noqa: N801 (its name in MORSE 1.4)
-    """Three depth cameras ``cam1``, ``cam2`` and ``cam3`` side by side, of whose images 16 rows are used."""
+    """Three depth cameras ``cam1``, ``cam2`` and ``cam3`` side by side; 16 rows of each image are used."""
 
     _classpath = "morse.sensors.vlp16.VLP16_180"
     _ROWS = (1, 17, 34, 51, 68, 85, 102, 120, 137, 154, 171, 188, 205, 222, 239, 255)

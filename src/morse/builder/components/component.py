@@ -23,11 +23,11 @@ class Component(AbstractComponent):
         category: folder of the model: ``robots``, ``sensors``, ``actuators``, ``props`` ...
         filename: name of the model (see `morse.assets.find`); empty for an object without a body.
         blender_object_name: the root object in the file; None for the object without a parent.
-        make_morseable: assign the component class of a robot, sensor or actuator, if it is known.
+        make_morseable: whether to assign the component class of a robot, sensor or actuator, if it is known.
 
     Raises:
-        FileNotFoundError: there is no such model.
-        MorseBuilderNoComponentError: there is no such object in it.
+        FileNotFoundError: the model does not exist.
+        MorseBuilderNoComponentError: the model does not contain the object.
     """
 
     _role: Role = "component"

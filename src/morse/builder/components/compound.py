@@ -27,9 +27,9 @@ class CompoundSensor(SensorCreator):
         self.sensors = list(sensors)
         for sensor in self.sensors:
             if not isinstance(sensor, AbstractComponent):
-                raise TypeError(f"CompoundSensor(sensors) takes a list of sensors, got {checks.shown(sensor)} in it")
+                raise TypeError(f"CompoundSensor(sensors) takes a list of sensors; one item is {checks.shown(sensor)}")
 
     def _scene_options(self) -> dict[str, object]:
-        # the names of the other sensors are known at this point
+        # the names of the other sensors are known only at this point
         self.properties(sensors=",".join(sensor.name for sensor in self.sensors))
         return super()._scene_options()

@@ -35,7 +35,7 @@ class DeclaredRobot(Robot):
     """A robot whose model and properties come from the `RobotDefaults` of its component class.
 
     Args:
-        name: its name, if not that of the variable that holds it.
+        name: its name, if it differs from the name of the variable that refers to it.
     """
 
     def __init__(self, name: str | None = None) -> None:

@@ -74,7 +74,7 @@ class LedArray(ActuatorCreator):
     """Rows of lights in the YZ plane, seen from the front; component class `morse.actuators.led_array.LedArray`.
 
     Args:
-        name: its name, if not that of the variable that holds it.
+        name: its name, if it differs from the name of the variable that refers to it.
         rows: number of rows, the first one at the top.
         columns: number of lights in a row, the first one at the left for a viewer in front.
         pitch: distance between two lights, m.

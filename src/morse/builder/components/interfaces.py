@@ -59,7 +59,7 @@ class Interfaces:
             **kwargs: options of the stream: ``topic``, ``port``, ``frame_id``, ...
 
         Raises:
-            MorseMiddlewareError: unknown middleware.
+            MorseMiddlewareError: the middleware is unknown.
             MorseBuilderUnexportableError: the component has no data, or the middleware cannot
                 carry it.
             OptionError: the middleware has no such option, or the value is not valid.
@@ -75,7 +75,7 @@ class Interfaces:
         if chosen is None:
             chosen = self._default_stream(manager, datastream, way)
         if chosen.startswith("morse."):
-            # a class of the user may have its own options
+            # a class of the user may have options of its own
             options = stream_options(manager, kwargs)
         stream = StreamDeclaration(manager, chosen, way, options, frames.source_line())
         self._streams.append(stream)
@@ -87,11 +87,11 @@ class Interfaces:
             return "OUT" if self._kind == "sensor" else "IN"
         if type(self).__name__ == "Camera":
             raise MorseBuilderUnexportableError(
-                "Camera() is a viewpoint in the scene and no sensor: it gives no images; VideoCamera() does"
+                "Camera() is a viewpoint in the scene and not a sensor: use VideoCamera() for images"
             )
         raise MorseBuilderUnexportableError(
-            f"{type(self).__name__} is neither a sensor nor an actuator: streams belong to those; "
-            "for everything that a robot carries there is robot.add_default_interface('socket')"
+            f"{type(self).__name__} is neither a sensor nor an actuator, and has no data to stream; to stream the "
+            "data of all components of a robot, use robot.add_default_interface('socket')"
         )
 
     def _default_stream(self, manager: str, datastream: str, direction: str) -> str:
@@ -105,8 +105,8 @@ class Interfaces:
         stream = middleware.stream_of(cls, direction)
         if stream is None:
             raise MorseBuilderUnexportableError(
-                f"the middleware '{middleware.name}' cannot carry the data of {type(self).__name__}; "
-                "give the class that can: classpath='my_sim.streams.MyPublisher'"
+                f"the middleware '{middleware.name}' cannot carry the data of {type(self).__name__}; give a class "
+                "that can: classpath='my_sim.streams.MyPublisher'"
             )
         return stream
 
@@ -157,7 +157,7 @@ class Interfaces:
         return middleware.stream_of(cls, self._direction(None)) is not None
 
     def _add_missing_interface(self, interface: str) -> None:
-        """Offer the services on a middleware, and stream the data unless the script has added a stream."""
+        """Offer the services on a middleware; stream the data as well, unless the script has added a stream."""
         middleware = registry.middleware(interface)
         if any(stream.manager == middleware.stream_manager for stream in self._streams):
             if middleware.request_manager is not None:
@@ -196,11 +196,11 @@ class Interfaces:
         Args:
             modifier_name: e.g. ``NED`` or ``Noise``.
             classpath: class of a modifier, instead of a name.
-            direction: accepted for old scripts; it depends on the component.
+            direction: accepted for old scripts; the direction depends on the component.
             **kwargs: options of the modifier.
 
         Raises:
-            MorseBuilderError: no such modifier for this component.
+            MorseBuilderError: there is no such modifier for this component.
             OptionError: the modifier has no such option, or the value is not valid.
         """
         if direction is not None:
@@ -219,7 +219,7 @@ class Interfaces:
             level: one of the declared abstraction levels, or ``default``.
 
         Raises:
-            MorseBuilderError: it declares no such level.
+            MorseBuilderError: the component does not declare the level.
         """
         wanted = checks.text(level, "level(name)")
         cls = self.component_class()

@@ -32,7 +32,7 @@ class Models:
         """The content of a model file.
 
         Args:
-            component: its name (see `morse.assets.find`), if not that of this component.
+            component: its name (see `morse.assets.find`), if it differs from the name of this component.
 
         Raises:
             FileNotFoundError: there is no such model; the message lists the searched directories.
@@ -46,12 +46,12 @@ class Models:
 
         Args:
             objects: names of objects, each with all objects below it; None for all objects.
-            component: name of the model, if not that of this component.
-            prefix: only objects whose names begin so, or that are in the collection of that name.
+            component: name of the model, if it differs from the name of this component.
+            prefix: only objects whose names begin with it, or that are in the collection of that name.
 
         Raises:
             FileNotFoundError: there is no such model.
-            MorseBuilderNoComponentError: nothing in it has such a name.
+            MorseBuilderNoComponentError: no object in the model has such a name.
         """
         library = self._library(component)
         names = None if objects is None else tuple(objects)
@@ -77,7 +77,7 @@ class Models:
 
         Raises:
             FileNotFoundError: there is no such model.
-            AssetError: there is no object in it.
+            AssetError: the model contains no object.
         """
         (root,) = _into_scene(self._library(component), Choice(self._role, whole=True))
         return SceneObject(root)
@@ -86,7 +86,7 @@ class Models:
         """Add all objects of a COLLADA file to the scene, and return those without a parent.
 
         Args:
-            component: name of the file; ``.dae`` may be left out.
+            component: name of the file; ``.dae`` may be omitted.
 
         Raises:
             FileNotFoundError: there is no such file.

@@ -35,10 +35,10 @@ class Morsy(DeclaredRobot, GroundRobot):
         """Set the colour of its body.
 
         Args:
-            color: red, green and blue, 0..1, as one sequence; None for one that depends on how many
-                there are already.
-            g: green, if ``color`` is red alone.
-            b: blue, if ``color`` is red alone.
+            color: red, green and blue, 0..1, as one sequence; None for a colour that depends on the number of such
+                robots.
+            g: green, if ``color`` is only red.
+            b: blue, if ``color`` is only red.
         """
         if color is None:
             row = [robot for robot in workspace.current().components if isinstance(robot, Morsy)]

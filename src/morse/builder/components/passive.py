@@ -23,12 +23,12 @@ class PassiveObject(AbstractComponent):
 
     Args:
         filename: name of the model, e.g. ``props/objects`` (see `morse.assets.find`).
-        prefix: only the objects whose names begin so, or the collection of that name; None for all.
-        keep_pose: keep the pose of the first object in the file; else it is moved to the origin.
+        prefix: only objects whose names begin with it, or the collection of that name; None for all.
+        keep_pose: whether to keep the pose of the first object in the file; otherwise it is moved to the origin.
 
     Raises:
         FileNotFoundError: there is no such model.
-        MorseBuilderNoComponentError: nothing in it has such a name.
+        MorseBuilderNoComponentError: no object in the model has such a name.
     """
 
     def __init__(self, filename: str = "props/objects", prefix: str | None = None, keep_pose: bool = False) -> None:

@@ -52,10 +52,10 @@ class RealisticSensor:
             gaussian: standard deviation of white noise, in the unit of the field.
             bias_walk: standard deviation of the bias after one second.
             quantization: step of the values.
-            dropout: probability, 0..1, that a value is lost: the previous value is kept; a beam of a scanner has no
-                echo.
-            field: a data field; None for all fields that are numbers or vectors (for a scanner, the distances, from
-                which the points are computed).
+            dropout: probability, 0..1, that a value is lost. A lost value is replaced by the previous value; a lost
+                beam of a scanner has no echo.
+            field: a data field; None for all fields that are numbers or vectors (for a scanner, the distances; the
+                points are computed from them).
 
         Raises:
             TypeError: a value is not a number.
@@ -81,7 +81,7 @@ class RealisticSensor:
             return
         if field in fields and fields[field].follows:
             followed = ", ".join(map(repr, fields[field].follows))
-            raise MorseBuilderError(f"{what}(field): '{field}' follows {followed}, which can have noise")
+            raise MorseBuilderError(f"{what}(field): '{field}' is computed from {followed}, which can have noise")
         if field in fields:
             raise MorseBuilderError(
                 f"{what}(field): '{field}' is not a measured number{checks.suggestion(field, known)}"

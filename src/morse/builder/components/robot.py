@@ -26,9 +26,8 @@ class Robot(Component):
     Args:
         filename: name of the model in ``robots`` (see `morse.assets.find`); empty for a robot
             without a body.
-        name: its name, if not that of the variable that holds it.
-        blender_object_name: the object of the file that is the body; None for the one without a
-            parent.
+        name: its name, if it differs from the name of the variable that refers to it.
+        blender_object_name: the object of the file that is the body; None for the object without a parent.
         sensors: whether the sensors that the file declares (URDF, MJCF) are created.
 
     Attributes:
@@ -92,8 +91,8 @@ class Robot(Component):
         """Set the physics type of the body.
 
         Args:
-            physics_type: ``STATIC`` (fixed, others collide with it), ``RIGID_BODY``,
-                ``DYNAMIC`` (does not rotate), ``NO_COLLISION``, ``SENSOR``, ...
+            physics_type: ``STATIC`` (fixed; other bodies collide with it), ``RIGID_BODY``, ``DYNAMIC`` (does not
+                rotate), ``NO_COLLISION``, ``SENSOR``, ...
         """
         word = checks.choice(physics_type, _PHYSICS_TYPES, "set_physics_type(physics_type)")
         self.scene_node.body.type = PhysicsType(word)
@@ -141,7 +140,7 @@ class Robot(Component):
         self.scene_node.properties["External_Robot_Tag"] = True
 
     def set_use_record_animation(self, record: bool = True) -> None:
-        """Record the motion of this robot, if the scene is recorded (``env.set_animation_record``)."""
+        """Record the motion of this robot if the scene is recorded (``env.set_animation_record``)."""
         self.records_animation = checks.boolean(record, "set_use_record_animation(record)")
 
     def make_grasper(self, obj_name: str) -> None:
@@ -176,7 +175,7 @@ class GroundRobot(Robot):
         self.scene_node.properties["GroundRobot"] = True
 
 
-#: parts with these words in their names are not raised with the body
+#: parts whose names contain these words are not raised with the body
 _BELOW_THE_BODY = ("wheel", "caster", "swivel")
 
 

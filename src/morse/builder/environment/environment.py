@@ -36,14 +36,14 @@ class Environment(ViewMethods, TimeMethods):
 
     Args:
         filename: name of the model in ``environments`` (see `morse.assets.find`).
-        main_scene: accepted for old scripts: the whole file is taken.
-        fastmode: wireframe view, cameras give no image.
-        component_renaming: name components after variables (see `morse.builder.names.naming`).
-        auto_tune_time: raise the frequency of the simulation to that of the fastest component.
+        main_scene: accepted for old scripts; the whole file is always used.
+        fastmode: whether the view shows wireframes and cameras give no images.
+        component_renaming: whether components are named after variables (see `morse.builder.names.naming`).
+        auto_tune_time: whether the frequency of the simulation is raised to that of the fastest component.
 
     Raises:
-        FileNotFoundError: there is no such environment.
-        MorseBuilderError: there is an environment already.
+        FileNotFoundError: the environment does not exist.
+        MorseBuilderError: the scene already has an environment.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Environment(ViewMethods, TimeMethods):
     ) -> None:
         scene = workspace.current()
         if scene.environment is not None:
-            raise MorseBuilderError(f"a scene has one Environment; the first was made at {scene.environment.where}")
+            raise MorseBuilderError(f"a scene has only one Environment; it was created at {scene.environment.where}")
         self.where = frames.source_line(self)
         self.filename = checks.text(filename, "Environment(filename)")
         self.settings = Settings(fastmode=checks.boolean(fastmode, "Environment(fastmode)"))
@@ -78,7 +78,7 @@ class Environment(ViewMethods, TimeMethods):
             if isinstance(component, WheeledRobot):
                 component.unparent_wheels()
 
-    if not TYPE_CHECKING:  # type checkers are to find misspelt names
+    if not TYPE_CHECKING:  # lets type checkers find misspelt names
 
         def __getattr__(self, name: str) -> NoReturn:
             unknown_attribute(self, name)
@@ -108,7 +108,7 @@ class Environment(ViewMethods, TimeMethods):
         if isinstance(mist, Mist):
             view.mist = replace(mist)
         if isinstance(gravity, float):
-            # files contain single precision: 9.81 is read as 9.8100004
+            # files contain single precision numbers: 9.81 is read as 9.8100004
             self.settings.gravity = round(gravity, 5)
 
     def _look_from(self, node: Node, lens: Camera) -> None:
@@ -124,7 +124,7 @@ class Environment(ViewMethods, TimeMethods):
         """Declare that the scene is complete; optional. Settings can still be changed.
 
         Args:
-            name: of this simulation node.
+            name: name of this simulation node.
         """
         if name is not None:
             self.settings.node_name = checks.text(name, "env.create(name)")

@@ -42,8 +42,8 @@ class TimeMethods(EnvironmentDescription):
         """Choose how simulated time relates to the wall clock.
 
         Args:
-            strategy: ``TimeStrategies.BestEffort`` or ``TimeStrategies.FixedSimulationStep``; the
-                latter does not change the frequency of the scene.
+            strategy: ``TimeStrategies.BestEffort`` or ``TimeStrategies.FixedSimulationStep``; ``FixedSimulationStep``
+                does not change the frequency of the scene.
         """
         if isinstance(strategy, bool) or strategy not in list(TimeStrategies):
             names = ", ".join(f"TimeStrategies.{s.name}" for s in TimeStrategies)
@@ -51,13 +51,13 @@ class TimeMethods(EnvironmentDescription):
         self.settings.time_strategy = TimeStrategies(strategy)
 
     def set_time_scale(self, slowdown_by: float | None = None, accelerate_by: float | None = None) -> None:
-        """Run slower or faster than the wall clock: give one of the two factors.
+        """Run slower or faster than the wall clock; exactly one of the two factors must be given.
 
         Raises:
             ValueError: none or both are given, or the scale is too small.
         """
         if (slowdown_by is None) == (accelerate_by is None):
-            raise ValueError("env.set_time_scale takes either slowdown_by=... or accelerate_by=..., one of the two")
+            raise ValueError("env.set_time_scale takes either slowdown_by=... or accelerate_by=...")
         if slowdown_by is not None:
             scale = 1.0 / checks.number(slowdown_by, "env.set_time_scale(slowdown_by)", above=0.0)
         else:
@@ -73,11 +73,11 @@ class TimeMethods(EnvironmentDescription):
 
         Args:
             base_frequency: Hz, 0.1 to 10,000.
-            logic_step_max: accepted for old scripts: ticks have a fixed length.
+            logic_step_max: accepted for old scripts; all ticks have the same length.
             physics_step_max: accepted for old scripts.
         """
         what = "env.simulator_frequency(base_frequency)"
-        # with a lower frequency a tick would take minutes, because the physics steps stay short
+        # at a lower frequency a tick would take minutes, because the physics steps stay short
         self.settings.frequency = checks.number(base_frequency, what, minimum=0.1, maximum=HIGHEST_FREQUENCY)
         checks.integer(logic_step_max, "env.simulator_frequency(logic_step_max)", minimum=1)
         checks.integer(physics_step_max, "env.simulator_frequency(physics_step_max)", minimum=1)
@@ -88,7 +88,7 @@ class TimeMethods(EnvironmentDescription):
         self.settings.internal_syncer = True
 
     def use_vsync(self, vsync: str) -> None:
-        """Validate the argument, without further effect."""
+        """Accepted for old scripts; the argument is only validated."""
         checks.choice(vsync, _VSYNC, "env.use_vsync(vsync)")
 
     def use_relative_time(self, value: bool = True) -> None:
@@ -114,7 +114,7 @@ class TimeMethods(EnvironmentDescription):
             interface: name of a middleware.
 
         Raises:
-            MorseMiddlewareError: unknown middleware.
+            MorseMiddlewareError: the middleware is unknown.
         """
         found = registry.middleware(checks.text(interface, "env.add_default_interface(interface)"))
         if found.request_manager is not None and found.request_manager not in self._simulation_managers:
@@ -126,7 +126,7 @@ class TimeMethods(EnvironmentDescription):
         """Offer the services of the simulation on an additional middleware; the socket always offers them.
 
         Raises:
-            MorseMiddlewareError: unknown middleware.
+            MorseMiddlewareError: the middleware is unknown.
         """
         manager = registry.request_manager(checks.text(datastream, "env.add_service(datastream)"))
         if manager not in self._simulation_managers:
@@ -146,7 +146,7 @@ class TimeMethods(EnvironmentDescription):
         """Set options of a middleware, e.g. ``configure_stream_manager('socket', time_sync=True, sync_port=5000)``.
 
         Raises:
-            MorseMiddlewareError: unknown middleware.
+            MorseMiddlewareError: the middleware is unknown.
             OptionError: the middleware has no such option, or the value is not valid.
         """
         manager = registry.stream_manager(checks.text(stream_manager, "env.configure_stream_manager(stream_manager)"))

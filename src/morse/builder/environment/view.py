@@ -101,10 +101,10 @@ class ViewMethods(EnvironmentDescription):
         depth: float | None = None,
         falloff: str | None = None,
     ) -> None:
-        """Set the mist; settings that are not given stay unchanged.
+        """Set the mist; settings that are not given do not change.
 
         Args:
-            enable: show it.
+            enable: whether to show it.
             intensity: minimum intensity, 0..1.
             start: distance at which it begins, m.
             depth: distance from the start to full intensity, m.

@@ -16,11 +16,11 @@ logger = logging.getLogger(__name__)
 
 
 def hint_at_radians(what: str, angles: Iterable[Any]) -> None:
-    """Warn of more than a full turn: such a value most likely means degrees.
+    """Warn about angles of more than a full turn, because they are most likely degrees.
 
     Args:
-        what: names the call in the message, e.g. ``Morsy.rotate``.
-        angles: as the script gives them; values that are not numbers are skipped.
+        what: name of the call in the message, e.g. ``Morsy.rotate``.
+        angles: the arguments of the script; values that are not numbers are skipped.
     """
     for angle in angles:
         if (
@@ -29,7 +29,7 @@ def hint_at_radians(what: str, angles: Iterable[Any]) -> None:
             and 2.0 * math.pi + 1e-6 < abs(float(angle)) < math.inf
         ):
             logger.warning(
-                "%s: %s takes radians, and %g of them are %.3g turns; for degrees write math.radians(%g)",
+                "%s: %s takes radians, and %g rad are %.3g turns; for degrees write math.radians(%g)",
                 frames.source_line() or "?",
                 what,
                 angle,

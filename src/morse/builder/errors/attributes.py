@@ -8,9 +8,9 @@ from morse.builder.errors import checks
 
 
 def unknown_attribute(owner: object, name: str) -> NoReturn:
-    """Raise the `AttributeError` of an attribute that does not exist, with the nearest one that does."""
+    """Raise the `AttributeError` for an attribute that does not exist; the message names the nearest one."""
     kind = type(owner).__name__
-    # classes with slots have no __dict__, and asking for it would lead back here
+    # classes with slots have no __dict__, and access to it would call this function again
     own = vars(owner) if type(owner).__dictoffset__ else ()
     public = [n for n in (*dir(type(owner)), *own) if not n.startswith("_")]
     near = checks.closest(name, public)

@@ -44,8 +44,8 @@ def number(
         infinite: allow infinities.
 
     Raises:
-        TypeError: not a number.
-        ValueError: NaN, infinite or out of range.
+        TypeError: the value is not a number.
+        ValueError: the value is NaN, infinite or out of range.
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{what} takes a number, got {shown(value)}")
@@ -53,9 +53,9 @@ def number(
     if math.isnan(result) or (math.isinf(result) and not infinite):
         raise ValueError(f"{what} takes a finite number, got {result}")
     if minimum is not None and result < minimum:
-        raise ValueError(f"{what} takes a number from {minimum:g} upward, got {result:g}")
+        raise ValueError(f"{what} takes a number of at least {minimum:g}, got {result:g}")
     if maximum is not None and result > maximum:
-        raise ValueError(f"{what} takes a number up to {maximum:g}, got {result:g}")
+        raise ValueError(f"{what} takes a number of at most {maximum:g}, got {result:g}")
     if above is not None and result <= above:
         raise ValueError(f"{what} takes a number greater than {above:g}, got {result:g}")
     return result
@@ -65,12 +65,12 @@ def integer(value: Any, what: str, *, minimum: int | None = None) -> int:
     """Return an integer (``2.0`` is accepted).
 
     Raises:
-        TypeError: not a number.
-        ValueError: has a fraction, or is too small.
+        TypeError: the value is not a number.
+        ValueError: the value is not an integer, or is too small.
     """
     result = number(value, what, minimum=minimum)
     if result != int(result):
-        raise ValueError(f"{what} takes a whole number, got {result:g}")
+        raise ValueError(f"{what} takes an integer, got {result:g}")
     return int(result)
 
 
@@ -78,8 +78,8 @@ def triple(value: Any, what: str) -> tuple[float, float, float]:
     """Three finite numbers, e.g. a position or a colour.
 
     Raises:
-        TypeError: not a sequence of numbers.
-        ValueError: another count than three, or a number is not finite.
+        TypeError: the value is not a sequence of numbers.
+        ValueError: there are not three numbers, or one of them is not finite.
     """
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         raise TypeError(f"{what} takes three numbers such as [1.0, 0.0, 0.5], got {shown(value)}")
@@ -94,8 +94,8 @@ def color(value: Any, what: str) -> tuple[float, float, float]:
     """Red, green and blue, each 0..1.
 
     Raises:
-        TypeError: not a sequence of numbers.
-        ValueError: another count than three, or out of range.
+        TypeError: the value is not a sequence of numbers.
+        ValueError: there are not three numbers, or one of them is out of range.
     """
     rgb = triple(value, what)
     if not all(0.0 <= channel <= 1.0 for channel in rgb):
@@ -107,7 +107,7 @@ def boolean(value: Any, what: str) -> bool:
     """Return a boolean (1 and 0 are accepted).
 
     Raises:
-        TypeError: anything else.
+        TypeError: the value is not a boolean.
     """
     if isinstance(value, bool) or (isinstance(value, int) and value in (0, 1)):
         return bool(value)
@@ -115,16 +115,16 @@ def boolean(value: Any, what: str) -> bool:
 
 
 def text(value: Any, what: str) -> str:
-    """A string that is not empty.
+    """A non-empty string.
 
     Raises:
-        TypeError: not a string.
-        ValueError: empty.
+        TypeError: the value is not a string.
+        ValueError: the string is empty.
     """
     if not isinstance(value, str):
         raise TypeError(f"{what} takes a string, got {shown(value)}")
     if not value:
-        raise ValueError(f"{what} takes a string that is not empty")
+        raise ValueError(f"{what} takes a non-empty string")
     return value
 
 
@@ -132,8 +132,8 @@ def choice(value: Any, options: Iterable[str], what: str) -> str:
     """One of several words.
 
     Raises:
-        TypeError: not a string.
-        ValueError: another word.
+        TypeError: the value is not a string.
+        ValueError: the value is another word.
     """
     words = list(options)
     if text(value, what) in words:

@@ -56,9 +56,11 @@ def _describe(error: BaseException, by_us: bool, frame: FrameType | None) -> tup
         case SyntaxError() if error.lineno is not None:
             return f"{type(error).__name__}: {error.msg}", ""
         case SystemExit():
-            return f"the script left by sys.exit({error.code!r})", "Let it run to its end: the simulation starts then."
+            return (
+                f"the script ended with sys.exit({error.code!r})"
+            ), "Let the script run to its end: then the simulation starts."
         case RecursionError():
-            return "a function of the script calls itself without end", ""
+            return "infinite recursion: a function of the script calls itself", ""
         case NameError() if error.name is not None:
             return _name_error(error.name, frame)
         case ModuleNotFoundError() if error.name is not None:
@@ -84,7 +86,7 @@ def _name_error(name: str, frame: FrameType | None) -> tuple[str, str]:
         return missing
     ours = morse.builder.__all__
     if name in ours:
-        return f"the name '{name}' is not defined", "Write at the top of the script: from morse.builder import *"
+        return f"the name '{name}' is not defined", "Write at the beginning of the script: from morse.builder import *"
     known = set(ours) | set(dir(builtins))
     if frame is not None:
         known |= set(frame.f_locals) | set(frame.f_globals)

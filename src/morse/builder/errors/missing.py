@@ -40,5 +40,5 @@ def missing_component(name: str) -> tuple[str, str] | None:
     listed = ", ".join(other for other in there if not other.endswith("Creator"))
     return (
         f"MORSE has no {kind} {known} yet (it was in MORSE 1.4)",
-        f"The {kind}s that there are: {listed}. One of your own takes one file: morse add {kind} NAME ENVIRONMENT",
+        f"Available {kind}s: {listed}. To write one, use: morse add {kind} NAME ENVIRONMENT",
     )

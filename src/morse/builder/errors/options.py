@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: options of any middleware, which a script may keep when it changes the middleware
+#: options of any middleware; a script may keep them when it changes the middleware
 _OF_SOME_MIDDLEWARE = ("topic", "frame_id", "parent_frame_id", "child_frame_id", "device")
 
 
@@ -27,10 +27,10 @@ def stream_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
     Args:
         manager: class path of the stream manager.
-        given: by name.
+        given: options by name.
 
     Raises:
-        OptionError: there is no such option, or it takes another value.
+        OptionError: there is no such option, or the value is not valid.
     """
     middleware = registry.middleware_of_stream_manager(manager)
     if middleware is None or middleware.stream_options is None:
@@ -50,10 +50,10 @@ def manager_options(manager: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
     Args:
         manager: its class path.
-        given: by name.
+        given: options by name.
 
     Raises:
-        OptionError: there is no such option, or it takes another value.
+        OptionError: there is no such option, or the value is not valid.
     """
     middleware = registry.middleware_of_stream_manager(manager)
     if middleware is None or middleware.manager_options is None:
@@ -65,11 +65,11 @@ def modifier_options(classpath: str, given: Mapping[str, Any]) -> dict[str, Any]
     """Return the options of a modifier; a class without ``_options`` accepts any option.
 
     Args:
-        classpath: of the modifier.
-        given: by name.
+        classpath: class path of the modifier.
+        given: options by name.
 
     Raises:
-        OptionError: there is no such option, or it takes another value.
+        OptionError: there is no such option, or the value is not valid.
     """
     if not given:
         return {}

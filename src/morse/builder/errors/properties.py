@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: read by MORSE itself, independent of the declarations of the component
+#: these properties are read by MORSE itself, independent of the declarations of the component
 _GENERAL = frozenset({"classpath", "frequency", "abstraction_level", "Component_Tag", "Robot_Tag"})
 
 
@@ -24,7 +24,7 @@ def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
     """Warn about properties that a component does not declare, and raise an error for invalid values.
 
     Raises:
-        PropertyError: a value of another type, or outside the range or the choices that are declared.
+        PropertyError: a value has the wrong type, or is outside of the declared range or choices.
     """
     declared = {p.name: p for p in declarations.properties(cls).values()}
     for name, value in given.items():
@@ -32,7 +32,7 @@ def check_declared(cls: type[Any], given: Mapping[str, Any]) -> None:
             checked_value(cls.__name__, declared[name], value, script=True)
         elif name not in _GENERAL:
             logger.warning(
-                "%s: %s has no property '%s'%s (kept, but %s does not read it)",
+                "%s: %s has no property '%s'%s (it is kept, but %s does not use it)",
                 frames.source_line() or "?",
                 cls.__name__,
                 name,

@@ -20,7 +20,7 @@ class Step:
     """One line of user code in the traceback of an error.
 
     Attributes:
-        function: the function the line belongs to, or ``<module>``.
+        function: the function that contains the line, or ``<module>``.
     """
 
     where: SourceLine
@@ -73,6 +73,6 @@ class ScriptError(MorseBuilderError):
         callers = [f"  called from {step}" for step in reversed(self.steps[:-1])]
         if len(callers) > _MAX_CALLERS:
             half = _MAX_CALLERS // 2
-            callers[half:-half] = [f"  ... and {len(callers) - 2 * half} calls more ..."]
+            callers[half:-half] = [f"  ... and {len(callers) - 2 * half} more calls ..."]
         lines.extend(callers)
         return "\n".join(lines)

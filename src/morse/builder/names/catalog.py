@@ -1,7 +1,7 @@
 """The catalogue of components and modifiers, read from their files without executing them.
 
-A scene with three sensors should not load forty sensors, nor fail because another one is broken. A class is included if
-its body sets ``_name`` (components) or ``_names`` (modifiers).
+A scene with three sensors should not load forty sensors, and should not fail because one of the others is broken. A
+class is included if its body sets ``_name`` (components) or ``_names`` (modifiers).
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class Entry:
         classpath: class path.
         doc: one-sentence description.
         attributes: the class attributes whose values are plain literals.
-        defaults: the plain literals among the arguments of its `BuilderDefaults` or `RobotDefaults`, or None if it
-            declares none.
+        defaults: the plain literals among the arguments of its `BuilderDefaults` or `RobotDefaults`, or None without
+            such a declaration.
         product: the name of the product, or None for the class itself.
     """
 

@@ -9,7 +9,7 @@ from typing import Any
 from morse.core import classpath as classpaths
 from morse.core.exceptions import MorseBuilderNoComponentError
 
-#: how files of MORSE begin, whose import machinery stands between a module and what it imports
+#: file names of the import machinery of Python, which is between a module and its imports in a traceback
 _OURS = str(Path(__file__).parents[2])
 
 
@@ -17,8 +17,8 @@ def load_class(classpath: str) -> type[Any]:
     """The class of a component, e.g. ``ranger_sim.actuators.eyes.Eyes``.
 
     Raises:
-        MorseBuilderNoComponentError: there is no such class, or its file has an error; the message
-            says which line of which file.
+        MorseBuilderNoComponentError: the class does not exist, or its file has an error; the message contains the file
+            and the line.
     """
     try:
         return classpaths.load_class(classpath)

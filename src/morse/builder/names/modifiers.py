@@ -30,7 +30,7 @@ def find_modifier(name: str, component: type | None) -> str:
             suitable.update(dict.fromkeys(names, entry.classpath))
     if name in suitable:
         return suitable[name]
-    what = component.__name__ if component is not None else "a thing that does nothing"
+    what = component.__name__ if component is not None else "an object without behaviour"
     listed = f"; there are {', '.join(sorted(suitable))}" if suitable else f"; there are none for {what}"
     hint = checks.suggestion(name, suitable) or listed
     if name in everywhere:

@@ -25,18 +25,18 @@ def check_given_name(name: Any) -> str:
     """A name that a script gives to a component.
 
     Raises:
-        TypeError: not a string.
-        ValueError: empty.
-        SyntaxError: a dot in it.
+        TypeError: the name is not a string.
+        ValueError: the name is empty.
+        SyntaxError: the name contains a dot.
     """
     if not isinstance(name, str):
-        raise TypeError(f"a component's name is a string, got {name!r}")
+        raise TypeError(f"the name of a component is a string, got {name!r}")
     if not name.strip():
-        raise ValueError("a component's name cannot be empty")
+        raise ValueError("the name of a component cannot be empty")
     if "." in name:
         raise SyntaxError(
-            f"the name '{name}' has a dot: dots separate robots from their components (robot.arm.pose); "
-            f"write '{name.replace('.', '_')}'"
+            f"the name '{name}' contains a dot: dots separate robots from their components (robot.arm.pose); write "
+            f"'{name.replace('.', '_')}'"
         )
     return name
 
@@ -49,13 +49,13 @@ def check_address(name: str) -> None:
     """
     if any(character.isspace() or not character.isprintable() for character in name):
         written = "_".join("".join(c if c.isprintable() else " " for c in name).split())
-        raise ValueError(f"the name {name!r} has a blank, which clients cannot write; write '{written}'")
+        raise ValueError(f"the name {name!r} contains a space, which clients cannot send; write '{written}'")
 
 
 def name_in_frame(component: Part, parent: Part, frame: FrameType) -> str | None:
-    """Return the name of a component at the place where it is appended to a parent.
+    """Return the name of a component that is being appended to a parent.
 
-    That is an attribute of ``self``, else a variable, else an attribute of the parent.
+    The name is that of an attribute of ``self``, else of a variable, else of an attribute of the parent.
     """
     owner = frame.f_locals.get("self")
     attributes = getattr(owner, "__dict__", {}) if owner is not component else {}
@@ -86,7 +86,7 @@ def guess_names() -> None:
 
 
 def rename_all() -> None:
-    """Give every component its name in the simulation: ``robot.arm.pose`` for what is on a robot."""
+    """Give every component its name in the simulation: ``robot.arm.pose`` for a component of a robot."""
     used: set[str] = set()
     for component in workspace.current().components:
         if component.parent is None:

@@ -1,4 +1,4 @@
-"""The part of scene objects that the naming needs."""
+"""The protocol of scene objects that can be named."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Strength(IntEnum):
 
 
 class Part:
-    """A component or a thing of a scene that is being described: `AbstractComponent` without its methods.
+    """A component or an object of a scene that is being described: `AbstractComponent` without its methods.
 
     Attributes:
-        basename: its name without those of its parents, or None until it has one.
-        name_strength: where ``basename`` came from.
+        basename: its name without the names of its parents, or None until it has a name.
+        name_strength: source of ``basename``.
     """
 
     basename: str | None
@@ -54,15 +54,15 @@ class Part:
 
         @property
         def is_complete(self) -> bool:
-            """True once it has an object of the scene."""
+            """Whether it has an object of the scene."""
 
         @property
         def is_robot(self) -> bool:
-            """True for robots, which have sensors and actuators."""
+            """Whether it can carry sensors and actuators."""
 
     @property
     def plain_name(self) -> str:
-        """Its own name, without those of its parents."""
+        """Its own name, without the names of its parents."""
         return self.basename or without_copy_suffix(self.scene_node.name)
 
     def suggest_name(self, name: str, strength: Strength) -> None:
@@ -73,5 +73,5 @@ class Part:
 
 
 def without_copy_suffix(name: str) -> str:
-    """The name of an object as the name of a component: ``morsy`` for ``morsy.001``, no dots and no blanks."""
+    """The name of an object as the name of a component: ``morsy`` for ``morsy.001``, without dots and spaces."""
     return "_".join(_COPY_SUFFIX.sub("", name).replace(".", "_").split())

@@ -1,8 +1,8 @@
 """Builder classes for the components of a project, derived from their files.
 
-``from ranger_sim.builder.sensors import Sonar`` works as soon as a file in ``src/ranger_sim/sensors/`` has a class
-``Sonar``: the class for scene scripts is derived from it. A file in ``src/ranger_sim/builder/sensors/`` with a class
-of that name takes precedence.
+``from ranger_sim.builder.sensors import Sonar`` works as soon as a file in ``src/ranger_sim/sensors/`` contains a class
+``Sonar``: the builder class is derived from it. A class of that name in a file in ``src/ranger_sim/builder/sensors/``
+takes precedence.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _called: WeakKeyDictionary[type, type] = WeakKeyDictionary()
 
 
 def describe(cls: type, *args: Any, **kwargs: Any) -> Any:
-    """The builder object that a scene script gets for a component class; None if the caller is not a scene script."""
+    """The builder object of a component class that a scene script calls; None if the caller is not a scene script."""
     if not workspace.is_being_described():
         return None
     code = sys._getframe(2).f_code
@@ -106,10 +106,10 @@ class _Completed(SourceFileLoader):
 
 
 class _Classes:
-    """The builder classes of one kind that follow from the components of a project.
+    """The builder classes of one kind, derived from the components of a project.
 
     Args:
-        module: where they will live, ``<project>.builder.<kind>``.
+        module: module of the new classes, ``<project>.builder.<kind>``.
     """
 
     def __init__(self, module: ModuleType) -> None:
@@ -119,11 +119,11 @@ class _Classes:
         self.package = f"{project.removesuffix('.builder')}.{kind}"
 
     def get(self, name: str) -> Any:
-        """The class of a name.
+        """The class of that name.
 
         Raises:
-            AttributeError: no file of the project has such a class.
-            SyntaxError: one file cannot be read, and no other has the class.
+            AttributeError: no file of the project contains such a class.
+            SyntaxError: a file cannot be parsed, and no other file contains the class.
             MorseBuilderNoComponentError: the class cannot be loaded.
         """
         broken: SyntaxError | None = None

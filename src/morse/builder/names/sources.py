@@ -19,7 +19,7 @@ def classes(package: str) -> Iterator[tuple[str, Definition]]:
     """The public classes in the files of a package, with the names of their modules.
 
     Raises:
-        SyntaxError: in one of the files.
+        SyntaxError: one of the files cannot be parsed.
     """
     for module, file in files(package):
         for definition in classes_of(file):
@@ -27,7 +27,7 @@ def classes(package: str) -> Iterator[tuple[str, Definition]]:
 
 
 def files(package: str) -> Iterator[tuple[str, Path]]:
-    """The public modules of a package and their files; none if there is no such package."""
+    """The public modules of a package and their files; empty if the package does not exist."""
     try:
         spec = find_spec(package)
     except ModuleNotFoundError:
@@ -46,6 +46,6 @@ def classes_of(file: Path) -> Iterator[Definition]:
     """The public classes of a file.
 
     Raises:
-        SyntaxError: in the file.
+        SyntaxError: the file cannot be parsed.
     """
     yield from indexed(file)

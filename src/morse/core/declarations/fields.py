@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-#: a shape: the length of each axis, None for any
+#: a shape: the length of each axis, None for any length
 Shape = tuple["int | None", ...]
 
 
 class DataField(NamedTuple):
-    """A field of ``local_data``: what a sensor publishes or an actuator reads.
+    """A field of ``local_data``, which a sensor publishes or an actuator reads.
 
     Attributes:
         default: the value before the first measurement or command.
@@ -24,9 +24,9 @@ class DataField(NamedTuple):
         dtype: dtype of the numpy array in the field; empty if the field is not an array.
         low: smallest value of each item.
         high: largest value of each item.
-        angle: kept in (-pi, pi]; noise wraps around.
-        quaternion: w, x, y, z, kept of unit length.
-        allow: values outside low..high that can occur: ``inf``, ``-inf``, ``nan``, ``none``.
+        angle: whether it is kept in (-pi, pi]; noise wraps around.
+        quaternion: whether it is w, x, y, z with length 1.
+        allow: allowed values outside of low..high: ``inf``, ``-inf``, ``nan``, ``none``.
         follows: the fields from which `Sensor.report` computes this field; no noise is added to it.
     """
 
@@ -58,13 +58,13 @@ class Property(NamedTuple):
     """A parameter that scripts set with ``properties(Name=...)`` and clients with ``set_property``.
 
     Attributes:
-        default: the value where a script sets none.
-        name: as scripts and clients write it.
+        default: the value if a script sets none.
+        name: name for scripts and clients.
         type: type shown in the documentation; ``int`` accepts integers only.
         low, high: the range of numbers, or None.
-        choices: the only values; empty for any.
+        choices: the only allowed values; empty for any.
         unit: see `morse.core.units`.
-        allow: ``inf``, ``-inf``, ``nan``, ``none``.
+        allow: allowed special values: ``inf``, ``-inf``, ``nan``, ``none``.
     """
 
     default: Any
@@ -83,8 +83,8 @@ class Option(NamedTuple):
 
     Attributes:
         type: ``float``, ``int``, ``bool``, ``str``, ``list``, ``dict``, or several in a tuple; ``object`` for anything.
-        default: the value where the script gives none.
-        shape: of a list of numbers.
+        default: the value if the script gives none.
+        shape: shape of a list of numbers.
     """
 
     type: type | tuple[type, ...] = object
@@ -99,7 +99,7 @@ class Option(NamedTuple):
 
 
 class Level(NamedTuple):
-    """An abstraction level; ``classpath`` names the class that implements it, if another one does."""
+    """An abstraction level; ``classpath`` is the class that implements it, if it is another class."""
 
     classpath: str | None
     doc: str
@@ -107,15 +107,15 @@ class Level(NamedTuple):
 
 
 class KindUse(NamedTuple):
-    """The use of a message kind by a component: where the values of its slots come from.
+    """The use of a message kind by a component: the sources of the values of its slots.
 
     Attributes:
         kind: see `morse.core.kinds`.
         slots: slot name to field, fields, property, constant or function (see `add_kind`).
         level: the levels that use the kind, or ``all``.
-        when: function of the component that returns whether it uses the kind; None for always.
+        when: function of the component that returns whether it uses the kind; None if it always does.
         topic: sub-topic of the topic of the component; empty for the topic itself.
-        on_request: the kind is used only if the script asks for it.
+        on_request: whether the kind is used only if the script asks for it.
         where: file and line of the declaration.
     """
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def _class_body(function: str) -> FrameType:
     frame = sys._getframe(2)
     if "__module__" not in frame.f_locals or "__qualname__" not in frame.f_locals:
-        raise SyntaxError(f"{function}() declares a part of a component: call it in the body of the class")
+        raise SyntaxError(f"{function}() is a declaration: call it in the body of a component class")
     return frame
 
 
@@ -64,8 +64,8 @@ def add_data(
         dtype: dtype, if the field contains a numpy array.
         low: smallest value of each item; noise is clipped to it, and commands below it are refused.
         high: largest value of each item, likewise.
-        angle: kept in (-pi, pi]: noise wraps around.
-        quaternion: w, x, y, z; noise keeps it of unit length.
+        angle: whether it is kept in (-pi, pi]; noise wraps around.
+        quaternion: whether it is w, x, y, z; noise keeps its length at 1.
         allow: special values that are accepted in spite of the range: ``inf``, ``-inf``, ``nan``, ``none``.
         follows: fields from which `Sensor.report` computes this field; no noise is added to it.
 
@@ -127,14 +127,14 @@ def add_property(
     Args:
         python_name: name of the attribute.
         default_value: value if the script sets none; its type determines which values are accepted.
-        name: as scripts and clients write it.
+        name: name for scripts and clients.
         type: type shown in the documentation; ``int`` accepts integers only.
         doc: description of the property.
         low: smallest value.
         high: largest value.
-        choices: the only values.
+        choices: the only allowed values.
         unit: unit of the value, e.g. ``m``, ``deg``.
-        allow: ``inf``, ``-inf``, ``nan``, ``none``.
+        allow: allowed special values: ``inf``, ``-inf``, ``nan``, ``none``.
 
     Raises:
         MorseDeclarationError: the declaration contradicts itself.
@@ -162,7 +162,7 @@ def add_kind(
     on_request: bool = False,
     **slots: Any,
 ) -> None:
-    """Declare a message kind of the component, and where the values of its slots come from.
+    """Declare a message kind of the component, and the sources of the values of its slots.
 
     The source of a slot is the name of a field; a tuple of names, in which None stands for the constant 0 whose
     commands are ignored; ``euler("roll", "pitch", "yaw")``; ``prop("_range")``; ``mapped("status", full="Charged")``; a
@@ -178,7 +178,7 @@ def add_kind(
         level: the abstraction level or levels that use the kind.
         when: function of the component that returns whether it uses the kind, depending on its properties.
         topic: sub-topic; required if the component uses several kinds at once.
-        on_request: the kind is used only if the script asks for it.
+        on_request: whether the kind is used only if the script asks for it.
 
     Raises:
         MorseDeclarationError: unknown kind or slot, or a slot is missing.

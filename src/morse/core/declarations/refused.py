@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from morse.core.declarations.fields import DataField, Option, Property
 
-#: the frames that a field can be given in
+#: the frames of fields
 FRAMES: dict[str, str] = {
     "own": "of the component: X forward, Y left, Z up",
     "robot": "of the robot: X forward, Y left, Z up",
@@ -45,7 +45,7 @@ def check_field(field: DataField) -> None:
     """Raise an error for an invalid data field.
 
     Raises:
-        MorseDeclarationError: with the mistake and the known names.
+        MorseDeclarationError: the message contains the mistake and the known names.
     """
     _check_unit(field.unit)
     _check_name(field.frame, FRAMES, "frame")
@@ -64,7 +64,7 @@ def check_field(field: DataField) -> None:
     if field.quaternion and shape != (4,):
         raise MorseDeclarationError(f"a quaternion has the shape (4,), not {shape}")
     if field.default is None or (isinstance(field.default, str) and field.type not in _WORDS):
-        return  # some defaults are texts that describe the initial value
+        return  # some defaults are strings that describe the initial value
     _check_default(field)
 
 
@@ -93,7 +93,7 @@ def check_property(prop: Property) -> None:
     """Raise an error for an invalid property.
 
     Raises:
-        MorseDeclarationError: saying what is wrong.
+        MorseDeclarationError: the message contains the mistake.
     """
     if not isinstance(prop.name, str) or not prop.name:
         raise MorseDeclarationError(f"the name of a property is a string, not {shown(prop.name)}")
@@ -104,7 +104,7 @@ def check_option(option: Option) -> None:
     """Raise an error for an invalid option.
 
     Raises:
-        MorseDeclarationError: saying what is wrong.
+        MorseDeclarationError: the message contains the mistake.
     """
     _check_parameter(option)
 
@@ -117,7 +117,9 @@ def _check_parameter(parameter: Property | Option) -> None:
         raise MorseDeclarationError(f"choices are given in a tuple, not as {shown(parameter.choices)}")
     default = parameter.default
     if parameter.choices and default is not None and default not in parameter.choices:
-        raise MorseDeclarationError(f"the default {shown(default)} is none of the choices {shown(parameter.choices)}")
+        raise MorseDeclarationError(
+            f"the default {shown(default)} is not one of the choices {shown(parameter.choices)}"
+        )
     if default is not None and (parameter.low is not None or parameter.high is not None):
         _check_numbers(numbers_in(default), default, parameter.low, parameter.high, parameter.allow)
 

@@ -43,7 +43,7 @@ class Scaled(NamedTuple):
 
 
 class Each(NamedTuple):
-    """The fields that an attribute of the component lists: one for each joint of its model, for instance.
+    """The fields whose names an attribute of the component lists, e.g. one for each joint of its model.
 
     Attributes:
         attribute: the name of the attribute, which holds a sequence of names of fields.
@@ -72,7 +72,7 @@ def euler(*fields: str | None) -> Euler:
     None stands for an angle that the component does not have; the angle is 0.
     """
     if len(fields) not in (1, 3):
-        raise TypeError(f"euler() takes roll, pitch and yaw, or one field that holds all three, not {len(fields)}")
+        raise TypeError(f"euler() takes roll, pitch and yaw, or one field that contains all three, not {len(fields)}")
     return Euler(fields)
 
 

@@ -1,8 +1,8 @@
 """An index of the classes in the files of the package.
 
 Reading the definitions from the text of a hundred files takes as long as importing numpy. The index is written when the
-package is built. Its keys are digests of the files: the index does not know a file that was changed later, and that
-file is read itself.
+package is built. Its keys are digests of the files: a file that was changed later is not in the index, and is read
+itself.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from morse.core.definitions.reading import Definition, definitions
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-#: the index, beside this file
+#: file name of the index, in the directory of this file
 FILE = Path(__file__).with_name("classes.index")
-#: of the format of `marshal`: Python 3.4 and later read this one
+#: version of the format of `marshal`, which Python 3.4 and later read
 _VERSION = 4
 
 
 def indexed(file: Path) -> list[Definition]:
-    """The public classes in a file, from the index if it knows the content of the file.
+    """The public classes in a file, from the index if it contains the file.
 
     Raises:
         OSError: the file cannot be read.
-        SyntaxError: it is not Python.
+        SyntaxError: the file is not valid Python.
     """
     text = file.read_bytes()
     known = _index().get(_digest(text))
@@ -45,7 +45,7 @@ def write(files: Iterable[Path], index: Path = FILE) -> None:
 
     Raises:
         OSError: a file cannot be read, or the index cannot be written.
-        SyntaxError: a file is not Python.
+        SyntaxError: a file is not valid Python.
     """
     texts = [(file, file.read_bytes()) for file in sorted(files)]
     found = {_digest(text): _packed(definitions(text, str(file))) for file, text in texts}
@@ -57,7 +57,7 @@ def _index() -> dict[bytes, bytes]:
     try:
         found = marshal.loads(FILE.read_bytes())
     except (OSError, ValueError, EOFError, TypeError):
-        # there is no index before the package is built; each file is read then
+        # before the package is built there is no index, and each file is read
         return {}
     return found if isinstance(found, dict) else {}
 
@@ -72,6 +72,6 @@ def _digest(text: bytes) -> bytes:
 
 @cache
 def _program() -> bytes:
-    """A digest of the program that writes and reads the index: another program may define something else."""
+    """A digest of the program that writes and reads the index, because another program may define other entries."""
     files = (Path(__file__), Path(reading.__file__))
     return hashlib.blake2b(b"".join(file.read_bytes() for file in files)).digest()

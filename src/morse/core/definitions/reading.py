@@ -37,7 +37,7 @@ def definitions(text: bytes, name: str) -> list[Definition]:
         name: name of the file, for error messages.
 
     Raises:
-        SyntaxError: the text is not Python.
+        SyntaxError: the text is not valid Python.
     """
     tree = ast.parse(text, name)
     classes = (statement for statement in tree.body if isinstance(statement, ast.ClassDef))

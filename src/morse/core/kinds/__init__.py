@@ -1,7 +1,7 @@
 """Message kinds: the messages that middlewares carry, independent of the component.
 
 A component declares its kinds and the field for each slot (`morse.core.declarations.add_kind`). A middleware maps
-kinds, never components: it gets the message kinds of a component from `bind`, and gathers a message when there is a
+kinds, never components: it gets the message kinds of a component from `bind`, and creates a message when there is a
 reader.
 """
 

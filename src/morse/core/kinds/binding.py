@@ -32,7 +32,7 @@ _CHANGEABLE = ("unit", "frame", "low", "high", "shape", "dtype", "angle", "allow
 
 
 class KindError(MorseDeclarationError):
-    """Message kinds of a component do not fit its fields.
+    """Message kinds of a component do not match its fields.
 
     Attributes:
         findings: all mistakes, one sentence each.
@@ -51,14 +51,14 @@ class BoundKind:
         kind: the kind.
         topic: sub-topic of the topic of the component; empty for the topic itself.
         frame: frame of the first slot of the messages.
-        on_request: the kind is used only if the script asks for it.
+        on_request: whether the kind is used only if the script asks for it.
         rest: the fields that do not belong to a slot.
     """
 
     def __init__(self, component: Any, use: KindUse, fields: Mapping[str, DataField], units: Mapping[str, str]) -> None:
         self.component = component
         kind = kind_named(use.kind)
-        assert kind is not None, "the class was checked when it was made"
+        assert kind is not None, "the class was checked when it was created"
         self.kind: Kind = kind
         self.topic, self.on_request = use.topic, use.on_request
         self._sources: list[tuple[Slot, Source]] = []
@@ -70,7 +70,7 @@ class BoundKind:
             if isinstance(given, Each):
                 among, given = given.among, tuple(getattr(component, given.attribute))
             if slot.optional and _names(given) - fields.keys() and _names(given) <= declared.keys():
-                continue  # another level has the field
+                continue  # the field may belong to another level
             try:
                 source = source_of(slot, given, fields, units)
             except MorseDeclarationError as error:
@@ -169,7 +169,7 @@ class BoundKind:
         if slot.shape and slot.dtype not in ("str", "object"):
             value = _checked_array(slot, value)
         if slot.name in self._turns:
-            # the sender gives all slots in the frame of the first slot
+            # all slots of the sender are in the frame of its first slot
             given, wanted = self._turns[slot.name][1], self._turns[slot.name][0]
         else:
             given = wanted = source.frame or slot.frame
@@ -225,10 +225,10 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
 
     Args:
         component: an instance with its level and modifiers.
-        on_request: include the kinds that are used only if the script asks for them.
+        on_request: whether to include the kinds that are used only if the script asks for them.
 
     Raises:
-        KindError: with all mistakes.
+        KindError: the message lists all mistakes.
     """
     fields = fields_of(component)
     units = {name: declared.unit for name, declared in properties(type(component)).items()}
@@ -242,7 +242,7 @@ def bind(component: Any, *, on_request: bool = False) -> tuple[BoundKind, ...]:
     topics = [one.topic for one in bound]
     for topic in dict.fromkeys(topic for topic in topics if topics.count(topic) > 1):
         names = ", ".join(f"'{one.kind.name}'" for one in bound if one.topic == topic)
-        findings.append(f"{component.name()}: the kinds {names} have one topic; say topic=... in add_kind")
+        findings.append(f"{component.name()}: the kinds {names} have the same topic; set topic=... in add_kind")
     if findings:
         raise KindError(findings)
     if bound or not fields:

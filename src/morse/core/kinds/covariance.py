@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def covariances(
     component: Any, kind: Kind, sources: Iterable[tuple[Slot, Source]], fields: Mapping[str, DataField]
 ) -> dict[str, Any]:
-    """Return the covariance slots that the component does not fill itself; none if no noise is declared.
+    """Return the covariance slots that the component does not fill itself; an empty list if no noise is declared.
 
     The variance of each axis is the variance of the white noise of its field, in the unit of the slot. The fields are
     uncorrelated. Euler angles are treated as small rotations about X, Y and Z.

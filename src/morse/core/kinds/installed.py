@@ -33,7 +33,7 @@ def kinds_of_packages() -> dict[str, Kind]:
     for point in entry_points("morse.kinds"):
         for kind in _loaded(point):
             if kind.name in KINDS or kind.name in found:
-                logger.warning("the message kind '%s' of %s exists already, and is left out", kind.name, point.value)
+                logger.warning("the message kind '%s' of %s already exists, and is left out", kind.name, point.value)
             else:
                 found[kind.name] = kind
     return found
@@ -49,7 +49,7 @@ def _loaded(point: EntryPoint) -> tuple[Kind, ...]:
     kinds = (given,) if isinstance(given, Kind) else tuple(given) if isinstance(given, (list, tuple)) else (given,)
     good = tuple(kind for kind in kinds if _is_kind(kind))
     if len(good) < len(kinds):
-        logger.warning("%s brings something that is not a message kind (morse.core.kinds.Kind)", point.value)
+        logger.warning("%s provides an object that is not a message kind (morse.core.kinds.Kind)", point.value)
     return good
 
 

@@ -18,8 +18,8 @@ class Slot(NamedTuple):
         shape: shape of the value; ``()`` for a single value, None for an axis of any length.
         dtype: numpy dtype; or ``str`` or ``bool``.
         unit: see `morse.core.units`; empty for none.
-        frame: frame of the value unless the field declares another one; empty for none.
-        optional: a message may be without this slot.
+        frame: frame of the value unless the field declares another frame; empty for none.
+        optional: whether a message may be without this slot.
         moves: how the value changes with the frame: ``point``, ``vector``, ``orientation``, or empty for not at all.
         choices: the allowed strings; empty for any.
         covariance_of: the slots whose covariance this slot contains, in the order of its axes.
@@ -46,7 +46,7 @@ class Kind(NamedTuple):
     """A message kind.
 
     Attributes:
-        name: as components and middlewares call it.
+        name: name for components and middlewares.
         slots: slots by name, in order.
         published: whether sensors send it.
         commanded: whether actuators receive it.

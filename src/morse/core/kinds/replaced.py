@@ -1,4 +1,4 @@
-"""Kinds that modifiers change into other kinds: a pose in degrees of longitude is a fix."""
+"""Kinds that modifiers change into other kinds: a pose in degrees of longitude becomes a fix."""
 
 from __future__ import annotations
 

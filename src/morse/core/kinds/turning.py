@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
     from morse.mathutils.rotations import Quaternion4, Rotation9
 
-#: frames between which the values of a component can be converted at any time
+#: frames between which the values of a component can always be converted
 TURNABLE = ("own", "frd", "robot", "world", "earth")
 _SHORTEST = 1e-9
 
 
 def quaternion_of(roll: float, pitch: float, yaw: float) -> Quaternion4:
-    """The rotation about X by roll, then about Y by pitch, then about Z by yaw (fixed axes), rad."""
+    """The quaternion of a rotation about X by roll, then about Y by pitch, then about Z by yaw (fixed axes), rad."""
     a, b, c = 0.5 * roll, 0.5 * pitch, 0.5 * yaw
     cr, sr, cp, sp, cy, sy = math.cos(a), math.sin(a), math.cos(b), math.sin(b), math.cos(c), math.sin(c)
     w = cr * cp * cy + sr * sp * sy
@@ -57,7 +57,7 @@ def turned(value: Any, moves: str, given: str, wanted: str, component: Any) -> A
     Args:
         value: (3,) or (..., 3) vector or point, or a quaternion.
         moves: ``vector``, ``point`` or ``orientation``.
-        given, wanted: two of `TURNABLE`.
+        given, wanted: two frames of `TURNABLE`.
         component: the component, whose present pose is used.
     """
     import numpy as np

@@ -18,7 +18,7 @@ def check_use(use: KindUse) -> None:
     """Raise an error for an unknown kind, an unknown slot, or a missing slot.
 
     Raises:
-        MorseDeclarationError: with the location in the source and the nearest match.
+        MorseDeclarationError: the message contains the location in the source and the nearest name.
     """
     kind = kind_named(use.kind)
     if kind is None:

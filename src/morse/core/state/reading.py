@@ -50,7 +50,7 @@ class Reader:
     """Restores the parts of one simulation, in the order in which a `Writer` saved them.
 
     Args:
-        fresh: create new objects only and change none, to check whether a state can be read.
+        fresh: whether to create only new objects and change none, to check whether a state can be read.
     """
 
     def __init__(self, references: References, *, fresh: bool = False) -> None:
@@ -121,7 +121,7 @@ class Reader:
             return data
         read = self._readers.get(data[0])
         if read is None:
-            raise StateError(f"the saved state is damaged: nothing is called {data[0]!r:.40}")
+            raise StateError(f"the saved state is damaged: there is no type {data[0]!r:.40}")
         self._depth += 1
         if self._depth > DEEPEST + 20:
             raise StateError("the saved state is nested too deeply")
@@ -289,7 +289,7 @@ class Reader:
         names = set()
         for name, item in saved:
             if not isinstance(name, str) or (name.startswith("__") and name.endswith("__")):
-                raise StateError(f"the saved state is damaged: an attribute is called {name!r:.40}")
+                raise StateError(f"the saved state is damaged: an attribute has the name {name!r:.40}")
             names.add(name)
             before = present.get(name, _MISSING)
             value = self.value(item, before)
@@ -327,7 +327,7 @@ class Reader:
             return type(now)
         found = self._references.find_class(path)
         if found is None:
-            raise StateError(f"the saved state holds a {path!r:.80}, which the simulation does not know")
+            raise StateError(f"the saved state contains a {path!r:.80}, which the simulation does not know")
         return found
 
     def _attributed(self, path: str, now: Any) -> type[Any]:
@@ -336,5 +336,5 @@ class Reader:
         if is_apparatus(cls) or not is_made_of_attributes(
             cls, next((base for base in ITEMS if issubclass(cls, base)), object)
         ):
-            raise StateError(f"a {path!r:.80} cannot be made from a saved state")
+            raise StateError(f"a {path!r:.80} cannot be created from a saved state")
         return cls

@@ -9,13 +9,13 @@ class References(Protocol):
     """Maps the parts of a simulation, and the classes and variables of its project, to names and back."""
 
     def name_of(self, value: Any) -> str | None:
-        """The name of a part of the simulation, such as ``component robot.pose``; None for anything else."""
+        """The name of a part of the simulation, such as ``component robot.pose``; None for other objects."""
 
     def find(self, name: str) -> Any:
         """The part of that name.
 
         Raises:
-            StateError: there is none.
+            StateError: there is no such part.
         """
 
     def find_class(self, path: str) -> type[Any] | None:
@@ -31,5 +31,5 @@ class References(Protocol):
         """The object or function of that name.
 
         Raises:
-            StateError: there is none.
+            StateError: there is no such object or function.
         """

@@ -119,7 +119,7 @@ class Writer:
         self._numbers.clear()
 
     def part(self, name: str, state: Any) -> Any:
-        """The state of a part of the simulation, as its ``get_state()`` gave it."""
+        """The state of a part of the simulation, as returned by its ``get_state()``."""
         self._path = [name]
         # a state that was created for this call is not shared
         if type(state) is dict:
@@ -263,7 +263,7 @@ def attributes_of(value: Any) -> dict[str, Any]:
 
 
 def is_apparatus(cls: type[Any]) -> bool:
-    """Whether objects of a class are made from declarations and have no state: all of MORSE below its components."""
+    """Whether objects of a class are created from declarations and have no state: all of MORSE below its components."""
     room, _, rest = cls.__module__.partition(".")
     return getattr(cls, APPARATUS, False) or (room == "morse" and rest.partition(".")[0] not in _WITH_STATE)
 

@@ -1,9 +1,9 @@
 """Validation of the arguments of a service call against the signature of the service.
 
-An annotation says what an argument may be: ``float``, ``int``, ``str``, ``bool``, ``list``, ``dict``, unions of them
-with None, ``Literal["a", "b"]`` for choices, and ``Annotated[float, Range(0.0, 10.0, "m/s")]`` for a range with its
-unit. In ``Annotated[list[float], Range(-1.0, 1.0, shape=(3,))]`` the range applies to each item. Any other annotation
-accepts any value.
+An annotation declares the accepted values of an argument: ``float``, ``int``, ``str``, ``bool``, ``list``, ``dict``,
+unions of them with None, ``Literal["a", "b"]`` for choices, and ``Annotated[float, Range(0.0, 10.0, "m/s")]`` for a
+range with its unit. In ``Annotated[list[float], Range(-1.0, 1.0, shape=(3,))]`` the range applies to each item. Any
+other annotation accepts any value.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Range(NamedTuple):
     """The range of an argument of a service: ``Annotated[float, Range(0.0, 10.0, "m/s")]``.
 
     Attributes:
-        low, high: both are included; None for no bound.
+        low, high: bounds, both included; None for no bound.
         unit: see `morse.core.units`.
-        shape: of a list of numbers; None for any.
+        shape: shape of a list of numbers; None for any.
         allow: special values that are accepted in spite of the range: ``inf``, ``-inf``.
     """
 
@@ -50,7 +50,7 @@ class Arguments:
 
     Args:
         callback: the function that offers the service.
-        service: its name.
+        service: name of the service.
     """
 
     def __init__(self, callback: Callable[..., Any], service: str) -> None:
@@ -74,15 +74,15 @@ class Arguments:
                 self._least += parameter.default is parameter.empty
                 self._checks.append((parameter.name, check))
             elif parameter.kind is parameter.KEYWORD_ONLY and parameter.default is parameter.empty:
-                self._most = -1.0  # no list of arguments is accepted
+                self._most = -1.0  # the service does not accept a list of arguments
         self._rest = rest
 
     def check(self, arguments: list[Any]) -> None:
         """Raise an error if a call with these arguments is not valid.
 
         Raises:
-            MorseRPCNbArgsError: too few or too many.
-            MorseRPCTypeError: one of the wrong type, or outside its range.
+            MorseRPCNbArgsError: there are too few or too many arguments.
+            MorseRPCTypeError: an argument has the wrong type, or is outside of its range.
         """
         if self._signature is None:
             return

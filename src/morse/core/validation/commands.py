@@ -26,7 +26,7 @@ class Commands:
     """Validates commands for a component and stores them in its ``local_data``.
 
     A declared field accepts the values of its declaration. Without a declaration, a field accepts values like its
-    present one: a number, a boolean, a string, a list (of at least as many numbers), a dictionary. A field without a
+    present value: a number, a boolean, a string, a list (of at least as many numbers), a dictionary. A field without a
     value, or with a value of another type, accepts anything.
 
     Args:
@@ -45,7 +45,7 @@ class Commands:
         """Return the fields of a message as they would be stored; undeclared fields are refused.
 
         Raises:
-            CommandError: the message is not a dictionary, a value does not fit, or the component has no such field.
+            CommandError: the message is not a dictionary, a value is not valid, or the component has no such field.
         """
         accepted, unknown = self.checked(message)
         if unknown:
@@ -59,8 +59,8 @@ class Commands:
             A message for the user about undeclared fields, once for each field, else None.
 
         Raises:
-            CommandError: the message is not a dictionary, or a value does not fit, or, where the simulation is strict,
-                the component does not declare a field; then nothing has changed.
+            CommandError: the message is not a dictionary, or a value is not valid, or the simulation is strict and the
+                component does not declare a field. Then nothing has changed.
         """
         accepted, unknown = self.checked(message)
         remark = self._take_unknown(unknown) if unknown else None
@@ -71,7 +71,7 @@ class Commands:
         """Return the fields of a message as they would be stored, and the undeclared fields.
 
         Raises:
-            CommandError: the message is not a dictionary, or a value does not fit.
+            CommandError: the message is not a dictionary, or a value is not valid.
         """
         if not isinstance(message, dict):
             fields = ", ".join(self._checks) or "its fields"
@@ -116,7 +116,7 @@ class Commands:
     def _size(self, name: Any, value: Any) -> int:
         if not isinstance(name, str) or len(name) > _LONGEST_NAME:
             raise CommandError(
-                shown(name), f"{shown(name)} is not a name of a field: a string of up to {_LONGEST_NAME}"
+                shown(name), f"{shown(name)} is not the name of a field: expected a string of up to {_LONGEST_NAME}"
             )
         try:
             check_plain(name)

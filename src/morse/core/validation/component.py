@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 
 class Checked(Protocol):
-    """A component whose data and properties are checked.
+    """A component whose data and properties are validated.
 
     Attributes:
         local_data: the data fields, by name.

@@ -24,7 +24,7 @@ def spec_of_field(field: DataField | None, held: Any) -> Spec:
 
     Args:
         field: its declaration, or None if the component added the field without a declaration.
-        held: value of the field before the first command. The declared default may be only a text such as "initial
+        held: value of the field before the first command. The declared default may be only a string such as "initial
             position".
     """
     default = held if held is not None or field is None else field.default
@@ -39,7 +39,7 @@ def spec_of_property(prop: Property, *, script: bool = False) -> Spec:
     """Return the spec of a property.
 
     Args:
-        script: whether the property is set in the scene script, where infinity is accepted if no range is declared.
+        script: whether the property is set in the scene script, which may set infinity if no range is declared.
     """
     default = prop.default
     allow = frozenset(prop.allow) | _occurring(default)

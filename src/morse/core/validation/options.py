@@ -24,7 +24,7 @@ def checked_options(owner: str, declared: Mapping[str, Option], given: Mapping[s
         given: values by name.
 
     Raises:
-        OptionError: with the option and the expected value, or the nearest name.
+        OptionError: the message contains the option and the expected value, or the nearest name.
     """
     checked = {}
     for name, value in given.items():

@@ -14,7 +14,7 @@ def check_text(text: str) -> None:
     """Raise an error for strings that cannot be encoded as UTF-8: lone surrogates.
 
     Raises:
-        ValueError: saying what is expected.
+        ValueError: the message contains the expected value.
     """
     if not text.isascii():
         try:
@@ -32,7 +32,7 @@ def check_plain(value: Any, allow: frozenset[str] = frozenset()) -> None:
         allow: special values that are accepted: ``inf``, ``-inf`` and ``nan``.
 
     Raises:
-        ValueError: saying what is expected.
+        ValueError: the message contains the expected value.
     """
     waiting: list[tuple[Any, int]] = [(value, 0)]
     while waiting:

@@ -23,7 +23,7 @@ def checked_value(owner: str, prop: Property, value: Any, *, script: bool = Fals
         script: whether the property is set in the scene script.
 
     Raises:
-        PropertyError: with the property, the value and the expected value.
+        PropertyError: the message contains the property, the value and the expected value.
     """
     try:
         return spec_of_property(prop, script=script).check()(value)

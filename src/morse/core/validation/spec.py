@@ -31,10 +31,10 @@ class Spec(NamedTuple):
         dtype: numpy dtype of the array into which a list is converted; empty if a list stays a list.
         low: smallest value of each item.
         high: largest value of each item.
-        choices: the only values.
+        choices: the only allowed values.
         allow: special values that are accepted in spite of the range: ``inf``, ``-inf``, ``nan``, ``none``.
         unit: unit of the number, for messages.
-        whole: keep integers as integers.
+        whole: whether integers are kept as integers.
     """
 
     kind: str = "any"

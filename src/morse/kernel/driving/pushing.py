@@ -50,14 +50,18 @@ def body_velocity(
 
 def stands_still(stances: StanceArrays, slot: int, tick: int, height: float, up: Sequence[float]) -> bool:
     """Record the stance of a robot; return whether it has settled since the last tick and may glide."""
-    before = stances.ups[slot].tolist()
-    still = bool(
-        stances.ticks[slot] == tick - 1
-        and abs(height - stances.heights[slot]) < _SETTLED
-        and all(abs(a - b) < _SETTLED for a, b in zip(up, before, strict=True))
+    ticks, heights, ups, until = stances.views
+    first, (x, y, z) = 3 * slot, up
+    still = (
+        ticks[slot] == tick - 1
+        and abs(height - heights[slot]) < _SETTLED
+        and abs(x - ups[first]) < _SETTLED
+        and abs(y - ups[first + 1]) < _SETTLED
+        and abs(z - ups[first + 2]) < _SETTLED
     )
-    stances.ticks[slot], stances.heights[slot], stances.ups[slot] = tick, height, up
-    return still and bool(tick >= stances.until[slot])
+    ticks[slot], heights[slot] = tick, height
+    ups[first], ups[first + 1], ups[first + 2] = x, y, z
+    return bool(still and tick >= until[slot])
 
 
 def push(all_: GliderArrays, positions: Floats, rotations: Floats, left: int, tick: int) -> tuple[int, int]:

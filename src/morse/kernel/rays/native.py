@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -100,7 +100,10 @@ class NativeRays:
         count = len(solids)
         self.positions, self.rotations = np.zeros((count, 3)), np.zeros((count, 3, 3))
         self._gatherings: dict[bool, _Gathering] = {}
-        self._fans: WeakKeyDictionary[Fan, RaysStructure] = WeakKeyDictionary()
+        self._fans: WeakKeyDictionary[Fan, tuple[RaysStructure, tuple[Any, ...]]] = WeakKeyDictionary()
+        self._cast = library.morse_rays_cast
+        self._groups: NDArray[np.int64] | None = None
+        self._groups_address: int | None = None
         self._known: Poses | None = None
         self._pose_addresses: list[int | None] = []
         self._placing = PlacingStructure(
@@ -137,19 +140,18 @@ class NativeRays:
     def cast(self, fan: Fan, poses: Poses, groups: NDArray[np.int64]) -> Hits:
         """The first hits of the rays; solids of the group (S,) of a sensor's owner are passed through."""
         hits = Hits.empty(fan.shape)
-        rays = self._rays_of(fan)
+        rays, given = self._rays_of(fan)
         rays.slot_positions, rays.slot_rotations, rays.anchor = self._addresses_of(poses)
-        rays.groups = address(groups)
+        if groups is not self._groups:
+            self._groups, self._groups_address = groups, address(groups)
+        rays.groups = self._groups_address
         rays.distances, rays.solids, rays.faces = addresses(*hits)
-        rays.next, whole = 0, fan.shape[0] * fan.shape[1]
-        workers = whole // _RAYS_A_THREAD
-        arguments = (
-            ctypes.byref(self._solids),
-            ctypes.byref(rays),
-            ctypes.c_int64(whole),
-            ctypes.c_int64(_PART if workers > 1 else max(whole, 1)),
-        )
-        threads.together(lambda: self._library.morse_rays_cast(*arguments), workers)
+        rays.next = 0
+        workers = hits.distances.size // _RAYS_A_THREAD
+        if workers > 1:
+            threads.together(lambda: self._cast(*given), workers)
+        else:
+            self._cast(*given)
         return hits
 
     def _addresses_of(self, poses: Poses) -> list[int | None]:
@@ -158,14 +160,18 @@ class NativeRays:
             self._known, self._pose_addresses = poses, addresses(*poses)
         return self._pose_addresses
 
-    def _rays_of(self, fan: Fan) -> RaysStructure:
-        """The part that is the same in all casts of a fan."""
-        rays = self._fans.get(fan)
-        if rays is None:
-            rays = self._fans[fan] = RaysStructure(rays=fan.shape[1], upright=fan.upright, limit=fan.limit)
+    def _rays_of(self, fan: Fan) -> tuple[RaysStructure, tuple[Any, ...]]:
+        """What is the same in all casts of a fan: the structure, and the arguments of the function."""
+        found = self._fans.get(fan)
+        if found is None:
+            rays = RaysStructure(rays=fan.shape[1], upright=fan.upright, limit=fan.limit)
+            whole = fan.shape[0] * fan.shape[1]
+            part = _PART if whole // _RAYS_A_THREAD > 1 else max(whole, 1)
+            given = ctypes.byref(self._solids), ctypes.byref(rays), ctypes.c_int64(whole), ctypes.c_int64(part)
+            found = self._fans[fan] = rays, given
             rays.slots, rays.offsets, rays.turns = addresses(fan.slots, fan.offsets, fan.turns)
             rays.directions, rays.origins, rays.owners = addresses(fan.directions, fan.origins, fan.owners)
-        return rays
+        return found
 
 
 _trees: WeakKeyDictionary[TriangleMesh, _MeshTree] = WeakKeyDictionary()

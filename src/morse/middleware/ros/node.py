@@ -122,6 +122,7 @@ class RospyBackend(Backend):
     """
 
     name = "rospy"
+    takes_threads = True
 
     def __init__(self, name: str | None = None) -> None:
         self._rospy = join(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
@@ -20,6 +21,7 @@ from morse.middleware.ros2.names import Names, robot_of
 from morse.middleware.ros2.outlets import COMMAND
 from morse.middleware.ros2.robots import Robots
 from morse.middleware.ros2.rosout import LogTopic
+from morse.middleware.ros2.sending import Sender
 from morse.middleware.ros2.transforms import Transforms
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ logger = logging.getLogger(__name__)
 
 _TF = "tf2_msgs/msg/TFMessage"
 _CLOCK = "rosgraph_msgs/msg/Clock"
+_SECOND = 10**9
 
 
 class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKinds, StateKinds, DatastreamManager):
@@ -45,6 +48,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     Attributes:
         names: names of topics and frames.
         transforms: the tree of frames.
+        sender: sends images and clouds.
         backend: transports the messages.
     """
 
@@ -59,6 +63,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self.backend = self._make_backend()
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
+        self.sender = Sender(lambda: self.backend.takes_threads and context.paced())
         #: topics by name: their type, and the component that publishes them
         self._claims: dict[str, tuple[str, str]] = {}
         self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
@@ -67,6 +72,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._clock = self._own("/clock", _CLOCK, Qos(1, reliable=False)) if self.options["clock"] else None
         self._tf = self._own("/tf", _TF, Qos(100)) if self.options["tf"] else None
         self._tf_static = self._own("/tf_static", _TF, Qos(1, latched=True)) if self.options["tf"] else None
+        self._tf_period = -1
         self.robots = Robots(self)
         self._log = LogTopic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
@@ -195,6 +201,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
 
     def left(self, name: str) -> None:
         """Close the topics that are no longer used after a component was deleted."""
+        self.sender.finish()
         self.robots.left()
         for key in [key for key in self._publishers if key[0] not in self._claims]:
             self._publishers.pop(key).close()
@@ -207,13 +214,21 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         """Whether the transforms have subscribers."""
         return self._tf is not None and self._tf.wanted()
 
+    def _tf_is_due(self, stamp: int) -> bool:
+        rate = self.options.get("tf_rate")
+        if rate is None:
+            return True
+        # the number of the period of a tick, so that the mean rate is that of the option
+        before, self._tf_period = self._tf_period, math.floor(stamp * rate / _SECOND)
+        return self._tf_period != before
+
     def flush(self) -> None:
         """The end of a tick: publish the time and the poses of all frames."""
         stamp = self.context.clock.stamp()
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))
         if self._tf is not None:
-            self.transforms.publish(stamp, wanted=self._tf.wanted())
+            self.transforms.publish(stamp, wanted=self._tf_is_due(stamp) and self._tf.wanted())
         self.robots.publish()
         if self._log is not None:
             self._log.publish(stamp)
@@ -221,6 +236,7 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     def finalize(self) -> None:
         """Close all topics and leave the domain."""
         super().finalize()
+        self.sender.close()
         if self._log is not None:
             self._log.close()
         self.robots.left()

@@ -16,6 +16,7 @@ MANAGER_OPTIONS = {
     "interface": Option(str, "lo", "network interface or its address; any: all interfaces"),
     "clock": Option(bool, True, "publish simulated time as /clock"),
     "tf": Option(bool, True, "publish /tf and /tf_static"),
+    "tf_rate": Option(float, None, "messages on /tf per simulated second; default: one in each tick", low=0.1),
     "description": Option(bool, True, "publish robot_description, a URDF, for each robot"),
     "rosout": Option(bool, True, "publish the log of the simulation as /rosout"),
     "localization": Option(bool, False, "another node publishes the transform from map to odom"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 from zlib import crc32
 
@@ -163,13 +164,18 @@ class Ros2Stream(KindStream):
             if moves:
                 self.manager.transforms.moved(self, self._motion(message).pose)
             for line in wanted:
-                self._send(line, message)
+                if line.outlet.when is not None and not line.outlet.when():
+                    continue
+                frame = self.frame_id(line.outlet.frame or message.frame)
+                if line.outlet.takes_long:
+                    self.manager.sender.do(partial(self._send, line, message, frame))
+                else:
+                    self._send(line, message, frame)
         return False
 
-    def _send(self, line: _Sending, message: Message) -> None:
+    def _send(self, line: _Sending, message: Message, frame: str) -> None:
         try:
             outlet, backend = line.outlet, self.manager.backend
-            frame = self.frame_id(outlet.frame or message.frame)
             if outlet.numbers is not None and self._prepared:
                 data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message))
             else:

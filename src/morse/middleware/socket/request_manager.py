@@ -15,6 +15,7 @@ from morse.core.request_manager import Outcome, RequestManager
 from morse.core.status import SUCCESS
 from morse.middleware.socket.calls import Calls
 from morse.middleware.socket.listener import listen, port_of
+from morse.middleware.socket.local import listen_locally, remove, wanted_path
 from morse.middleware.socket.protocol import MalformedRequest, Request, format_failure, format_reply, parse_request
 from morse.middleware.socket.server import LineServer
 from morse.middleware.socket.service_client import ServiceClient
@@ -51,7 +52,8 @@ class SocketRequestManager(RequestManager):
     """Services over TCP, one request per line (see `morse.middleware.socket.protocol`).
 
     Listens on the first free port from 4000 to 4009, or from the port in the environment
-    variable ``MORSE_SOCKET_PORT`` (0: any free port).
+    variable ``MORSE_SOCKET_PORT`` (0: any free port). The environment variable ``MORSE_SOCKET_PATH`` adds a Unix socket
+    with that path, for clients of the same user.
 
     Services get a share of the time of a tick. Requests beyond that share wait; the client that has used the least time
     is served next (see `Turns`). Calls that only concern the client, such as sleep and step, end when it disconnects.
@@ -75,6 +77,7 @@ class SocketRequestManager(RequestManager):
         self._calls = Calls()
         self._steps: set[uuid.UUID] = set()
         self._server: LineServer | None = None
+        self._local: tuple[LineServer, str] | None = None
         self._complaints = Complaints(logger)
         self._debt = 0.0
         self._rested = perf_counter()
@@ -84,7 +87,7 @@ class SocketRequestManager(RequestManager):
         """Listen.
 
         Raises:
-            MorseMiddlewareError: every port is in use.
+            MorseMiddlewareError: every port is in use, or the Unix socket cannot be made.
         """
         wanted = _wanted_port()
         ports = range(wanted, min(wanted + _TRIES, 65536)) if wanted else (0,)
@@ -104,6 +107,12 @@ class SocketRequestManager(RequestManager):
             logger.info("services are on port %d", self.port)
         self._server = LineServer("services", listener, self._welcome)
         self._context.network.call(self._server.start(self._context.network))
+        path = wanted_path()
+        if path is not None:
+            server = LineServer("local services", listen_locally(path), self._welcome)
+            self._local = (server, path)
+            self._context.network.call(server.start(self._context.network))
+            logger.info("services are on the Unix socket %s", path)
         return True
 
     def finalization(self) -> bool:
@@ -112,6 +121,11 @@ class SocketRequestManager(RequestManager):
         if self._server is not None:
             self._context.network.call(self._server.close())
             self._server = None
+        if self._local is not None:
+            server, path = self._local
+            self._context.network.call(server.close())
+            remove(path)
+            self._local = None
         return True
 
     def _welcome(self, server: LineServer) -> ServiceClient:

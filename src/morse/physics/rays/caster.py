@@ -73,7 +73,7 @@ class Caster:
     # -- present poses ---------------------------------------------------------------------
 
     def _update(self) -> Poses:
-        """Place what has moved since the last cast, and return the present poses."""
+        """Update the poses of solids that have moved since the last cast, and return the present poses."""
         world, solids = self._world, self._solids
         if world.rearranged:
             solids.settle([index for index, node in enumerate(solids.nodes) if node in world.rearranged])
@@ -86,8 +86,9 @@ class Caster:
             self._rays.place(self._poses_now(), moving=False)
             self._stamp = -1
         if self._stamp != world.stamp:
-            self._stamp = world.stamp
-            self._rays.place(self._poses_now(), moving=True)
+            self._stamp, poses = world.stamp, self._poses_now()
+            self._rays.place(poses, moving=True)
+            return poses
         return self._poses_now()
 
     def _poses_now(self) -> Poses:

@@ -87,7 +87,7 @@ class Rays:
                 positive.
         """
         if not reach > 0.0:
-            raise ValueError(f"a ray reaches farther than 0 m; given {reach!r}")
+            raise ValueError(f"the reach of a ray has to be greater than 0 m, given {reach!r}")
         checked = self.checked_directions(directions)
         starts = None if origins is None else self._kept(_rows_of_three(origins, "origins"))
         if starts is not None and len(starts) != len(checked):
@@ -99,7 +99,7 @@ class Rays:
         rows = _rows_of_three(directions, "directions")
         lengths = np.linalg.norm(rows, axis=1)
         if not (lengths > 0.0).all():
-            raise ValueError(f"direction {int(np.argmin(lengths))} is [0, 0, 0]: a ray needs one to go to")
+            raise ValueError(f"direction {int(np.argmin(lengths))} is [0, 0, 0]: the direction of a ray cannot be 0")
         return self._kept(rows / lengths[:, None])
 
     def _kept(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -175,9 +175,9 @@ def _rows_of_three(values: ArrayLike, what: str) -> NDArray[np.float64]:
     if rows.size == 0:
         return np.empty((0, 3))
     if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ValueError(f"{what} of rays have the shape (N, 3), given {rows.shape}")
+        raise ValueError(f"{what} of rays have to be of shape (N, 3), given {rows.shape}")
     if not np.isfinite(rows).all():
         raise ValueError(
-            f"{what} of rays are finite numbers; number {int(np.argmin(np.isfinite(rows).all(axis=1)))} is not"
+            f"{what} of rays have to be finite numbers; number {int(np.argmin(np.isfinite(rows).all(axis=1)))} is not"
         )
     return rows

@@ -151,7 +151,7 @@ class _Exchange:
                 if manager is not None:
                     manager.connect(new, stream)
             except MorseError as error:
-                logger.error("[ERROR][MORSE] %s: a stream does not fit the new class: %s", name, error)
+                logger.error("[ERROR][MORSE] %s: a stream does not match the new class: %s", name, error)
         new.input_functions += [call for call in old.input_functions if not _is_stream(call, streams)]
         new.output_functions += [call for call in old.output_functions if not _is_stream(call, streams)]
         context.services.replace(name, old, new)

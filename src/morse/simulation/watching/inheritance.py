@@ -67,7 +67,7 @@ class Inheritance:
         old component did not have.
 
         Raises:
-            StateError: the state does not fit the new class.
+            StateError: the state does not match the new class.
         """
         fields = dict.copy(new.local_data)
         values = {python_name: deepcopy(getattr(new, python_name)) for python_name in properties(type(new))}
@@ -88,7 +88,7 @@ class Inheritance:
         """Transfer the state of a modifier.
 
         Raises:
-            StateError: the state does not fit the new class.
+            StateError: the state does not match the new class.
         """
         new.set_state(self._state(name, old, new))
 
@@ -98,7 +98,9 @@ class Inheritance:
         if not isinstance(own, dict):
             return state
         if not isinstance(state, dict):
-            raise StateError(f"{name}: the state of the old class is not a dictionary, that of the new one is")
+            raise StateError(
+                f"{name}: the state of the old class is not a dictionary, but the state of the new class is"
+            )
         # threads and open files cannot be transferred
         kept = {key: value for key, value in state.items() if key in own or not (value is None and before[key])}
         return {**own, **kept}

@@ -39,7 +39,7 @@ class ModelEdit:
             (sum(len(revision.come) for revision in revisions), "new"),
             (sum(len(revision.gone) for revision in revisions), "gone"),
         )
-        return ", ".join(f"{count} {word}" for count, word in counts if count) or "nothing that shows"
+        return ", ".join(f"{count} {word}" for count, word in counts if count) or "nothing visible"
 
 
 def prepare(simulation: Simulation, path: str) -> ModelEdit:
@@ -56,7 +56,7 @@ def prepare(simulation: Simulation, path: str) -> ModelEdit:
     for use in [use for use in scene.models if use.path == path]:
         roots, latest = take(library, use.choice)
         if not roots:
-            raise LookupError("none of the objects that the scene takes from it is in it any more")
+            raise LookupError("it no longer contains any of the objects that the scene uses")
         revision = follow(scene, use, roots, latest)
         edit.latest.append((use, revision))
         edit.warnings += revision.warnings

@@ -28,9 +28,9 @@ logger = logging.getLogger(__name__)
 
 #: interval between checks of the files, wall-clock seconds
 _INTERVAL = 0.2
-#: time after which an unreadable file is an error and not a file that is still being written, wall-clock seconds
+#: time after which an unreadable file is an error; before that, it may still be being written, wall-clock seconds
 _PATIENCE = 1.0
-_AT_START = "it is read again when the simulation is started anew from the live view (F11)"
+_AT_START = "it is read again when the simulation is restarted from the live view (F11)"
 
 
 class Watch(Observer):
@@ -39,7 +39,7 @@ class Watch(Observer):
     A thread checks the files and reads the models. The simulation changes between two ticks.
 
     Attributes:
-        exchanged: the files of components that run in their latest version.
+        exchanged: the files of components whose latest version is running.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -123,7 +123,7 @@ class Watch(Observer):
         try:
             names = exchange(self._simulation, files)
         except SystemExit as error:
-            self._refuse(files[0], f"it ends the program (SystemExit: {error})")
+            self._refuse(files[0], f"it exits the program (SystemExit: {error})")
         except SyntaxError as error:
             path = error.filename or files[0]
             place = f'\n  File "{path}", line {error.lineno}' if error.lineno else ""
@@ -135,7 +135,7 @@ class Watch(Observer):
                 again = _AT_START if self._simulation.reread is not None else "it takes effect in the next simulation"
                 logger.info("%s was saved: %s", files[0], again)
             for name in names:
-                logger.info("%s runs %s as it was saved now", name, ", ".join(Path(file).name for file in files))
+                logger.info("%s now uses %s as saved", name, ", ".join(Path(file).name for file in files))
             if names:
                 self.exchanged.update(files)
                 self._changed(files[0], "class")
@@ -151,5 +151,5 @@ class Watch(Observer):
 
     def _refuse(self, path: str, reason: str) -> None:
         logger.error(
-            "[ERROR][MORSE] %s was saved, but the simulation goes on with what it had before: %s", path, reason
+            "[ERROR][MORSE] %s was saved, but the simulation continues with the previous version: %s", path, reason
         )

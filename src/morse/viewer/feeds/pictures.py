@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import zlib
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeGuard
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -25,6 +25,9 @@ FARTHEST_LEVEL = 32
 """The grey value of the largest depth in an image: JPEG compression does not mix it with the black of no depth."""
 
 _QUALITY = 85
+#: from cold to hot; the twin of ``DEPTHS`` of the page
+_HEAT = ((44, 36, 104), (84, 42, 134), (140, 46, 124), (205, 62, 92), (244, 122, 60), (255, 196, 92), (255, 246, 190))
+_OF_TEMPERATURE = ("°C", "K", "°F")
 #: maximum number of objects with boxes that are sent with an image
 _MOST_SIGHTINGS = 200
 _LONGEST_NAME = 80
@@ -89,7 +92,8 @@ def picture_of(name: str, component: Any, shot: Shot) -> Picture:
         levels = depth_levels(image)
         unit = getattr(fields_of_component(component).get("image"), "unit", "")
         jpeg = as_jpeg(levels.grey)
-        return Picture(jpeg, name, width, height, "image/jpeg", shot.time, "depth", levels.low, levels.high, unit)
+        meaning: Literal["depth", "temperature"] = "temperature" if unit in _OF_TEMPERATURE else "depth"
+        return Picture(jpeg, name, width, height, "image/jpeg", shot.time, meaning, levels.low, levels.high, unit)
     return Picture(as_jpeg(as_pixels(image)), name, width, height, "image/jpeg", shot.time)
 
 
@@ -170,6 +174,15 @@ def as_coordinates(normals: NDArray[Any]) -> NDArray[np.uint8]:
     )
     colors[~np.any(normals, axis=2)] = 0.0
     return np.asarray(colors + 0.5, np.float64).astype(np.uint8)
+
+
+def as_heat(image: NDArray[Any]) -> NDArray[np.uint8]:
+    """Colours of temperatures (H, W) from dark, cold, to bright, hot, as pages show them."""
+    known = image[np.isfinite(image)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+    share = (np.nan_to_num(image, nan=low, posinf=high, neginf=low) - low) / max(high - low, 1e-9)
+    steps = np.linspace(0.0, 1.0, len(_HEAT))
+    return np.stack([np.interp(share, steps, channel) for channel in np.transpose(_HEAT)], axis=-1).astype(np.uint8)
 
 
 def as_jpeg(pixels: NDArray[np.uint8]) -> bytes:

@@ -6,7 +6,7 @@ STATION, PATROL = (-4.0, 0.0), [(0.0, 2.0), (0.0, -2.0)]
 
 
 def main():
-    """Returns the charge when the robot turned back, on arrival, and at the departure, %."""
+    """Returns the charge when the robot turned back, when it arrived, and when it left, %."""
     with Morse() as simu:
         goal, battery, places = simu.robot.goal, simu.robot.battery, PATROL * 20
         while battery.get()["charge"] > 50.0:

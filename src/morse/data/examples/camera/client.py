@@ -1,4 +1,4 @@
-"""Finds the red pixels of each image, turns towards them, and stops when they are many."""
+"""Finds the red pixels of each image, turns towards them, and stops when there are many."""
 
 import base64
 

@@ -17,4 +17,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print("On the left something is %.2f m away, on the right %.2f m." % main())
+    print("The nearest object is %.2f m away on the left, and %.2f m on the right." % main())

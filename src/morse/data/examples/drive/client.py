@@ -8,7 +8,7 @@ SIDE, SPEED, TURN = 1.0, 0.6, 1.0  # m, m/s, rad/s
 
 
 def main():
-    """Returns the final position relative to the start: by odometry, and the true one, metres."""
+    """Returns the final position relative to the start: measured by odometry, and true, metres."""
     with Morse() as simu:
         robot = simu.robot
         start = robot.pose.get()

@@ -5,7 +5,7 @@ import math
 from pymorse import Morse
 
 GOAL = (1.43345, 43.60005)  # longitude, latitude, degrees
-RADIUS = 6378137.0  # of the earth at the equator, m
+RADIUS = 6378137.0  # radius of the earth at the equator, m
 
 
 def metres_to(goal, longitude, latitude):

@@ -27,4 +27,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print("The heading is wrong by %.4f rad; the robot felt %.3f m/s^2 to its left." % main())
+    print("The heading is wrong by %.4f rad; the robot measured %.3f m/s^2 to its left." % main())

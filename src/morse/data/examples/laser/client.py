@@ -1,4 +1,4 @@
-"""Drives ahead while the way is free, else turns to the side with more space."""
+"""Drives ahead while the way is free, otherwise turns to the side with more space."""
 
 from pymorse import Morse
 
@@ -29,4 +29,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print("Drove %.1f m and came as near as %.2f m to something." % main())
+    print("Drove %.1f m; the smallest distance to an obstacle was %.2f m." % main())

@@ -4,20 +4,20 @@ import math
 
 from pymorse import Morse
 
-STEP = 0.4  # seconds that a pair of legs is in the air
+STEP = 0.4  # time for which a pair of legs is in the air, s
 LENGTH, LIFT = 0.06, 0.05  # m
 LINK = 0.22  # length of thigh and shin, m
 
 
 def angles(forward, height):
-    """Hip and knee that put a foot below the hip, this far forward."""
+    """Angles of hip and knee that put a foot below the hip, this far forward."""
     reach = math.hypot(forward, height)
     bend = math.acos(reach / (2 * LINK))
     return math.atan2(-forward, height) + bend, -2 * bend
 
 
 def leg(name, time, height):
-    """The angles of a leg while it walks."""
+    """The angles of the joints of a leg while it walks."""
     ahead = name in ("front_left", "rear_right")
     phase = (time / (2 * STEP) + (0.0 if ahead else 0.5)) % 1.0
     if phase < 0.5:  # in the air
@@ -29,7 +29,7 @@ def leg(name, time, height):
 
 
 def main():
-    """Returns how far it walked, m, and the torque of a knee at rest, N m."""
+    """Returns the walked distance, m, and the torque of a knee at rest, N m."""
     with Morse() as simu:
         legs = simu.walker.legs
         names = legs.get_joints().result()

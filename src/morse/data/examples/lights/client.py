@@ -12,7 +12,7 @@ def picture(lines, colour):
 
 
 def main():
-    """Returns the heading after a turn to the left and one to the right, rad."""
+    """Returns the heading after a turn to the left and after a turn to the right, rad."""
     headings = []
     with Morse() as simu:
         robot = simu.robot

@@ -17,4 +17,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print("The boat goes %.2f m/s." % main())
+    print("The speed of the boat is %.2f m/s." % main())

@@ -92,6 +92,8 @@ class Backend(ABC):
     """
 
     has_services = False
+    #: whether other threads may publish messages
+    takes_threads = False
     users = 1
     #: whether the log reports what it opens
     announced = False

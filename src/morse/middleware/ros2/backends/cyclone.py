@@ -153,6 +153,7 @@ class CycloneBackend(Backend):
     """A participant of Cyclone DDS."""
 
     name = "cyclonedds"
+    takes_threads = True
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         self._domain = domain = options["domain_id"]

@@ -195,7 +195,7 @@ class RclpyBackend(Backend):
     """A node called ``morse``."""
 
     name = "rclpy"
-    has_services = True
+    has_services = takes_threads = True
 
     def __init__(self, options: Mapping[str, Any]) -> None:
         self._context = Context()

@@ -81,10 +81,12 @@ def compressed_outlet(capturing: Callable[[], bool]) -> Outlet:
     """
     return Outlet(
         "sensor_msgs/msg/CompressedImage",
-        lambda m, f: _compressed(m, f) if capturing() else None,
+        _compressed,
         "image/compressed",
         LARGE,
         or_none=True,
+        when=capturing,
+        takes_long=True,
     )
 
 

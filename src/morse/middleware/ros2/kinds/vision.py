@@ -37,20 +37,19 @@ class VisionKinds:
     @maps("cloud")
     def cloud(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """With all fields of each point."""
-        return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE)]
+        return [Outlet("sensor_msgs/msg/PointCloud2", _cloud, qos=LARGE, takes_long=True)]
 
     @maps("image")
     def image(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``image``, and as JPEG; nothing while the camera does not capture."""
         camera = bound.component
+
+        def capturing() -> bool:
+            return getattr(camera, "capturing", True)
+
         return [
-            Outlet(
-                "sensor_msgs/msg/Image",
-                lambda m, f: _image(m, f) if getattr(camera, "capturing", True) else None,
-                "image",
-                LARGE,
-            ),
-            compressed_outlet(lambda: getattr(camera, "capturing", True)),
+            Outlet("sensor_msgs/msg/Image", _image, "image", LARGE, when=capturing, takes_long=True),
+            compressed_outlet(capturing),
         ]
 
     @maps("camera_info")

@@ -1,0 +1,67 @@
+"""A thread that encodes and sends images and clouds, so that the tick does not wait for them."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import threading
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+logger = logging.getLogger(__name__)
+
+#: number of messages that wait; a tick with more of them waits, because none is dropped
+_MOST = 16
+
+
+class Sender:
+    """Does work in its order, in a thread of its own.
+
+    A simulation that is not paced by the wall clock does the work itself: a client that steps it finds the messages of
+    a tick when the tick is over, and a thread would not make it faster.
+
+    Args:
+        paced: whether the simulation is in step with the wall clock, so that it waits between ticks.
+    """
+
+    def __init__(self, paced: Callable[[], bool]) -> None:
+        self._paced = paced
+        self._queue: queue.Queue[Callable[[], object] | None] = queue.Queue(_MOST)
+        self._thread: threading.Thread | None = None
+
+    def do(self, work: Callable[[], object]) -> None:
+        """Do some work, at once or soon."""
+        if not self._paced():
+            self.finish()
+            work()
+            return
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._serve, name="morse-ros2-images", daemon=True)
+            self._thread.start()
+        self._queue.put(work)
+
+    def finish(self) -> None:
+        """Wait until all work is done."""
+        if self._thread is not None:
+            self._queue.join()
+
+    def close(self) -> None:
+        """Do the rest, and end the thread."""
+        if self._thread is not None:
+            self._queue.put(None)
+            self._thread.join()
+            self._thread = None
+
+    def _serve(self) -> None:
+        while True:
+            work = self._queue.get()
+            try:
+                if work is None:
+                    return
+                work()
+            except Exception:
+                logger.exception("ros2: a message could not be sent")
+            finally:
+                self._queue.task_done()

@@ -1,0 +1,122 @@
+"""Temperatures of surfaces in the images of a thermal camera."""
+
+import numpy as np
+import pytest
+
+from morse.simulation.loader import LoadError
+
+SCENE = """
+robot = FakeRobot("robot")
+robot.translate(z=1.0)
+eye = ThermalCamera("eye")
+eye.properties(cam_width=60, cam_height=20, cam_focal=16.0)
+{eye}
+robot.append(eye)
+{objects}
+env = Environment("empty")
+{env}
+"""
+
+
+def cube(name, y, more):
+    return f"{name} = Cube('{name}'); {name}.location = (4, {y}, 1); {name}.scale = (0.3, 0.3, 0.3); {more}\n"
+
+
+THREE = (
+    cube("Warm", 2.0, "Warm.properties(Temperature=36.5)")
+    + cube("Burning", 0.0, "Burning.properties(Fire=True)")
+    + cube("Plain", -2.0, "")
+)
+
+
+@pytest.fixture
+def image(simulate):
+    def make(objects=THREE, eye="", env="", seconds=0.1):
+        simulation = simulate(SCENE.format(objects=objects, eye=eye, env=env))
+        simulation.run(seconds)
+        assert not simulation.simulation.context.failed
+        return simulation["robot.eye"].local_data["image"], simulation
+
+    return make
+
+
+#: columns of the three cubes, to the left, in the middle and to the right, and the row between floor and sky
+LEFT, MIDDLE, RIGHT, ROW = 15, 30, 45, 10
+
+
+def test_objects_have_their_temperatures(image):
+    found, _ = image()
+    assert found.shape == (20, 60)
+    assert found.dtype == np.float32
+    assert [float(found[ROW, column]) for column in (LEFT, MIDDLE, RIGHT)] == [36.5, 215.0, 15.0]
+    assert float(found[0, 0]) == float(found[-1, 0]) == 15.0
+    assert set(np.unique(found)) == {15.0, 36.5, 215.0}
+
+
+def test_environment_and_sky(image):
+    found, _ = image(env="env.properties(Temperature=-3.0)", eye="eye.properties(SkyTemperature=-40.0)")
+    assert [float(found[ROW, column]) for column in (LEFT, MIDDLE, RIGHT)] == [36.5, 197.0, -3.0]
+    assert float(found[0, 0]) == -40.0
+    own, _ = image(env="env.properties(Temperature=-3.0)", eye="eye.properties(DefaultTemperature=20.0)")
+    assert float(own[ROW, RIGHT]) == 20.0
+
+
+def test_a_fire_has_its_own_heat_and_its_own_tag(image):
+    hot = cube("Hot", 0.0, "Hot.properties(Blaze=600.0)") + cube("Fire", 2.0, "Fire.properties(Fire=True)")
+    found, _ = image(hot, "eye.properties(FireTag='Blaze', FireTemperature=90.0)")
+    assert float(found[ROW, MIDDLE]) == 615.0
+    assert float(found[ROW, LEFT]) == 15.0
+
+
+def test_parts_have_the_temperature_of_what_carries_them(image):
+    robot = "other = B21('other'); other.translate(3, 0, 0.2); other.properties(Temperature=30.0)\n"
+    found, simulation = image(robot)
+    other = simulation.simulation.world.game_object("other")
+    meshes = [node for node in other.node.walk() if node.mesh is not None]
+    assert [node for node in meshes if node is not other.node]
+    # the robot is 0.5 to 0.6 m wide; at a distance of 2.7 m, a metre is 30 / 2.7 px wide
+    assert 5 <= (found == 30.0).any(axis=0).sum() <= 8
+    assert float(found[ROW, MIDDLE]) == 30.0
+
+
+def test_a_temperature_may_change_while_the_simulation_runs(image):
+    found, simulation = image()
+    warm = simulation.simulation.world.game_object("Warm")
+    warm["Temperature"] = 40.0
+    simulation.run(0.1)
+    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 40.0
+    assert float(found[ROW, LEFT]) == 36.5
+    for wrong in (float("nan"), "hot", None, True):
+        warm["Temperature"] = wrong
+        simulation.run(0.1)
+        assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 15.0
+    warm["Temperature"] = -1e30
+    simulation.run(0.1)
+    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == np.float32(-273.15)
+
+
+def test_a_delayed_image_shows_the_temperatures_of_its_tick(image):
+    _, simulation = image(eye="eye.delay(0.2)", seconds=1 / 60)
+    simulation.simulation.world.game_object("Warm")["Temperature"] = 50.0
+    simulation.run(0.2)
+    found = simulation["robot.eye"].local_data
+    assert found["timestamp"] == pytest.approx(1 / 60)
+    assert float(found["image"][ROW, LEFT]) == 36.5
+    state = simulation.simulation.save()
+    simulation.run(0.1)
+    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 50.0
+    simulation.simulation.restore(state)
+    simulation.run(0.1)
+    assert float(simulation["robot.eye"].local_data["image"][ROW, LEFT]) == 50.0
+
+
+def test_noise_is_added_to_the_temperatures(image):
+    found, _ = image(eye="eye.noise(gaussian=0.05)")
+    background = found[:5]
+    assert background.std() == pytest.approx(0.05, rel=0.25)
+    assert background.mean() == pytest.approx(15.0, abs=0.02)
+
+
+def test_a_wrong_temperature_of_the_environment_is_refused(image):
+    with pytest.raises(LoadError, match=r"'robot.eye'.*Temperature='hot'.*degrees Celsius"):
+        image(env="env.properties(Temperature='hot')")
