@@ -183,7 +183,7 @@ def test_a_robot_that_floats_in_its_world_is_free(tmp_path: Path) -> None:
     (root,) = library.roots
     assert root.body.type is PhysicsType.RIGID_BODY
     assert [child.name for child in root.children[0].children] == ["hull"]
-    assert "place it in the script" in " ".join(library.warnings)
+    assert "set the position in the script" in " ".join(library.warnings)
 
 
 def test_limits_of_a_ball_are_read(tmp_path: Path) -> None:

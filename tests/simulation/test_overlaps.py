@@ -17,7 +17,7 @@ def warnings_of(tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str) -> 
     script.write_text("from morse.builder import *\n" + text)
     with caplog.at_level(logging.WARNING):
         morse.load(script).close()
-    return [record.getMessage() for record in caplog.records if "inside each other" in record.getMessage()]
+    return [record.getMessage() for record in caplog.records if "overlap at the start" in record.getMessage()]
 
 
 def test_robots_that_start_inside_each_other_and_in_a_box_are_named(

@@ -47,7 +47,7 @@ class Destination(Going):
         r = self.robot_parent.bge_object.world_pose()[1]
         dx, dy, dz = share * dx, share * dy, share * dz
         if self._is_level(r):
-            # the vertical speed of a ground robot is left to the ground; a command in its plane lets it glide
+            # the ground determines the vertical speed of a ground robot; a command in its plane allows it to glide
             self._drive(((r[4] * dx - r[1] * dy) / r[8], (r[0] * dy - r[3] * dx) / r[8], 0.0))
             return
         self._drive(

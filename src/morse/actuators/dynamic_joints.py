@@ -175,8 +175,8 @@ class DynamicJoints(JointServices):
     def set_control(self, control: Literal["position", "velocity", "effort"], joints: list[str] | None = None) -> None:
         """Change the control mode of motors of dynamic joints.
 
-        A motor that controls a position then holds the present one; the setpoint of any other motor becomes 0. Motions
-        of these joints that services have started are ended.
+        A motor that controls a position then holds the present position. The setpoint of any other motor becomes 0.
+        Motions of these joints that services have started are ended.
 
         Args:
             control: ``position``, ``velocity`` or ``effort``.
@@ -220,7 +220,7 @@ class DynamicJoints(JointServices):
         self._control = str(self.control or "")
 
     def _demand_positions(self) -> None:
-        """Refuse a motion of all joints while motors control something else."""
+        """Raise an error for a motion of all joints while motors control other quantities."""
         if self._controls:
             name, control = next(iter(self._controls.items()))
             raise MorseRPCInvokationError(

@@ -38,7 +38,7 @@ class JointMotion(Actuator):
         self.chain = Chain(node.bones, sum(float(stretch[i][i]) for i in range(3)) / 3.0)
         self._values = list(self.chain.start)
         self.local_data.update(zip(self.chain.names, self._values, strict=True))
-        #: the last setpoints, and the same within their limits
+        #: the last setpoints, and the clamped setpoints
         self._told: list[Any] = []
         self._clamped: list[float] = []
         self._linkage = self.context.world.linkage(obj, self.chain.linked, list(self._hanging(obj)))
@@ -91,7 +91,7 @@ class JointMotion(Actuator):
         data = self.local_data
         told = [data[name] for name in self.chain.names]
         if told != self._told:
-            # most setpoints stay for many ticks
+            # most setpoints do not change for many ticks
             self._told = told
             self._clamped = [
                 low if value < low else high if value > high else value

@@ -1,4 +1,4 @@
-"""Results on disk that can be computed again: one directory for each user, one file for each result."""
+"""Results on disk that can be computed again: one directory per user, one file per result."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from pathlib import Path
 class Cache:
     """A directory of results, in the cache directory of the system or in ``MORSE_CACHE``.
 
-    A cache never fails: a result that cannot be read is missing, and a result that cannot be written is not kept.
+    A cache never raises errors: a result that cannot be read counts as missing, and a result that cannot be written is
+    not stored.
 
     Args:
         kind: name of the directory and of the kind of results.
-        most: number of results; if there are more, the ones used least recently are deleted, once in a process.
+        most: maximum number of results; if there are more, the least recently used ones are deleted, once per process.
     """
 
     def __init__(self, kind: str, most: int) -> None:
@@ -25,7 +26,7 @@ class Cache:
         self._tidied = False
 
     def get(self, key: str, largest: int = 1 << 30) -> bytes | None:
-        """The data kept under a key; None if there are none, or more than the given number of bytes."""
+        """The data stored under a key; None if there are none, or more than the given number of bytes."""
         folder = self._folder()
         if folder is None:
             return None
@@ -37,11 +38,11 @@ class Cache:
         except OSError:
             return None
         with contextlib.suppress(OSError):
-            os.utime(file)  # the result that was used last is the last one to be deleted
+            os.utime(file)  # marks the result as the one that was used last, so that it is the last one to be deleted
         return data
 
     def put(self, key: str, data: bytes) -> None:
-        """Keep data under a key."""
+        """Store data under a key."""
         folder = self._folder()
         if folder is None:
             return
@@ -65,7 +66,7 @@ class Cache:
         with os.scandir(folder) as entries:
             found = [(entry.stat().st_mtime_ns, entry.path) for entry in entries if entry.is_file()]
         for _, path in sorted(found)[: max(len(found) - self._most, 0)]:
-            with contextlib.suppress(FileNotFoundError):  # deleted by another process
+            with contextlib.suppress(FileNotFoundError):  # the file was deleted by another process
                 os.unlink(path)
 
     def _folder(self) -> Path | None:
@@ -74,7 +75,7 @@ class Cache:
             return None
         try:
             return (Path(given) if given else _system_folder() / "morse") / self._kind
-        except RuntimeError:  # there is no home directory
+        except RuntimeError:  # the user has no home directory
             return None
 
 

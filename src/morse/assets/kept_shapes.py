@@ -1,4 +1,4 @@
-"""Collision shapes on disk, so that another process need not compute the shapes of the same mesh again."""
+"""Collision shapes on disk, so that other processes do not compute the shapes of the same mesh again."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _ENCODER = msgspec.msgpack.Encoder()
 
 
 def get(key: Key) -> Found | None:
-    """The shapes and warnings of a mesh, if an earlier process has kept the result; a damaged file counts as none."""
+    """The shapes and warnings of a mesh, if an earlier process has stored them; a damaged file counts as missing."""
     data = _CACHE.get(_name(key), _LARGEST)
     if data is None:
         return None
@@ -50,7 +50,7 @@ def get(key: Key) -> Found | None:
 
 
 def put(key: Key, found: Found) -> None:
-    """Keep the shapes and warnings of a mesh."""
+    """Store the shapes and warnings of a mesh."""
     shapes, warnings = found
     poses = np.array([[*shape.position, *shape.rotation] for shape in shapes])
     points = [shape.vertices for shape in shapes if shape.vertices is not None]

@@ -65,8 +65,8 @@ class Context:
         controls: input at the live view; it changes between ticks only.
         journal: record of all input from outside the simulation.
         strict: whether an unknown or ill-typed field in a message is an error, not only a warning.
-        stopping: whether the simulation has been told to end; code that waits within a tick has to check it.
-        paused: whether no time passes but the ticks that a client asks for.
+        stopping: whether the simulation was asked to end; code that waits within a tick has to check it.
+        paused: whether no time passes except for the ticks that a client requests.
         paced: whether the simulation runs in step with the wall clock, and waits between ticks.
         seed: seed of all random numbers.
     """

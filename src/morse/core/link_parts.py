@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from morse.helpers.chain import Chain, Pose
 
-#: property of targets of inverse kinematics, which are no links
+#: property of targets of inverse kinematics, which are not links
 _TARGET = "IK_Bone"
-#: m
+#: tolerance, m
 _NEAR = 1e-9
 
 
@@ -38,9 +38,9 @@ def link_parts(
 
     Args:
         armature: the object of the armature.
-        chain: its bones.
-        values: returns the present joint values, rad or m.
-        components: names of objects that are no links.
+        chain: the bones of the armature.
+        values: function that returns the present joint values, rad or m.
+        components: names of objects that are not links.
     """
     links = list(_links(armature, chain, components))
     frames = chain.frames(chain.start)
@@ -66,7 +66,7 @@ def link_parts(
 
 
 def _links(armature: Any, chain: Chain, components: Container[str]) -> Iterator[_Link]:
-    """Iterate over the objects that are links: all that a file names, otherwise the first on each bone."""
+    """Iterate over the objects that are links: all named objects of a file, otherwise the first object on each bone."""
     in_file = any(bone.dynamics is not None for bone in chain.bones)
     on: dict[int, list[Any]] = {}
     for child in armature.children:
@@ -93,7 +93,7 @@ def _moved(
 ) -> MovingPart:
     """The part that one joint moves."""
     bone, (anchor, turned) = chain.bones[index], frames[index]
-    # where the joints have the values of the file; an object does not move against its bone
+    # computed at the joint values of the file, because an object does not move relative to its bone
     place, rotation = _at_start(link, armature)
     axis = turn_back(rotation, (turned[bone.axis], turned[bone.axis + 3], turned[bone.axis + 6]))
     away = turn_back(rotation, tuple(a - b for a, b in zip(anchor, place, strict=True)))
@@ -118,7 +118,7 @@ def _moved(
 
 
 def _at_start(link: _Link, armature: Any) -> tuple[Sequence[float], Sequence[float]]:
-    """The pose of an object in the armature while the joints have the values of the scene."""
+    """The pose of an object in the armature at the joint values of the scene."""
     outer, inner = rigid_frame(armature.node), rigid_frame(link.object.node)
     base, place = nine(list(outer.rotation)), [b - a for a, b in zip(outer.position, inner.position, strict=True)]
     back = (base[0], base[3], base[6], base[1], base[4], base[7], base[2], base[5], base[8])

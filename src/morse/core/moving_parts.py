@@ -20,10 +20,10 @@ class MovingPart(NamedTuple):
         object: the part in the world.
         parent: the object relative to which it moves; None for the body of the robot.
         axis: (3,) unit vector along or about which it moves, in the frame of the part.
-        position: rad or m, where it is now; called whenever it is needed.
-        type: as URDF calls it: ``continuous``, ``revolute`` or ``prismatic``; ``fixed``, or ``floating`` for a part
-            that moves in another way.
-        low, high: rad or m.
+        position: function that returns the present joint value, rad or m.
+        type: type of the joint in URDF: ``continuous``, ``revolute`` or ``prismatic``; ``fixed``; or ``floating`` for
+            any other motion.
+        low, high: limits, rad or m.
         frame: name of the part in its file; empty for a part that is named after its joint.
         offset: (3,) m, origin of the frame of the part, which is on its joint, in the frame of its object.
         mimic: the joint that this one follows, factor and offset; or None.

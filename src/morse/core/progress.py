@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
 
 def of_distance(distance: float, speed: float = 0.0) -> dict[str, Any]:
-    """The progress of a motion to a place, as in ``nav2_msgs/NavigateToPose``.
+    """The progress of a motion to a position, as in ``nav2_msgs/NavigateToPose``.
 
     Args:
-        distance: to the place, m.
-        speed: m/s; 0 if it is unknown.
+        distance: distance to the position, m.
+        speed: speed, m/s; 0 if it is unknown.
     """
     rest = {"estimated_time_remaining": distance / speed} if speed > 0.0 else {}
     return {"distance_remaining": distance, **rest}
@@ -23,9 +23,9 @@ def of_joints(names: Sequence[str], actual: Sequence[float], desired: Sequence[f
     """The progress of joints, as in ``control_msgs/FollowJointTrajectory``.
 
     Args:
-        names: of the joints.
-        actual: their values, rad or m.
-        desired: their setpoints, rad or m.
+        names: names of the joints.
+        actual: joint values, rad or m.
+        desired: setpoints, rad or m.
     """
     error = [wanted - value for wanted, value in zip(desired, actual, strict=True)]
     return {

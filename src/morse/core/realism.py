@@ -71,7 +71,7 @@ class Realism:
 
         Args:
             shown: the previous values of the fields with noise.
-            time: of the measurement, s.
+            time: time of the measurement, s.
         """
         sensor = self.sensor
         passed = 0.0 if self._last is None else time - self._last

@@ -137,7 +137,7 @@ def rotation_vector(before: Sequence[float], after: Sequence[float]) -> Triple:
 
 
 def rotation_from_euler(angles: Sequence[float], order: str) -> Rotation9:
-    """Rotation matrix of three angles, given as x, y, z whatever the order."""
+    """Return the rotation matrix of three angles, given as x, y, z for any order."""
     if order == "XYZ":  # the usual one, in half the time
         x, y, z = angles
         ci, cj, ck, si, sj, sk = cos(x), cos(y), cos(z), sin(x), sin(y), sin(z)

@@ -48,9 +48,9 @@ class JointSlot:
         qpos: address of its value, rad or m.
         dof: address of its velocity.
         actuator: id of its motor; -1 for a joint that follows another.
-        start: its initial value.
+        start: initial value of the joint.
         motor: None for a joint that follows another, or has none.
-        width: how many numbers the engine has for its position: 4 for a ball, otherwise 1.
+        width: number of position values in the engine: 4 for a ball joint, otherwise 1.
     """
 
     armature: Node
@@ -64,7 +64,7 @@ class JointSlot:
 
     @property
     def dofs(self) -> int:
-        """How many numbers the engine has for its velocity."""
+        """The number of velocity values in the engine."""
         return 3 if self.width == 4 else 1
 
 

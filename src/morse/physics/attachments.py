@@ -117,7 +117,7 @@ class Attachments:
         """Called at the beginning of a tick."""
         bodies = self._bodies
         for index in self._suspended:
-            # it is at its pose: the end of the last tick and `moved` put it there
+            # the object is already at its pose, which was set at the end of the last tick or by `moved`
             bodies.set_velocity(index, *_AT_REST)
         if self._held:
             self._place_held()

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from morse.physics.gliding import Gliding
     from morse.scene import CollisionShape, Node
 
-#: few numbers of the engine are written so in a third of the time that an array takes
+#: a few numbers of the engine are written in this way in a third of the time that an array takes
 _THREE, _POSE, _BYTES = Struct("=3d"), Struct("=7d"), 8
 _STILL = (0.0,) * 6
 _AT_REST = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -38,7 +38,7 @@ class Bodies:
     def __init__(self, state: EngineState, gliding: Gliding) -> None:
         self._state = state
         self._gliding = gliding
-        # views that stay: the engine makes a new one at each access, which takes longer than its use
+        # views that are kept: the engine creates a new view at each access, which takes longer than its use
         self._qpos, self._qvel = state.data.qpos, state.data.qvel
         self._applied = cast("memoryview[float]", memoryview(state.data.xfrc_applied.reshape(-1)))
         self.masses = cast("memoryview[float]", memoryview(state.model.body_mass))

@@ -32,7 +32,7 @@ _Pose = tuple["Sequence[float]", "Sequence[float]"]
 
 
 class _OnDemand:
-    """The mounting of an object that has forgotten it; an attribute of the object takes precedence."""
+    """The mounting of an object whose mounting was invalidated; an attribute of the object takes precedence."""
 
     def __get__(self, obj: GameObject | None, owner: type) -> Any:
         if obj is None:
@@ -296,7 +296,7 @@ class GameObject(LegacyNames):
         return found, [obj for obj in found if obj.node in geoms]
 
     def _forget_offset(self) -> None:
-        """Compute the pose in the rigid group again when it is read: nobody reads that of most parts."""
+        """Invalidate the pose in the rigid group; it is computed on demand, because most are never read."""
         vars(self).pop("mounting", None)
         self._stamp = -1
 

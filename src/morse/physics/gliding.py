@@ -80,7 +80,7 @@ class Gliding:
         for index in self._able:
             self._is_foot[state.slots[index].feet] = True
         self._is_floor[[floor.geom for floor in self._floors]] = True
-        #: slots that cannot glide because of what they touch, in that tick
+        #: slots that cannot glide because of their contacts in that tick
         self._busy_tick, self._busy = -1, set[int]()
         self._extent = {index: self._outline(state.slots[index]) for index in self._able}
         self._unmeasured: set[int] = set()
@@ -237,7 +237,7 @@ class Gliding:
         return np.asarray(self._state.data.geom_xpos[slot.feet, 2] - self._state.model.geom_size[slot.feet, 0])
 
     def _touching_else(self) -> set[int]:
-        """Return the slots that touch anything but a floor, or touch it with other shapes than their feet."""
+        """Return the slots with contacts other than those of their feet with a floor."""
         if self._busy_tick != self.tick:
             pairs = contact_pairs(self._state)
             pairs = np.concatenate([pairs, pairs[:, ::-1]])
@@ -246,7 +246,7 @@ class Gliding:
         return self._busy
 
     def _touches_else(self, index: int, floor: Floor) -> bool:
-        """Whether a robot that touches nothing but floors touches another one."""
+        """Whether a robot that only touches floors also touches another robot."""
         pairs = contact_pairs(self._state)
         own = np.isin(pairs, self._state.slots[index].feet).any(axis=1)
         return bool((own & ~(pairs == floor.geom).any(axis=1)).any())

@@ -95,11 +95,11 @@ class JointHandle:
         }
 
     def loose(self, name: str) -> tuple[list[float], list[float]]:
-        """Return the position and the velocity of a bone without a value, as the engine has them.
+        """Return the position and the velocity of a bone without a joint value, as stored in the engine.
 
         Returns:
             Displacements (m) along the axes of the bone, then an angle (rad) or a quaternion w, x, y, z; and their
-            velocities, m/s and rad/s. Both are empty if nothing hangs on the bone.
+            velocities, m/s and rad/s. Both are empty if no object is attached to the bone.
         """
         slots = [self._slots.get(f"{name}{suffix}") for suffix in ("", "/x", "/y", "/z", "/turn")]
         found = [slot for slot in slots if slot is not None]

@@ -26,7 +26,7 @@ class LedObject(GameObject):
     @staticmethod
     def lead(obj: GameObject, linkage: Linkage) -> None:
         """Let a linkage move an object from now on."""
-        _ = obj.mounting  # computes it, if it was forgotten
+        _ = obj.mounting  # computes the pose, if it was invalidated
         obj.__class__ = LedObject
         vars(obj)["_linkage"] = linkage
 

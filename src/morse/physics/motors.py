@@ -79,10 +79,10 @@ class Load(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """What the engine knows of a motor: effort = gain * command - stiffness * q - damping * q'.
+    """The setting of a motor in the engine: effort = gain * command - stiffness * q - damping * q'.
 
     Attributes:
-        rotor: its moment of inertia, as the joint sees it, kg m^2 (mass, kg).
+        rotor: moment of inertia of the rotor at the joint, kg m^2 (mass, kg).
     """
 
     gain: float
@@ -97,8 +97,8 @@ class Motor:
 
     Attributes:
         dynamics: limits, and gains of the file.
-        load: of the joint.
-        step: of the engine, s.
+        load: load of the motor.
+        step: time step of the engine, s.
     """
 
     dynamics: JointDynamics
@@ -151,7 +151,7 @@ def write(arrays: Mapping[str, NDArray[np.float64]], actuator: int, dof: int, se
     """Write a setting into arrays of a model; the names are those of MuJoCo."""
     arrays["actuator_gainprm"][actuator, 0] = setting.gain
     arrays["actuator_biasprm"][actuator, 1:3] = -setting.stiffness, -setting.damping
-    # the engine takes the inertia of a joint that no other joint moves from here
+    # the engine reads the inertia of a joint that no other joint moves from this array
     arrays["dof_M0"][dof] += setting.rotor - arrays["dof_armature"][dof]
     arrays["dof_armature"][dof] = setting.rotor
 

@@ -79,7 +79,7 @@ class Rows:
             return [self[i] for i in range(*index.indices(len(self)))]
         row = self._rows[index]
         if row is None:
-            # a third of the time that the array takes
+            # takes a third of the time of reading from the array
             row = self._rows[index] = self._row.unpack_from(self._array, self._size * index)  # type: ignore[arg-type]
         return row
 

@@ -37,7 +37,7 @@ class Stances:
         self.reset()
 
     def reset(self) -> None:
-        """No robot has stood yet."""
+        """Reset, because no robot has been on its feet yet."""
         arrays = self.arrays
         arrays.ticks[:] = -1
         arrays.heights[:] = 0.0
@@ -50,7 +50,7 @@ class Stances:
         return stands_still(self.arrays, index, tick, height, up)
 
     def unsettle(self, index: int) -> None:
-        """A robot has to settle before it glides again."""
+        """Let a robot settle before it glides again."""
         self.arrays.views[0][index] = -1
 
     def disturb(self, index: int, tick: int, since: int) -> None:

@@ -74,10 +74,10 @@ class Camera(Sensor):
         capturing: whether it captures images at present.
         color: whether its images contain colours, not only depth.
         normals: whether its images contain normals.
-        uses: the fields of `morse.rendering.Picture` that `take` uses, if it depends on the image, ``noted`` and the
-            camera alone: images with a delay are then rendered while the simulation goes on. None if `take` reads the
-            world. Subclasses with a `take` of their own have to set it again.
-        noted: the result of `note` at the tick of the image that `take` is called with.
+        uses: the fields of `morse.rendering.Picture` that `take` uses, if `take` only depends on the image, ``noted``
+            and the camera. Images with a delay are then rendered while the simulation continues. None if `take` reads
+            the world. A subclass that overrides `take` has to set ``uses`` again.
+        noted: the result of `note` at the tick of the image that is passed to `take`.
     """
 
     _builder = BuilderDefaults(
@@ -287,7 +287,7 @@ class Camera(Sensor):
         """Fill ``local_data`` from an image."""
 
     def note(self) -> Any:
-        """Return what `take` needs to know of the world at the tick of an image, as plain data; see ``noted``."""
+        """Return the data of the world for `take` at the tick of an image, as plain data; see ``noted``."""
         return None
 
     def exposed(self) -> None:
@@ -296,7 +296,7 @@ class Camera(Sensor):
     # -- delay -----------------------------------------------------------------------------
 
     def make_realism(self, model: RealismModel) -> Realism:
-        """Return the delay and the noise; with a delay, images are rendered while the simulation goes on."""
+        """Return the delay and the noise; with a delay, images are rendered while the simulation continues."""
         if model.delay and self.uses is not None:
             return DelayedPictures(self, model)
         return super().make_realism(model)
@@ -311,7 +311,7 @@ class Camera(Sensor):
         return self._made_of != self._lens_properties()
 
     def drop_under_way(self) -> None:
-        """Drop the images that were taken with another lens; `capture` takes others instead."""
+        """Discard the images that were taken with another lens; `capture` takes other images instead."""
         if isinstance(self.realism, DelayedPictures):
             dropped = self.realism.drop()
             if self._left >= 0:

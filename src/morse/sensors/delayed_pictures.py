@@ -1,4 +1,4 @@
-"""Images that are rendered while the simulation goes on, until the delay of their camera has passed."""
+"""Images that are rendered while the simulation continues, until the delay of their camera has passed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Exposure:
 
     Attributes:
         time: simulated time of the image, s.
-        noted: what `Camera.take` needs to know of the world at this time.
+        noted: data of the world for `Camera.take` at this time.
         pose: position (3,) in m and rotation (9,), row by row, of the camera in the world at this time; or None.
         is_metered: whether an automatic exposure has been adjusted by this image.
     """
@@ -100,7 +100,7 @@ class DelayedPictures(Realism):
     """Delay and noise of a camera.
 
     An image is rendered in a thread from the poses of its tick. When its delay has passed, the simulation waits until
-    the image is complete, and publishes it. The data of the camera therefore do not depend on how fast the thread is.
+    the image is complete, and publishes it. The data of the camera therefore do not depend on the speed of the thread.
 
     Attributes:
         exposures: the images whose delay has not passed, in the order of their ticks.
@@ -161,13 +161,13 @@ class DelayedPictures(Realism):
             self._publish()
 
     def drop(self) -> int:
-        """Forget all images that were not published; return their number."""
+        """Discard all images that were not published; return their number."""
         dropped = len(self.exposures)
         self.exposures.clear()
         return dropped
 
     def get_state(self) -> dict[str, Any]:
-        """Return the state, with all images that are under way, which are completed first."""
+        """Return the state, with all unfinished images, which are completed first."""
         return {**super().get_state(), "exposures": [exposure.get_state(self._uses) for exposure in self.exposures]}
 
     def set_state(self, state: dict[str, Any]) -> None:

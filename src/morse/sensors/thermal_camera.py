@@ -31,10 +31,10 @@ def _temperatures(camera: ThermalCamera) -> NDArray[np.float32]:
 class ThermalCamera(Camera):
     """Measures the temperature of the surface in each pixel.
 
-    All surfaces of an object have one temperature: its property ``Temperature`` in °C, or that of the nearest object
-    that carries it. An object with the property ``FireTag`` is hotter than the environment by the value of this
-    property, if it is a number, and by ``FireTemperature`` otherwise, as for the `Thermometer`. All other surfaces have
-    the temperature ``DefaultTemperature``, or ``env.properties(Temperature=...)`` if a script does not set it, and the
+    All surfaces of an object have one temperature: its property ``Temperature`` in °C, or that of its nearest parent.
+    An object with the property ``FireTag`` is hotter than the environment by the value of this property, if it is a
+    number, and by ``FireTemperature`` otherwise, as for the `Thermometer`. All other surfaces have the temperature
+    ``DefaultTemperature``, or ``env.properties(Temperature=...)`` if a script does not set it, and the
     sky has ``SkyTemperature``. All surfaces are black bodies: they do not reflect the heat of others, and the air
     between them and the camera absorbs nothing.
     """
@@ -119,7 +119,7 @@ class ThermalCamera(Camera):
 
     def take(self, picture: Picture) -> None:
         """Store the temperatures."""
-        # -1, for no surface, is the last one
+        # the last entry, for -1, is the temperature without a surface
         self.local_data["image"] = self.ordered(self.noted[picture.ids])
 
 

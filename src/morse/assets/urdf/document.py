@@ -30,7 +30,7 @@ _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar", 
 #: joints that move in several directions
 LOOSE = ("floating", "planar", "spherical")
 
-#: a link of that name is the world: links attached to it are fixed
+#: name of a link that stands for the world: links attached to it are fixed
 WORLD = "world"
 
 
@@ -91,7 +91,7 @@ class Joint:
 
     @property
     def has_value(self) -> bool:
-        """Whether one number gives its position."""
+        """Whether a single number determines its position."""
         return self.kind != "fixed" and self.kind not in LOOSE
 
 
@@ -282,15 +282,15 @@ def parse(path: Path) -> Document:
 
 
 def _let_float(parser: _Parser, links: dict[str, Link], root: str, ordered: list[Joint]) -> tuple[str, list[Joint]]:
-    """Return the root and the joints without a world in which the robot floats: robots are free by themselves."""
+    """Return the root and the joints without a world link relative to which the robot floats; robots are free."""
     first = [joint for joint in ordered if joint.parent == root]
     if root != WORLD or len(first) != 1 or first[0].kind != "floating":
         return root, ordered
     x, y, z = first[0].origin.translation
     if max(map(abs, (x, y, z))) > 1e-9:
         parser.warnings.append(
-            f"the joint '{first[0].name}' places the robot at {x:g} {y:g} {z:g}: place it in the script instead, by "
-            "translate()"
+            f"the joint '{first[0].name}' places the robot at {x:g} {y:g} {z:g}: set the position in the script "
+            "instead, with translate()"
         )
     del links[root]
     return first[0].child, [joint for joint in ordered if joint is not first[0]]

@@ -213,7 +213,7 @@ def _primitive(shape: Shape) -> tuple[Mesh, tuple[float, ...]]:
 
 
 def _turn(joint: Joint) -> Matrix:
-    """4x4 that turns the Z axis, about which bones turn here, to the axis of a joint."""
+    """4x4 rotation from the Z axis, about which bones rotate here, to the axis of a joint."""
     if not joint.has_value and joint.kind != "planar":
         return Matrix.Identity(4)
     turned: Matrix = Vector((0.0, 0.0, 1.0)).rotation_difference(joint.axis).to_matrix().to_4x4()

@@ -47,7 +47,7 @@ class Each(NamedTuple):
 
     Attributes:
         attribute: the name of the attribute, which holds a sequence of names of fields.
-        among: the name of an attribute with those of them that the slot concerns at present; empty for all.
+        among: name of an attribute that lists those fields to which the slot applies at present; empty for all.
     """
 
     attribute: str
@@ -91,8 +91,8 @@ def each(attribute: str, among: str = "") -> Each:
 
     Args:
         attribute: name of the attribute.
-        among: name of an attribute with those of the fields that the slot concerns at present, which may change. The
-            others are NaN in messages, and commands do not set them.
+        among: name of an attribute that lists those fields to which the slot applies at present. The other fields are
+            NaN in messages, and commands do not set them.
     """
     return Each(attribute, among)
 

@@ -38,7 +38,7 @@ class Source:
         return True
 
     def get(self, component: Any) -> Any:
-        """The value, in the unit of the slot; None if it has none at present."""
+        """The value, in the unit of the slot; None if there is no value at present."""
         raise NotImplementedError
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
@@ -138,12 +138,12 @@ class Stack(Source):
 
 
 class Among(Source):
-    """Several numbers, of which the slot concerns some at present.
+    """Several numbers; the slot applies only to some of them at present.
 
     Args:
         stack: all numbers.
-        component: it names the fields that the slot concerns in an attribute.
-        attribute: the name of the attribute.
+        component: component with the attribute.
+        attribute: name of the attribute that lists the fields to which the slot applies.
     """
 
     def __init__(self, stack: Source, component: Any, attribute: str) -> None:
@@ -156,18 +156,18 @@ class Among(Source):
 
     @property
     def is_present(self) -> bool:
-        """Whether the slot concerns any of the fields."""
+        """Whether the slot applies to any of the fields."""
         return bool(self._chosen())
 
     def get(self, component: Any) -> Any:
-        """The numbers, NaN for fields that the slot does not concern; None if it concerns none."""
+        """The numbers, NaN for fields to which the slot does not apply; None if it applies to none."""
         if not self.is_present:
             return None
         chosen, values = self._chosen(), self._stack.get(component)
         return [value if name in chosen else math.nan for name, value in zip(self.fields, values, strict=True)]
 
     def put(self, value: Any, fields: dict[str, Any]) -> str | None:
-        """Write the numbers of the fields that the slot concerns; NaN stands for no command."""
+        """Write the numbers of the fields to which the slot applies; NaN stands for no command."""
         chosen, given = self._chosen(), dict[str, Any]()
         remark = self._stack.put(value, given)
         set_now = {name: number for name, number in given.items() if name in chosen and number == number}

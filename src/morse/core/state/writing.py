@@ -112,8 +112,8 @@ class Writer:
     def release(self) -> None:
         """Release the values that were written.
 
-        A writer refers to itself, so that it would keep them until the next garbage collection. Data of sensors that
-        are referenced elsewhere have to be filled in every tick.
+        A writer refers to itself. Without this call, the values would exist until the next garbage collection, and data
+        of sensors that are referenced have to be filled in every tick.
         """
         self._met.clear()
         self._numbers.clear()
