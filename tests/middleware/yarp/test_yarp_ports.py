@@ -228,6 +228,46 @@ def test_ports_are_registered_when_a_name_server_comes_and_removed_at_the_end(
     came.close()
 
 
+def test_the_port_of_another_program_is_not_taken_away(
+    load: Callable[..., Any],
+    names: Names,
+    reader: Reader,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr("morse.middleware.yarp.ports._CHECK", 0.02)
+    names.known[POSE] = reader.address
+    sim = load(names.port, BOTH)
+    until(sim, lambda: f"{POSE} is the port of another program" in caplog.text and MOTION in names.known)
+    assert names.known[POSE] == reader.address
+    # it ends without saying so
+    reader.close()
+    until(sim, lambda: names.known[POSE] != reader.address)
+
+
+def test_the_ports_of_a_deleted_robot_are_closed(load: Callable[..., Any], names: Names) -> None:
+    sim = load(names.port, BOTH)
+    until(sim, lambda: {POSE, MOTION} <= names.known.keys())
+    sim.delete("robot")
+    until(sim, lambda: not names.known.keys() & {POSE, MOTION})
+
+
+def test_a_name_server_that_does_not_answer_holds_nobody_up(
+    load: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("morse.middleware.yarp.ports._FAREWELL", 0.05)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        sim = load(silent.getsockname()[1], BOTH)
+        client, _ = silent.accept()
+        sim.step(30)
+        sim.delete("robot")
+        sim.step(30)
+        assert sim.ticks == 60
+        # nothing has come that ends the request of the simulation
+        sim.close()
+        client.close()
+
+
 def test_a_reader_that_stops_reading_loses_messages_and_holds_nobody_up(
     load: Callable[..., Any], names: Names, reader: Reader, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 #: wall-clock seconds for an answer
 _TIMEOUT = 5.0
+#: wall-clock seconds for a connection to another port
+_PROBE = 1.0
 _LONGEST = 1 << 16
 _REGISTRATION = re.compile(r"registration name (\S+) ip (\S+) port (\d+) type (\S+)")
 
@@ -26,6 +28,17 @@ class Address(NamedTuple):
 
     host: str
     port: int
+
+
+async def is_alive(address: Address) -> bool:
+    """Whether anything listens at an address."""
+    try:
+        async with asyncio.timeout(_PROBE):
+            _, writer = await asyncio.open_connection(*address)
+    except (OSError, TimeoutError):
+        return False
+    writer.close()
+    return True
 
 
 class NameServer:

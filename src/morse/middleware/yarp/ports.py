@@ -15,7 +15,7 @@ from morse.core.quoting import shown
 from morse.core.validation.options import checked_options, with_defaults
 from morse.middleware.socket.listener import listen
 from morse.middleware.yarp.mapping import JSON_STREAM_MANAGER, MANAGER_OPTIONS, STREAM_MANAGER
-from morse.middleware.yarp.names import Address, NameServer
+from morse.middleware.yarp.names import Address, NameServer, is_alive
 from morse.middleware.yarp.port import Port
 
 if TYPE_CHECKING:
@@ -27,6 +27,8 @@ logger = logging.getLogger(__name__)
 
 #: wall-clock seconds between two attempts to reach the name server, and between two checks that it knows the ports
 _RETRY, _CHECK = 1.0, 5.0
+#: wall-clock seconds in which the name server is told the end of the simulation
+_FAREWELL = 2.0
 _EVERYWHERE = ("0.0.0.0", "::", "")
 _NAME = re.compile(r"/[^\s:()\"\[\]{}]{1,500}$")
 _made: WeakKeyDictionary[Context, Ports] = WeakKeyDictionary()
@@ -51,10 +53,15 @@ class Ports:
         self._prefix = options["prefix"]
         self._ports: dict[str, tuple[Port, Address]] = {}
         self._owners: dict[str, str] = {}
+        #: names that the server knows, as far as is known, and all that were entered
         self._registered: set[str] = set()
+        self._entered: set[str] = set()
         self._complaints = Complaints(logger)
         self._changed: asyncio.Event | None = None
         self._task: asyncio.Task[None] | None = None
+        self._closing: set[asyncio.Task[None]] = set()
+        self._round = 0
+        self._ending = False
         self._was_there = False
         context.network.call(self._begin())
 
@@ -98,17 +105,31 @@ class Ports:
             self._changed.set()
 
     def close(self, port: Port) -> None:
-        """Close a port, and remove it from the name server."""
+        """Close a port, and remove it from the name server; waits for neither."""
         if self._owners.pop(port.name, None) is not None:
-            self._context.network.call(self._close(port))
+            self._context.network.post(self._begin_close, port)
+
+    def _begin_close(self, port: Port) -> None:
+        task = self._context.network.loop.create_task(self._close(port))
+        self._closing.add(task)
+        task.add_done_callback(self._closing.discard)
+
+    def _has(self, port: Port) -> bool:
+        return self._ports.get(port.name, (None,))[0] is port
 
     async def _close(self, port: Port) -> None:
-        self._ports.pop(port.name, None)
+        if self._has(port):
+            del self._ports[port.name]
+        self._registered.discard(port.name)
         await port.close()
-        if port.name in self._registered:
-            self._registered.discard(port.name)
+        if port.name in self._entered and port.name not in self._ports:
+            self._entered.discard(port.name)
             with contextlib.suppress(OSError):
                 await self.names.unregister(port.name)
+        if port.name in self._ports and self._changed is not None:
+            # a port of the same name was opened meanwhile: enter it, whoever was first
+            self._registered.discard(port.name)
+            self._changed.set()
 
     def release(self) -> None:
         """End, if nobody uses it any more."""
@@ -117,16 +138,25 @@ class Ports:
             self._context.network.call(self._end())
 
     async def _end(self) -> None:
-        if self._task is not None:
+        self._ending = True
+        if self._task is not None and self._changed is not None:
+            # a request that was sent is awaited: its port might be entered after it was removed
+            self._changed.set()
+            await asyncio.wait([self._task], timeout=_FAREWELL)
             self._task.cancel()
-        await asyncio.gather(*(self._close(port) for port, _ in list(self._ports.values())))
+        for port, _ in list(self._ports.values()):
+            self._begin_close(port)
+        if self._closing:
+            _, late = await asyncio.wait(self._closing, timeout=_FAREWELL)
+            for task in late:
+                task.cancel()
 
     # -- registration ------------------------------------------------------------------------
 
     async def _keep_registered(self) -> None:
         """Register new ports at once; and all of them again if the name server has forgotten them."""
         assert self._changed is not None
-        while True:
+        while not self._ending:
             self._changed.clear()
             try:
                 await self._register()
@@ -144,27 +174,41 @@ class Ports:
         return f"{self.names.address.host}:{self.names.address.port}"
 
     async def _register(self) -> None:
-        for name, (_, address) in list(self._ports.items()):
-            if name in self._registered:
-                continue
-            entered = await self.names.register(name, address)
-            if entered is None or entered.port != address.port:
-                self._complaints.warn(name, f"yarp: the name server does not register {name} (its answer: {entered})")
-                continue
-            self._registered.add(name)
         if self._registered:
-            # a name server that was restarted knows none of them
-            one = next(iter(self._registered))
+            # a name server that was restarted does not know them; each time, another one is asked for
+            self._round += 1
+            one = sorted(self._registered)[self._round % len(self._registered)]
             known = await self.names.query(one)
             if one in self._ports and (known is None or known.port != self._ports[one][1].port):
                 self._registered.clear()
-                await self._register_again()
+        for name, (port, address) in list(self._ports.items()):
+            if self._ending:
+                return
+            if name in self._registered or not await self._claim(name, address):
+                continue
+            self._entered.add(name)
+            if self._has(port):
+                self._registered.add(name)
+            elif name not in self._ports:  # closed meanwhile
+                self._entered.discard(name)
+                await self.names.unregister(name)
+        if self._registered:
             self._tell(True, f"{len(self._registered)} ports are registered at the name server {self._place}")
 
-    async def _register_again(self) -> None:
-        for name, (_, address) in list(self._ports.items()):
-            if await self.names.register(name, address) is not None:
-                self._registered.add(name)
+    async def _claim(self, name: str, address: Address) -> bool:
+        known = await self.names.query(name)
+        if known is not None and known.port != address.port and await is_alive(known):
+            self._complaints.warn(
+                "taken",
+                f"yarp: {name} is the port of another program, perhaps a simulation, at {known.host}:{known.port}; "
+                "set another prefix: env.configure_stream_manager('yarp', prefix='...')",
+            )
+            return False
+        entered = await self.names.register(name, address)
+        if entered is None or entered.port != address.port:
+            self._complaints.warn(name, f"yarp: the name server does not register {name} (its answer: {entered})")
+            return False
+        return True
 
     def _tell(self, is_there: bool, text: str) -> None:
         if is_there and not self._was_there:
