@@ -4,6 +4,8 @@ import { Layer, discard } from "./layer";
 
 const BEAM = new LineBasicMaterial({ color: 0x16a863, transparent: true, opacity: 0.25, depthWrite: false, toneMapped: false });
 const HIT = new PointsMaterial({ color: 0xff5a2a, size: 4, sizeAttenuation: false, toneMapped: false });
+/** The points of a cloud are many and dense. */
+const POINT = new PointsMaterial({ color: 0xff5a2a, size: 2, sizeAttenuation: false, toneMapped: false });
 
 /** Drawn length of a ray without a hit, m: its full length would hide the world behind it. */
 const MISS = 0.6;
@@ -43,6 +45,7 @@ export class Rays extends Layer {
 
   private showPoints(component: string, points: Float32Array): void {
     const { hits } = this.drawn.get(component) ?? this.make(component);
+    hits.material = POINT;
     hits.geometry.setAttribute("position", new BufferAttribute(points, 3));
   }
 
