@@ -95,6 +95,20 @@ def open_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..
 
     Pages of one test share nothing. Pages of different tests have different ports, and so different storages.
     """
+    with opening(browser, profile) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def open_shared_page(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..., Page]]:
+    """As `open_page`; the pages stay open for all tests of the file."""
+    with opening(browser, profile) as opened:
+        yield opened
+
+
+@contextlib.contextmanager
+def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[..., Page]]:
+    """The function that opens pages; closes them at the end."""
     contexts: list[BrowserContext] = []
     tabs: list[Page] = []
     errors: list[str] = []

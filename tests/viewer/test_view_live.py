@@ -69,15 +69,21 @@ def simulation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             process.kill()
 
 
-@pytest.fixture
-def page(simulation: str, open_page: Any) -> Page:
-    """The page of the simulation, after a restart."""
-    page: Page = open_page(simulation, width=900, height=560)
+@pytest.fixture(scope="module")
+def shown(simulation: str, open_shared_page: Any) -> Page:
+    """The page of the simulation: it takes seconds to load and to draw for the first time."""
+    page: Page = open_shared_page(simulation, width=900, height=560)
     until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
-    page.get_by_role("button", name="Reset").click()
-    page.get_by_role("dialog").get_by_role("button", name="reset").click()
-    until(lambda: math.dist(place(page)[:2], (1.0, 0.0)) < 0.1, "the robot where it began")
     return page
+
+
+@pytest.fixture
+def page(shown: Page) -> Page:
+    """The page after a restart of the simulation."""
+    shown.get_by_role("button", name="Reset").click()
+    shown.get_by_role("dialog").get_by_role("button", name="reset").click()
+    until(lambda: math.dist(place(shown)[:2], (1.0, 0.0)) < 0.1, "the robot where it began")
+    return shown
 
 
 def place(page: Page) -> list[float]:
