@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import threading
 import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-from morse.recording.gathering import Block, Gathered, Memory
+from morse.recording.gathering import Gathered, Memory
 from morse.recording.mcap.writer import McapWriter
 
 if TYPE_CHECKING:
@@ -33,8 +32,8 @@ _CHUNK = 4 << 20
 _QUICK = 4e6
 #: maximum number of bytes that wait for the disk; then the simulation waits
 _MOST_WAITING = 64 << 20
-#: maximum number of blocks that are kept for reuse
-_MOST_BLOCKS = 12
+#: maximum number of ticks of a chunk
+_MOST_TICKS = 2048
 
 
 class Disk:
@@ -64,8 +63,6 @@ class Disk:
         #: locked while messages are collected, and while their chunk is closed
         self._lock = threading.Lock()
         self._gathered = Gathered()
-        #: blocks for reuse
-        self._blocks: deque[Block] = deque()
         self._memory = Memory()
         self._written = time.monotonic()
         self._wake, self._room = threading.Event(), threading.Event()
@@ -96,40 +93,24 @@ class Disk:
             layout: the records of the tick.
             tick: its number.
             moments: computes its time.
-            positions, rotations: (K, 3) m and (K, 9) of all rigid groups; those of the layout are copied.
-            scans: captures, and their data.
+            positions, rotations: (K, 3) m and (K, 9) of the rigid groups of the layout; arrays that never change.
+            scans: captures, and their data, which never change.
         """
         with self._lock:
             gathered = self._gathered
-            block, first, last = gathered.block, layout.first, layout.last
-            if block is None or block.first != first or block.last != last or gathered.moments is not moments:
-                gathered, block = self._begin_block(first, last)
-                gathered.moments = moments
-            ticks = gathered.ticks
-            row = len(ticks)
-            place, turn = block.rows[row]
-            place[:] = positions[first:last]
-            turn[:] = rotations[first:last]
-            ticks.append((tick, layout))
-            held = gathered.held = gathered.held + layout.held
+            if gathered.window is not layout.window or gathered.moments is not moments:
+                if gathered.ticks:
+                    gathered = self._begin_chunk()
+                gathered.window, gathered.moments = layout.window, moments
+            gathered.ticks.append((tick, layout))
+            gathered.positions.append(positions)
+            gathered.rotations.append(rotations)
             if scans is not None:
                 for capture, distances in scans:
-                    gathered.scan(capture, distances)
-        row += 1
-        if row == block.count or held > _CHUNK:
+                    gathered.scans.setdefault(capture, []).append(distances)
+            held = gathered.held = gathered.held + layout.held
+        if held > _CHUNK or len(gathered.ticks) >= _MOST_TICKS:
             self._pass_on()
-
-    def _begin_block(self, first: int, last: int) -> tuple[Gathered, Block]:
-        """Return memory for the poses of some rigid groups, in a chunk that has none yet."""
-        gathered = self._gathered if self._gathered.block is None else self._begin_chunk()
-        with contextlib.suppress(IndexError):
-            while gathered.block is None:
-                block = self._blocks.pop()
-                if (block.first, block.last) == (first, last):
-                    gathered.block = block
-        if gathered.block is None:
-            gathered.block = Block(first, last)
-        return gathered, gathered.block
 
     def other(self, write: Callable[[McapWriter], object]) -> None:
         """Queue another operation, after all previous messages."""
@@ -196,10 +177,6 @@ class Disk:
 
     def _chunk(self, gathered: Gathered) -> None:
         plain, index = gathered.encoded(self._memory)
-        block = gathered.block
-        if block is not None and len(self._blocks) < _MOST_BLOCKS:
-            block.scans = {capture: block.scans[capture] for capture in gathered.scans}
-            self._blocks.append(block)
         now = time.monotonic()
         rate, self._written = len(plain) / max(now - self._written, 1e-6), now
         self._writer.encoded(plain.data, index, quickly=rate > _QUICK)

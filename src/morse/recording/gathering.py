@@ -10,6 +10,8 @@ from morse.recording.mcap.records import MESSAGE as MESSAGE_OPCODE
 from morse.recording.mcap.records import MESSAGE_FIXED, MESSAGE_HEAD
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     from numpy.typing import NDArray
 
     from morse.recording.captures import Capture, Layout, Moments
@@ -18,38 +20,17 @@ if TYPE_CHECKING:
 
 #: approximate overhead of a message, bytes
 _OVERHEAD = 100
-#: approximate size of the poses in a block, bytes, and ticks of a block: writing to uncached memory takes time
-_BLOCK, _LEAST_TICKS, _MOST_TICKS = 1 << 20, 16, 2048
-
-
-class Block:
-    """Memory for the poses and scans of many ticks; it is reused after they are encoded.
-
-    The first access to a page of new memory takes as long as encoding the messages of a tick.
-
-    Attributes:
-        first, last: the rigid groups whose poses are stored: ``range(first, last)``.
-        positions, rotations: (R, K, 3) m and (R, K, 9) of these groups.
-        scans: (R, B, rays) m by capture; pages without a scan are not accessed.
-        count: R.
-        rows: pairs of views, one for each tick.
-    """
-
-    def __init__(self, first: int, last: int) -> None:
-        self.first, self.last = first, last
-        slots = last - first
-        count = min(max(_BLOCK // (96 * max(slots, 1)), _LEAST_TICKS), _MOST_TICKS)
-        self.count = count
-        self.positions, self.rotations = np.empty((count, slots, 3)), np.empty((count, slots, 9))
-        self.rows = list(zip(self.positions, self.rotations, strict=True))
-        self.scans: dict[Capture, NDArray[np.float64]] = {}
 
 
 class Memory:
-    """Memory for the records of one chunk at a time."""
+    """Memory for one chunk at a time; it is reused.
+
+    The first access to a page of new memory takes as long as encoding the messages of a tick.
+    """
 
     def __init__(self) -> None:
         self._bytes = np.empty(0, dtype=np.uint8)
+        self._stacks: dict[object, NDArray[np.float64]] = {}
 
     def of(self, size: int) -> NDArray[np.uint8]:
         """Return (size,) bytes, which are valid until the next call."""
@@ -57,41 +38,48 @@ class Memory:
             self._bytes = np.empty(size + size // 4, dtype=np.uint8)
         return self._bytes[:size]
 
+    def stacked(self, key: object, arrays: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return R arrays of one shape (N, D) as one array (R, N, D), valid until the next call with that key."""
+        count, shape = len(arrays), arrays[0].shape
+        memory = self._stacks.get(key)
+        if memory is None or len(memory) < count or memory.shape[1:] != shape:
+            memory = self._stacks[key] = np.empty((count + count // 4, *shape))
+        stack = memory[:count]
+        np.concatenate(arrays, out=stack.reshape(-1, shape[1]))
+        return stack
+
+    def keep(self, keys: Collection[object]) -> None:
+        """Release the memory of all other keys."""
+        self._stacks = {key: stack for key, stack in self._stacks.items() if key in keys}
+
 
 class Gathered:
     """The messages of a chunk, in order.
 
     Attributes:
         ticks: number and records of each tick that is encoded later.
-        block: poses of these ticks, or None.
+        positions, rotations: poses of rigid groups in each of these ticks, (K, 3) m and (K, 9).
+        window: the rigid groups of the poses, see `Layout.window`.
         moments: computes the times of these ticks.
-        scans: number of scans by capture.
+        scans: the distances (B, rays) in each tick with a scan, m, by capture.
         held: approximate memory of all messages, bytes.
     """
 
-    __slots__ = ("_messages", "block", "held", "moments", "scans", "ticks")
+    __slots__ = ("_messages", "held", "moments", "positions", "rotations", "scans", "ticks", "window")
 
     def __init__(self) -> None:
         self.held = 0
-        self.block: Block | None = None
+        self.positions: list[NDArray[np.float64]] = []
+        self.rotations: list[NDArray[np.float64]] = []
+        self.window: tuple[int, int, int] | None = None
         self.moments: Moments | None = None
         self.ticks: list[tuple[int, Layout]] = []
-        self.scans: dict[Capture, int] = {}
+        self.scans: dict[Capture, list[NDArray[np.float64]]] = {}
         #: number of ticks before each message, and the message
         self._messages: list[tuple[int, Message]] = []
 
     def __bool__(self) -> bool:
         return bool(self.ticks or self._messages)
-
-    def scan(self, capture: Capture, distances: NDArray[np.float64]) -> None:
-        """Copy the scans (B, rays) of a tick into the block."""
-        assert self.block is not None
-        memory = self.block.scans.get(capture)
-        if memory is None:
-            memory = self.block.scans[capture] = np.empty((self.block.count, *distances.shape))
-        row = self.scans.get(capture, 0)
-        memory[row] = distances
-        self.scans[capture] = row + 1
 
     def message(self, one: Message) -> None:
         """Add a message."""
@@ -115,7 +103,7 @@ class Gathered:
         found: dict[int, list[Entries]] = {}
         if self.ticks:
             begins = ticks_before[:-1] + sizes_before[np.searchsorted(before, np.arange(len(ticks)), side="right")]
-            self._encode_ticks(begins, chunk, found)
+            self._encode_ticks(begins, chunk, memory, found)
         if self._messages:
             self._encode_messages((sizes_before[:-1] + ticks_before[before]).tolist(), chunk.data, found)
         index: dict[int, Entries] = {}
@@ -125,9 +113,12 @@ class Gathered:
         return chunk, index
 
     def _encode_ticks(
-        self, begins: NDArray[np.int64], chunk: NDArray[np.uint8], found: dict[int, list[Entries]]
+        self, begins: NDArray[np.int64], chunk: NDArray[np.uint8], memory: Memory, found: dict[int, list[Entries]]
     ) -> None:
         assert self.moments is not None
+        assert self.window is not None
+        memory.keep({"positions", "rotations", *self.scans})
+        poses = memory.stacked("positions", self.positions), memory.stacked("rotations", self.rotations)
         numbers, layouts = zip(*self.ticks, strict=True)
         moments = self.moments.of(numbers)
         known = list(dict.fromkeys(layouts))
@@ -137,21 +128,18 @@ class Gathered:
             offsets = np.array([layout.offsets.get(capture, -1) for layout in known], dtype=np.int64)[which]
             rows = np.flatnonzero(offsets >= 0)
             starts, times = begins[rows] + offsets[rows], moments[rows]
-            capture.encode(starts, times, self._data_of(capture, rows), chunk)
+            if capture in self.scans:
+                data: Any = memory.stacked(capture, self.scans[capture])
+            else:
+                some = slice(None) if len(rows) == len(self.ticks) else rows
+                data = poses[0][some], poses[1][some], self.window[2]
+            capture.encode(starts, times, data, chunk)
             heads = capture.template.heads
             entries = np.empty((len(heads), len(rows), 2), dtype=np.int64)
             entries[:, :, 0] = times[:, 1]
             entries[:, :, 1] = starts + heads[:, None]
             for channel, part in zip(capture.template.channels, entries, strict=True):
                 found.setdefault(channel, []).append(part)
-
-    def _data_of(self, capture: Capture, rows: NDArray[np.int64]) -> Any:
-        block = self.block
-        assert block is not None
-        if capture in self.scans:
-            return block.scans[capture][: self.scans[capture]]
-        some = slice(len(rows)) if len(rows) == len(self.ticks) else rows
-        return block.positions[some], block.rotations[some], block.first
 
     def _encode_messages(self, begins: list[int], chunk: memoryview, found: dict[int, list[Entries]]) -> None:
         places: dict[int, list[tuple[int, int]]] = {}

@@ -14,6 +14,9 @@ from morse.recording.captures.template import STAMP, Part, Template
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
+    from numpy.typing import NDArray
+
     from morse.core.group import Group
     from morse.kernel.recording import NativeRecords
     from morse.physics.mounting import Mounting
@@ -26,6 +29,8 @@ _CLOCK, _TF = "rosgraph_msgs/msg/Clock", "tf2_msgs/msg/TFMessage"
 _MOST_KNOWN = 256
 #: maximum number of new captures until the components change: creating one takes as long as hundreds of messages
 _MOST_MADE = 200
+#: number of static rigid groups whose poses are stored with those of the others
+_FEW_GROUPS = 32
 
 
 class Captures:
@@ -68,6 +73,9 @@ class Captures:
         self._layouts: dict[tuple[Group | Lone, ...], Layout] = {}
         self._frames: tuple[FramesCapture, Sequence[Mounting]] | None = None
         self._displacements = self._relocated = -1
+        #: see `Layout.window`; a new object after each change
+        self._window = (0, -1, 0)
+        self._is_whole = True
         self._made = 0
         self._looked = False
         present = set(map(id, self._context.components.values()))
@@ -115,7 +123,11 @@ class Captures:
             if any(distances is None for _, distances in scans):
                 return self._encode_all()
         fired.clear()
-        self._tape.keep(layout, positions, world.rotations.array, scans)
+        if not self._is_whole:
+            positions, rotations = self._copied(positions), self._copied(world.rotations.array)
+        else:
+            positions, rotations = world.positions.share(), world.rotations.share()
+        self._tape.keep(layout, positions, rotations, scans)
         self.kept = True
         if self._frames is None:
             return False
@@ -123,6 +135,10 @@ class Captures:
         if joints or lines or looks:
             self._streams.flush_others()
         return True
+
+    def _copied(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        first, last, _ = self._window
+        return rows[first:last].copy()
 
     def _encode_all(self) -> bool:
         """Let the streams encode the measurements of the groups of this tick."""
@@ -173,12 +189,21 @@ class Captures:
                 [capture for _, capture in kept],
                 [capture for capture in others if capture is not None],
             )
-            # one block serves the ticks of all layouts
-            first = min(layout.first for layout in self._layouts.values())
-            last = max(layout.last for layout in self._layouts.values())
-            for layout in self._layouts.values():
-                layout.first, layout.last = first, last
+            self._store()
         return False
+
+    def _store(self) -> None:
+        """Determine the rigid groups whose poses are stored; a chunk has those of all layouts."""
+        layouts = self._layouts.values()
+        first, last = min(layout.first for layout in layouts), max(layout.last for layout in layouts)
+        groups = len(self._world.positions)
+        # to store a reference to the poses of all groups takes less time than to copy some of them
+        self._is_whole = is_whole = groups <= _FEW_GROUPS + 2 * (last - first)
+        window = (first, last, 0 if is_whole else first)
+        if window != self._window:
+            self._window = window
+        for layout in layouts:
+            layout.store(self._window, groups if is_whole else last - first)
 
     def _drop_dissolved(self) -> None:
         """Remove dissolved groups: their members are in other groups, and must not be stored twice."""

@@ -93,7 +93,7 @@ class Scanners(Capture):
             return own
         sights = [bundle.sight for bundle in bundles]
         scan = sights[0].scan
-        if [sight.row for sight in sights] != self._rows or any(sight.scan is not scan for sight in sights):
+        if [sight.row for sight in sights] != self._rows or [sight.scan for sight in sights].count(scan) < len(sights):
             return None
         distances: NDArray[np.float64] = scan.distances
         return distances
