@@ -271,6 +271,13 @@ class _Builder:
             mesh = self._hull(shape)
             return body.add_geom(type=_TYPES[shape.kind], meshname=mesh, pos=position, quat=_quaternion(rotation))
         turned = rotation @ np.reshape(shape.rotation, (3, 3))
+        if shape.kind is ShapeKind.HEIGHT_FIELD:
+            return body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_HFIELD,
+                hfieldname=self._height_field(shape),
+                pos=position + rotation @ np.asarray(shape.position),
+                quat=_quaternion(turned),
+            )
         size = np.zeros(3)
         size[: len(shape.size)] = shape.size
         return body.add_geom(
@@ -279,6 +286,17 @@ class _Builder:
             pos=position + rotation @ np.asarray(shape.position),
             quat=_quaternion(turned),
         )
+
+    def _height_field(self, shape: CollisionShape) -> str:
+        """Return the name of the heights of a shape; robots of one file share them."""
+        assert shape.heights is not None
+        heights = np.ascontiguousarray(shape.heights, dtype=np.float32)
+        key = repr(shape.size).encode() + repr(heights.shape).encode() + heights.tobytes()
+        if key not in self._hulls:
+            name = self._hulls[key] = f"heights{len(self._hulls)}"
+            rows, columns = heights.shape
+            self._spec.add_hfield(name=name, size=shape.size, nrow=rows, ncol=columns, userdata=heights.ravel())
+        return self._hulls[key]
 
     def _hull(self, shape: CollisionShape) -> str:
         """Return the name of the mesh of a convex shape; equal shapes, as in a fleet of robots, share a mesh."""

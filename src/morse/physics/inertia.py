@@ -33,6 +33,8 @@ def volume(shape: CollisionShape) -> float:
             return 2 * math.pi * s[0] ** 2 * s[1]
         case ShapeKind.CAPSULE:
             return 2 * math.pi * s[0] ** 2 * s[1] + 4 / 3 * math.pi * s[0] ** 3
+        case ShapeKind.HEIGHT_FIELD:
+            return 4 * s[0] * s[1] * (s[2] / 2 + s[3])
         case ShapeKind.CONVEX:
             assert shape.vertices is not None
             return float(np.prod(np.maximum(np.ptp(shape.vertices, axis=0), 1e-3)))
@@ -63,6 +65,8 @@ def half_sizes(shape: CollisionShape) -> NDArray[np.float64]:
             return np.array([s[0], s[0], s[1]])
         case ShapeKind.CAPSULE:
             return np.array([s[0], s[0], s[1] + s[0]])
+        case ShapeKind.HEIGHT_FIELD:
+            return np.array([s[0], s[1], max(s[2], s[3])])
         case _:
             return np.asarray(s, dtype=np.float64)
 

@@ -22,18 +22,21 @@ class ShapeKind(StrEnum):
     CAPSULE = "capsule"
     ELLIPSOID = "ellipsoid"
     CONVEX = "convex"
+    HEIGHT_FIELD = "height field"
 
 
 @dataclass(eq=False, slots=True)
 class CollisionShape:
-    """One convex piece of a body.
+    """One convex piece of a body, or a height field.
 
     Attributes:
         size: metres. Box and ellipsoid: three half sizes; sphere: radius; cylinder and capsule:
-            radius and half length (of the straight part) along Z; convex: empty.
+            radius and half length (of the straight part) along Z; convex: empty; height field: half sizes along X and
+            Y, largest height, thickness below height 0.
         position: position of its centre in the frame of the node.
         rotation: row-major 3x3 rotation from the shape to the node.
         vertices: (V, 3) points whose hull is the shape, in the frame of the node (only for convex shapes).
+        heights: (R, C) heights of at least 0, m; rows along Y, columns along X (height field only).
     """
 
     kind: ShapeKind
@@ -41,3 +44,4 @@ class CollisionShape:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float, float, float, float, float, float] = _IDENTITY
     vertices: NDArray[np.float64] | None = None
+    heights: NDArray[np.float64] | None = None

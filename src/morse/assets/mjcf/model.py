@@ -33,7 +33,7 @@ _OBJECTS = {
     "mesh": mujoco.mjtObj.mjOBJ_MESH,
 }
 _JOINTS = {0: "free", 1: "ball", 2: "slide", 3: "hinge"}
-_GEOMS = {0: "plane", 2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
+_GEOMS = {0: "plane", 1: "hfield", 2: "sphere", 3: "capsule", 4: "ellipsoid", 5: "cylinder", 6: "box", 7: "mesh"}
 
 
 @dataclass(slots=True)
@@ -86,6 +86,7 @@ class GeomData:
 
     Attributes:
         mesh: vertices (V, 3) and triangles (T, 3), or None.
+        heights: of a height field, (R, C) m, rows along Y; or None.
         masks: the bits of its type, and the bits of the types that it collides with (``contype``, ``conaffinity``).
     """
 
@@ -99,6 +100,7 @@ class GeomData:
     friction: float
     masks: tuple[int, int]
     mesh: tuple[NDArray[np.float32], NDArray[np.int32]] | None
+    heights: NDArray[np.float64] | None = None
 
 
 @dataclass(slots=True)
@@ -260,11 +262,12 @@ class _Reading:
         material = int(m.geom_matid[index])
         plain = np.allclose(m.geom_rgba[index], (0.5, 0.5, 0.5, 1.0))
         color = m.mat_rgba[material] if material >= 0 and plain else m.geom_rgba[index]
+        field = int(m.geom_dataid[index]) if kind == "hfield" else -1
         counts = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
         return GeomData(
             self.name("geom", index),
             kind,
-            _row(m.geom_size[index])[: counts.get(kind, 0)],
+            _row(m.hfield_size[field]) if field >= 0 else _row(m.geom_size[index])[: counts.get(kind, 0)],
             _row(m.geom_pos[index]),
             _row(m.geom_quat[index]),
             _row(color),
@@ -272,7 +275,14 @@ class _Reading:
             float(m.geom_friction[index][0]),
             (int(m.geom_contype[index]), int(m.geom_conaffinity[index])),
             mesh,
+            self.heights(field) if field >= 0 else None,
         )
+
+    def heights(self, index: int) -> NDArray[np.float64]:
+        m = self.model
+        start, rows, columns = int(m.hfield_adr[index]), int(m.hfield_nrow[index]), int(m.hfield_ncol[index])
+        data = np.array(m.hfield_data[start : start + rows * columns], dtype=np.float64)
+        return data.reshape(rows, columns) * float(m.hfield_size[index][2])
 
     def mesh(self, index: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         m = self.model

@@ -49,6 +49,8 @@ class _Reader:
 
     def library(self) -> Library:
         self._demand_usual_sizes()
+        if len(self.model.bodies) == 1:
+            return self._terrain()
         chosen, base = self._choose()
         bones = Bones(self.model, chosen)
         self.warnings += bones.warnings
@@ -93,6 +95,15 @@ class _Reader:
             self.warnings.append(f"{len(world.children)} shapes of the world are ignored, because the robot is free")
         sensors, remarks = sensors_of(self.model, {index: links[index] for index in chosen})
         return Library(str(self.source.path), roots=[root], sensors=sensors, warnings=[*self.warnings, *remarks])
+
+    def _terrain(self) -> Library:
+        """A file without bodies: the shapes of its world."""
+        root = Node(self.source.name, source_name=self.source.name)
+        self._names = {root.name}
+        self._add_shapes(root, self.model.bodies[0])
+        if not root.children:
+            raise AssetError(self.source.path, "it has no bodies and no shapes")
+        return Library(str(self.source.path), roots=[root], warnings=self.warnings)
 
     def _demand_usual_sizes(self) -> None:
         """Refuse lengths and masses that are too large for the physics."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from morse.assets import solids
+from morse.assets.mjcf.heights import height_mesh
 from morse.mathutils import Quaternion
 from morse.scene import BodySettings, Bounds, CollisionShape, Material, Mesh, Node, NodeKind, PhysicsType, ShapeKind
 
@@ -40,6 +41,11 @@ def shape_node(geom: GeomData, name: str) -> Node:
         vertices, triangles = geom.mesh
         node.mesh = Mesh(name, vertices, triangles, np.zeros(len(triangles), dtype=np.int32))
         node.body.bounds = Bounds.CONVEX_HULL
+        return node
+    if geom.heights is not None:
+        node.mesh = height_mesh(name, geom.size, geom.heights)
+        if is_solid:
+            node.shapes = [CollisionShape(ShapeKind.HEIGHT_FIELD, geom.size, heights=geom.heights)]
         return node
     node.mesh, scale = _mesh(geom)
     node.scale = list(scale)

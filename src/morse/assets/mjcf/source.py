@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 from morse.assets.errors import AssetError
+from morse.assets.mjcf.heights import check_points, suffix_of
 from morse.assets.nearby_files import FileRefusedError, find_near
 from morse.assets.xml_files import read_xml
 
@@ -27,7 +28,7 @@ _LARGEST = 1e15
 _LEFT_OUT = ("keyframe", "visual", "statistic", "custom", "size", "option")
 #: elements that are not supported
 _UNSUPPORTED = (
-    "attach", "composite", "deformable", "extension", "flex", "flexcomp", "hfield", "model", "plugin", "skin",
+    "attach", "composite", "deformable", "extension", "flex", "flexcomp", "model", "plugin", "skin",
 )  # fmt: skip
 #: attributes that request memory or name files
 _ATTRIBUTES = ("nsample", "delay", "interval", "plugin", "file", "fileleft", "fileright", "resolution")
@@ -57,6 +58,7 @@ class Source:
         self._check(root)
         self._reduce(root)
         self._take_meshes(root)
+        self._take_heights(root)
         self.text = ElementTree.tostring(root, encoding="unicode")
 
     def _fail(self, message: str) -> AssetError:
@@ -126,8 +128,8 @@ class Source:
             if child.tag in _LEFT_OUT:
                 root.remove(child)
         lost = sorted({element.tag for element in root.iter() if element.tag in _UNSUPPORTED})
-        if any(element.get("type") in ("hfield", "sdf") for element in root.iter("geom")):
-            lost.append("geom of type hfield or sdf")
+        if any(element.get("type") == "sdf" for element in root.iter("geom")):
+            lost.append("geom of type sdf")
         if lost:
             self.warnings.append(f"it has {', '.join(lost)}; they are left out")
         for parent in list(root.iter()):
@@ -137,7 +139,7 @@ class Source:
         for element in root.iter():
             if element.tag == "material":
                 element.attrib.pop("texture", None)
-            if element.tag != "mesh":
+            if element.tag not in ("mesh", "hfield"):
                 for name in _ATTRIBUTES:
                     element.attrib.pop(name, None)
         self._folder = ""
@@ -176,24 +178,57 @@ class Source:
                 if child.tag == "geom" and child.get("mesh") in lost:
                     parent.remove(child)
 
-    def _content(self, file: str) -> str:
+    def _take_heights(self, root: ElementTree.Element) -> None:
+        lost: set[str] = set()
+        for assets in root.iter("asset"):
+            for field in list(assets.iter("hfield")):
+                file = field.get("file")
+                name = field.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+                field.set("name", name)
+                source = f" ('{file:.200}')" if file else ""
+                field.attrib.pop("content_type", None)
+                try:
+                    rows, columns = ([*_numbers(field.get(word, "0")), 0.0][0] for word in ("nrow", "ncol"))
+                    check_points(rows, columns)
+                    if file is not None:
+                        field.set("file", self._heights(file))
+                except (FileRefusedError, OSError) as error:
+                    self.warnings.append(f"the hfield '{name:.200}'{source} is left out: {error}")
+                    lost.add(name)
+                    assets.remove(field)
+        for parent in list(root.iter()):
+            for child in list(parent):
+                if child.tag == "geom" and child.get("hfield") in lost:
+                    parent.remove(child)
+
+    def _heights(self, file: str) -> str:
+        content = self._file(file).read_bytes()
+        key = f"heights{len(self.meshes)}{suffix_of(content)}"
+        self.meshes[key] = content
+        return key
+
+    def _file(self, file: str) -> Path:
+        """Return the path of an asset."""
         name = f"{self._folder}/{file}" if self._folder and not file.startswith("/") else file
         path = find_near(name, self.path)
-        suffix = path.suffix.lower()
-        if suffix not in (".stl", ".obj", ".msh"):
-            raise FileRefusedError(f"files of type '{suffix}' cannot be read; supported: .msh, .obj, .stl")
         self._bytes += path.stat().st_size
         if self._bytes > _MOST_MESH_BYTES:
             raise FileRefusedError(f"all meshes together are larger than {_MOST_MESH_BYTES >> 20} MB")
+        return path
+
+    def _content(self, file: str) -> str:
+        suffix = Path(file.replace("\\", "/")).suffix.lower()
+        if suffix not in (".stl", ".obj", ".msh"):
+            raise FileRefusedError(f"files of type '{suffix}' cannot be read; supported: .msh, .obj, .stl")
         key = f"mesh{len(self.meshes)}{suffix}"
-        self.meshes[key] = path.read_bytes()
+        self.meshes[key] = self._file(file).read_bytes()
         return key
 
 
 def _is_left_out(parent: ElementTree.Element, child: ElementTree.Element) -> bool:
     """Whether an element is ignored: it is not supported, or is an image, which could be of any size."""
     if child.tag == "geom":
-        return child.get("type") in ("hfield", "sdf")
+        return child.get("type") == "sdf"
     is_picture = (parent.tag, child.tag) in (("asset", "texture"), ("material", "layer"))
     return child.tag in _UNSUPPORTED or is_picture
 

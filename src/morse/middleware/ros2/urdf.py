@@ -126,9 +126,18 @@ def _box(points: Any) -> CollisionShape:
     return CollisionShape(ShapeKind.BOX, tuple(((high - low) / 2.0).tolist()), (x, y, z))
 
 
+def _block(shape: CollisionShape) -> CollisionShape:
+    """The box around a height field that is not turned against its node."""
+    x, y, top, base = shape.size
+    a, b, c = shape.position
+    return CollisionShape(ShapeKind.BOX, (x, y, (top + base) / 2.0), (a, b, c + (top - base) / 2.0), shape.rotation)
+
+
 def _placed(pose: Transformation3d, shape: CollisionShape) -> Transformation3d:
     if shape.kind is ShapeKind.CONVEX:
         shape = _box(np.asarray(shape.vertices))
+    elif shape.kind is ShapeKind.HEIGHT_FIELD:
+        shape = _block(shape)
     own = Transformation3d()
     own.set_pose(shape.position, shape.rotation)
     return product(pose, own)
@@ -138,6 +147,8 @@ def _geometry(shape: CollisionShape) -> Any:
     made = ElementTree.Element("geometry")
     if shape.kind is ShapeKind.CONVEX:
         shape = _box(np.asarray(shape.vertices))
+    elif shape.kind is ShapeKind.HEIGHT_FIELD:
+        shape = _block(shape)
     size = [max(2.0 * extent, _THIN) for extent in shape.size]
     if shape.kind is ShapeKind.BOX:
         ElementTree.SubElement(made, "box", size=_numbers(size))

@@ -134,7 +134,10 @@ def _is_cut_up(node: Node) -> bool:
     if node.mesh is None or not len(node.mesh.triangles) or node.body.bounds not in (None, Bounds.TRIANGLE_MESH):
         return False
     assert node.shapes is not None
-    return any(shape.kind is ShapeKind.CONVEX for shape in node.shapes) or len(set(_remissions(node))) > 1
+    return (
+        any(shape.kind in (ShapeKind.CONVEX, ShapeKind.HEIGHT_FIELD) for shape in node.shapes)
+        or len(set(_remissions(node))) > 1
+    )
 
 
 def _of_mesh(node: Node, mesh: Mesh, known: dict[tuple[object, ...], Triangles]) -> Triangles:

@@ -1,0 +1,58 @@
+"""Height fields of an MJCF file: how much memory they ask for, and their meshes."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from morse.assets.nearby_files import FileRefusedError
+from morse.scene import Mesh
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: points of a height field
+MOST_POINTS = 1 << 22
+_PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def check_points(rows: float, columns: float) -> None:
+    """Raise FileRefusedError if a height field has too many points."""
+    if not rows * columns <= MOST_POINTS:
+        raise FileRefusedError(f"it has {rows:.6g} x {columns:.6g} points, more than {MOST_POINTS}")
+
+
+def suffix_of(content: bytes) -> str:
+    """Return the suffix of a file of heights, a PNG or the binary format of MuJoCo, after a check of its size.
+
+    Raises:
+        FileRefusedError: it is neither, or asks for more memory than it should.
+    """
+    if content[:8] == _PNG and len(content) > 24:
+        columns, rows = struct.unpack(">II", content[16:24])
+        check_points(rows, columns)
+        return ".png"
+    if len(content) >= 8:
+        rows, columns = struct.unpack("<ii", content[:8])
+        if rows > 0 and columns > 0 and len(content) == 8 + 4 * rows * columns:
+            check_points(rows, columns)
+            return ".hf"
+    raise FileRefusedError("it is neither a PNG image nor a binary file of heights (rows, columns, 32-bit numbers)")
+
+
+def height_mesh(name: str, size: tuple[float, ...], heights: NDArray[np.float64]) -> Mesh:
+    """Return the surface as a mesh, with the triangles with which the engine collides.
+
+    Args:
+        size: half sizes along X and Y, m.
+        heights: (R, C) m; rows along Y, columns along X.
+    """
+    rows, columns = heights.shape
+    y, x = np.meshgrid(np.linspace(-size[1], size[1], rows), np.linspace(-size[0], size[0], columns), indexing="ij")
+    vertices = np.stack([x, y, heights], axis=-1).reshape(-1, 3).astype(np.float32)
+    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    right, up, across = corner + 1, corner + columns, corner + columns + 1
+    triangles = np.concatenate([np.stack([corner, right, across], 1), np.stack([corner, across, up], 1)])
+    return Mesh(name, vertices, triangles.astype(np.int32), np.zeros(len(triangles), dtype=np.int32))
