@@ -19,7 +19,8 @@ lamp = Light("lamp")
 lamp.translate(x=0.2)
 robot.append(lamp)
 for name, make in (("color", VideoCamera), ("cloud", DepthCamera), ("depth", DepthVideoCamera),
-                   ("normals", NormalCamera), ("flow", OpticalFlowCamera)):
+                   ("normals", NormalCamera), ("flow", OpticalFlowCamera),
+                   ("semantic", SemanticCamera), ("heat", ThermalCamera)):
     camera = make(name)
     camera.properties(cam_width=32, cam_height=24, cam_focal=20.0, cam_near=0.1)
     camera.frequency(20)
@@ -28,11 +29,12 @@ for name, make in (("color", VideoCamera), ("cloud", DepthCamera), ("depth", Dep
     robot.append(camera)
 box = Cube("Box")
 box.scale, box.location = (0.3, 0.3, 0.3), (4, 0, 0.4)
+box.properties(Object=True, Temperature=40.0)
 ball = Sphere("Ball")
 ball.scale, ball.location = (0.3, 0.3, 0.3), (3, 0.8, 2.0)
 env = Environment("empty")
 """
-CAMERAS = ("color", "cloud", "depth", "normals", "flow")
+CAMERAS = ("color", "cloud", "depth", "normals", "flow", "semantic", "heat")
 NOISY = """
     if name == 'color':
         camera.properties(full_well=2000, auto_exposure=True, stuck_pixels=0.01)
@@ -78,9 +80,9 @@ def test_images_are_those_of_a_camera_without_delay(load):
     direct, delayed = listen(at_once), listen(later)
     at_once.step(60)
     later.step(60)
-    assert len(direct) == 100
+    assert len(direct) == 140
     # 0.12 s are 8 ticks at most, and two or three images of each camera
-    assert 85 <= len(delayed) <= 90
+    assert 119 <= len(delayed) <= 126
     assert set(delayed) <= set(direct)
     assert len({content for _, _, content in delayed}) > 60
 

@@ -48,25 +48,42 @@ class SemanticCamera(Camera):
     add_kind("detections", records=_records)
 
     color = False
+    uses = ("ids", "names")
     relative: bool
     noocclusion: bool
     tag: str
+
+    def note(self) -> list[tuple[dict[str, Any], list[str] | None]] | None:
+        """Return the objects that may be visible, for an image with a delay: their data, and their `_candidates`."""
+        if not self.request.beside:
+            return None
+        return [(self._described(thing), names) for thing, names in self._candidates()]
 
     def take(self, picture: Picture) -> None:
         """Find the objects in an image."""
         numbers, counts = np.unique(picture.ids, return_counts=True)
         shown = {
-            picture.nodes[n]
+            picture.names[n]
             for n, count in zip(numbers.tolist(), counts.tolist(), strict=True)
             if n >= 0 and count >= _FEWEST
         }
 
-        def is_seen(thing: Any) -> bool:
-            if self.noocclusion:
-                return self._is_in_sight(thing)
-            return any(node in shown for node in thing.node.walk())
+        def is_seen(names: list[str] | None) -> bool:
+            return names is None or not shown.isdisjoint(names)
 
-        self.local_data["visible_objects"] = [self._described(thing) for thing in self._things() if is_seen(thing)]
+        if self.noted is None:
+            found = [self._described(thing) for thing, names in self._candidates() if is_seen(names)]
+        else:
+            found = [described for described, names in self.noted if is_seen(names)]
+        self.local_data["visible_objects"] = found
+
+    def _candidates(self) -> Iterator[tuple[Any, list[str] | None]]:
+        """The objects that may be visible, and the names of their meshes; None if no mesh has to be in the image."""
+        for thing in self._things():
+            if not self.noocclusion:
+                yield thing, [node.name for node in thing.node.walk()]
+            elif self._is_in_sight(thing):
+                yield thing, None
 
     def _things(self) -> Iterator[Any]:
         for obj in self.context.world.objects():
