@@ -92,12 +92,16 @@ class Together:
 
     def _has_changed(self, group: Group | None) -> bool:
         """Whether the group has to be formed again."""
-        if group is not None and (
-            group.is_changed or any(self._modifiers) or list(chain.from_iterable(self._hooks)) != self._known
-        ):
+        if group is not None and (group.is_changed or any(self._modifiers) or self._have_hooks_changed()):
             return True
         looks = self._ticks % _LOOK == 0 and self._allowed and not self._failed
         return bool(looks) and any(may_join(member) for member in self._alone)
+
+    def _have_hooks_changed(self) -> bool:
+        """Whether streams were added to members, or removed from them; most members have none."""
+        if any(self._hooks):
+            return list(chain.from_iterable(self._hooks)) != self._known
+        return bool(self._known)
 
     def dissolve(self) -> None:
         """Update all members, and form the group again at the next action."""
