@@ -21,7 +21,12 @@ env = Environment("empty")
 """
 
 
-@pytest.mark.parametrize("name", ["rich", "mujoco", "random", "email", "test", "numpy", "mathutils", "morse", "scene"])
+NAMES = ["mujoco", "random", "mathutils", "morse"]
+MORE = ["rich", "email", "test", "numpy", "scene"]
+
+
+# a name of each kind, and others of the same kinds
+@pytest.mark.parametrize("name", [*NAMES, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE)])
 def test_a_script_may_be_called_like_any_library(name: str, tmp_path: Path) -> None:
     (tmp_path / "helper.py").write_text("TEXT = 'of the user'\n")
     (tmp_path / "tempfile.py").write_text("raise RuntimeError('not the one of the standard library')\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import os
@@ -14,9 +15,11 @@ from doc_pages import DOCS, Block, blocks, named
 
 import morse
 from morse.cli.app import execute
-from pymorse import MorseServiceFailed, MorseServicePreempted
+from morse.testing.process import SimulationProcess
+from pymorse import Morse, MorseServiceFailed, MorseServicePreempted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 # tests/middleware runs the examples that need another program
@@ -33,14 +36,42 @@ SCENES = [
 CLIENTS = [block for block in blocks("python") if block.is_client and block.page != DOCS / "tutorial.md"]
 
 
-@pytest.fixture
-def template(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The scene that `morse create` creates: a robot with motion, keyboard and pose."""
-    monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setenv("USERPROFILE", str(tmp_path))
-    monkeypatch.chdir(tmp_path)
-    assert execute(["create", "example_sim"]) == 0
-    return tmp_path / "example_sim" / "default.py"
+def begin_again(process: SimulationProcess) -> int:
+    """The port of a simulation, after a restart."""
+    with Morse("127.0.0.1", process.port) as simu:
+        simu.reset(0)
+        simu.resume()
+    return process.port
+
+
+@pytest.fixture(scope="module")
+def ranger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], int]]:
+    """Begins a simulation of the scene that `morse create` creates, a robot with motion and pose: its port."""
+    folder = tmp_path_factory.mktemp("template")
+    started: list[SimulationProcess] = []
+
+    def begin() -> int:
+        if started:
+            with contextlib.suppress(ConnectionError):  # a client has ended it
+                return begin_again(started[-1])
+        process = SimulationProcess(
+            folder / "example_sim" / "default.py",
+            folder / f"log{len(started)}",
+            options=("--headless", "--strict"),
+        )
+        started.append(process)
+        process.wait_initialized()
+        return process.port
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME", str(folder))
+        patch.setenv("USERPROFILE", str(folder))
+        patch.chdir(folder)
+        assert execute(["create", "example_sim"]) == 0
+        yield begin
+    for process in started:
+        process.kill()
+        assert process.watch.error is None
 
 
 PROGRAMS = [block for block in blocks("python") if block.text.startswith("import morse\n")]
@@ -76,11 +107,10 @@ def test_scenes_run(block: Block, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("block", named(CLIENTS))
-def test_clients_run(block: Block, simulate, template: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    simu = simulate(template)
+def test_clients_run(block: Block, ranger: Callable[[], int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     script = tmp_path / "client.py"
     script.write_text(block.text, encoding="utf-8")
-    monkeypatch.setenv("MORSE_SOCKET_PORT", str(simu.port))
+    monkeypatch.setenv("MORSE_SOCKET_PORT", str(ranger()))
     done = run([sys.executable, str(script)], tmp_path)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr
@@ -94,12 +124,11 @@ def test_loops_name_their_robots(simulate, tmp_path: Path):
     assert len(simu.ms) == 3
 
 
-def test_the_transcript_of_the_socket(simulate, template: Path):
+def test_the_transcript_of_the_socket(ranger: Callable[[], int]):
     import socket
 
-    simu = simulate(template)
     (transcript,) = [block.text for block in blocks("text") if block.page == DOCS / "socket.md"]
-    with socket.create_connection(("127.0.0.1", simu.port), timeout=60) as connection:
+    with socket.create_connection(("127.0.0.1", ranger()), timeout=60) as connection:
         replies = connection.makefile(encoding="utf-8")
         for line in transcript.splitlines():
             way, _, text = line.partition(" ")
@@ -217,11 +246,10 @@ def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_the_stepping_example_gives_the_same_numbers_twice(simulate, template: Path, tmp_path: Path, monkeypatch):
+def test_the_stepping_example_gives_the_same_numbers_twice(ranger: Callable[[], int], tmp_path: Path, monkeypatch):
     script = tmp_path / "client.py"
     script.write_text(block_with("services.md", "simu.step("), encoding="utf-8")
-    simu = simulate(template)
-    monkeypatch.setenv("MORSE_SOCKET_PORT", str(simu.port))
+    monkeypatch.setenv("MORSE_SOCKET_PORT", str(ranger()))
     outputs = [run([sys.executable, str(script)], tmp_path).stdout for _ in range(2)]
     assert len(outputs[0].splitlines()) == 100
     assert outputs[0] == outputs[1]
