@@ -105,7 +105,7 @@ class Captures:
         layout = self._layouts.get(tuple(fired))
         if (
             layout is None
-            or world.displacements != self._displacements
+            or (world.displacements != self._displacements and not self._is_unmoved())
             or len(world.relocated) != self._relocated
             or self._transforms.changed
         ):
@@ -213,6 +213,19 @@ class Captures:
         for groups in list(self._layouts):
             if any(group.members[0].group is not (None if isinstance(group, Lone) else group) for group in groups):
                 del self._layouts[groups]
+
+    def _is_unmoved(self) -> bool:
+        """Whether only other objects were moved within their rigid groups, such as the bones of an arm in each tick."""
+        motion, frames = self._streams.motion, self._frames
+        assert motion is not None
+        if any(found is not None and found[1] != _mountings(members) for members, found in self._known.items()):
+            return False
+        if frames is not None and frames[1] != _mountings(robot for _, _, robot in self._plain()):
+            return False
+        if not motion.is_unmoved():
+            return False
+        self._displacements = self._world.displacements
+        return True
 
     def _drop_displaced(self) -> None:
         """Remove the captures of objects that were moved within their rigid groups."""

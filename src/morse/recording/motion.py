@@ -91,6 +91,16 @@ class Motion:
             # restored objects do not report their appearance
             self.repainted.update(world.objects())
 
+    def is_unmoved(self) -> bool:
+        """Whether all nodes have the places in their rigid groups that `capture` has."""
+        world = self._world
+        if world.layout != self._layout or self.capture is None:
+            return False
+        if self._snapshots.now().mountings != self.capture.mountings:
+            return False
+        self._displacements = world.displacements
+        return True
+
     def _name_nodes(self) -> None:
         world = self._world
         nodes = [node for node, _ in world.moving_nodes()]

@@ -33,6 +33,7 @@ class PosesCapture(Capture):
 
     Attributes:
         slots: rigid group of each object.
+        mountings: pose of each object in its group.
 
     Args:
         native: the encoder.
@@ -51,7 +52,7 @@ class PosesCapture(Capture):
         mountings: Sequence[Mounting],
     ) -> None:
         super().__init__(native, template)
-        self._places, self.slots, self._mountings = places, slots, mountings
+        self._places, self.slots, self.mountings = places, slots, mountings
         self._slots = np.array(slots, dtype=np.int64)
         self._offsets = np.array([one.offset for one in mountings], dtype=np.float64).reshape(-1, 3)
         self._turned = np.array([one.turned for one in mountings], dtype=np.float64).reshape(-1, 9)
@@ -65,9 +66,7 @@ class PosesCapture(Capture):
         for row, member in np.argwhere(left).tolist() if left.any() else ():
             slot = self.slots[member] - first
             pose = Transformation3d()
-            pose.set_pose(
-                *self._mountings[member].carried(positions[row, slot].tolist(), rotations[row, slot].tolist())
-            )
+            pose.set_pose(*self.mountings[member].carried(positions[row, slot].tolist(), rotations[row, slot].tolist()))
             position, wxyz = self._one(member, pose)
             turned = quaternion(wxyz) or {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
             numbers = [*position, turned["x"], turned["y"], turned["z"], turned["w"]]
