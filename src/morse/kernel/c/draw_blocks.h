@@ -105,25 +105,47 @@ static inline F8 without_holes(const Frame *f, const Seen *s, F8 z, F8 old, F8 x
     return z;
 }
 
+// The rows of a block in which a triangle may cover a sample between two columns of pixels, a bit for each.
+static inline unsigned rows_of(const Tile *t, const float e[3][3], const float *errors, int row, Box b) {
+    const Extent x = extent_of(t, b);
+    const F8 y = STEPS + ((float)(t->top + row * BLOCK_ROWS) + 0.5f);
+    I8 out = splat_int(0);
+    EACH(i, 3) {
+        const float at = e[i][0] * (e[i][0] > 0 ? x.x1 : x.x0) + fabsf(e[i][1]) * t->spread;
+        out |= bits_of(e[i][1] * y + (at + e[i][2] + errors[i]));
+    }
+    return ~lanes_of(out);
+}
+
 // Writes a triangle into the samples of a block where it is the nearest; `inside` if it contains all of them.
 //
 // The signs of all conditions are collected in the sign of 1 / depth, which is positive for visible surfaces: compilers
 // narrow masks of several comparisons, and widen the result again.
 static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Tile *t, int column, int row, Box b,
-                               const int samples, const int inside, const int holes) {
+                               const float *errors, const int samples, const int inside, const int holes) {
     const F8 nearest = splat(t->nearest);
     const I8 who = splat_int(number), at = WHOLE_STEPS + column * LANES, beside = (at - b.x0) | (b.x1 - at);
     const int left = t->left + column * LANES, top = t->top + row * BLOCK_ROWS, block = column * LANES + row;
-    const int low = b.y0 - row * BLOCK_ROWS, high = b.y1 - row * BLOCK_ROWS;
-    const int first = inside || low < 0 ? 0 : low, last = inside || high >= BLOCK_ROWS ? BLOCK_ROWS - 1 : high;
     float w[3], e[3][3];
     EACH(n, 3) w[n] = s->w[n];
     EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
+    unsigned rows = (1u << BLOCK_ROWS) - 1;
+    if (!inside) {
+        const int first = b.y0 - row * BLOCK_ROWS, last = b.y1 - row * BLOCK_ROWS, end = column * LANES + LANES - 1;
+        if (first > 0) rows &= rows << first;
+        if (last < BLOCK_ROWS - 1) rows &= (2u << last) - 1;
+        const Box part = {b.x0 > column * LANES ? b.x0 : column * LANES, b.y0, b.x1 < end ? b.x1 : end, b.y1};
+        // with one sample, the test takes as long as the rows that it saves
+        if (samples > 1) rows &= rows_of(t, e, errors, row, part);
+        if (!rows) return;
+    }
+    expand(f, t, column, row);
     EACH(n, samples) {
         const F8 x = STEPS + ((float)left + 0.5f + f->samples[2 * n]), wx = w[0] * x;
         const F8 x0 = e[0][0] * x, x1 = e[1][0] * x, x2 = e[2][0] * x;
         const float down = f->samples[2 * n + 1];
-        for (int r = first; r <= last; r++) {
+        for (unsigned more = rows; more; more &= more - 1) {
+            const int r = __builtin_ctz(more);
             const float y = (float)(top + r) + 0.5f + down;
             F8 *inverse = &t->inverse[block][n][r];
             I8 *shown = &t->shown[block][n][r];

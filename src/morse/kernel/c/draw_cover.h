@@ -7,6 +7,8 @@
 
 // Maximum number of pixels of the bounding box of a small triangle.
 #define FEW_PIXELS 6
+// The same in groups of 4 x 2 pixels, for one sample.
+#define FEW_GROUPS 2
 
 // For small triangles: the samples of a pixel in lanes.
 static inline void cover_few(const Frame *f, const Seen *s, int32_t number, Box b, Tile *t) {
@@ -39,22 +41,52 @@ static inline void cover_few(const Frame *f, const Seen *s, int32_t number, Box 
     }
 }
 
+// For small triangles in images with one sample for each pixel, its centre: 4 x 2 pixels in lanes.
+static inline void cover_centres(const Frame *f, const Seen *s, int32_t number, Box b, Tile *t) {
+    const F8 nearest = splat(t->nearest);
+    const I8 right = WHOLE_STEPS & 3, down = WHOLE_STEPS >> 2;
+    float w[3], e[3][3];
+    EACH(n, 3) w[n] = s->w[n];
+    EACH(i, 3) EACH(n, 3) e[i][n] = s->e[i][n];
+    for (int py = b.y0; py <= b.y1; py += 2) {
+        const F8 y = to_float(down) + ((float)(t->top + py) + 0.5f), wy = w[1] * y + w[2];
+        const F8 y0 = e[0][1] * y + e[0][2] + 0.0f, y1 = e[1][1] * y + e[1][2] + 0.0f,
+                 y2 = e[2][1] * y + e[2][2] + 0.0f;
+        for (int px = b.x0; px <= b.x1; px += 4) {
+            const F8 x = to_float(right) + ((float)(t->left + px) + 0.5f), z = w[0] * x + wy;
+            const I8 out = (b.x1 - px - right) | (b.y1 - py - down) | ~bits_of(z - nearest) |
+                           bits_of(e[0][0] * x + y0) | bits_of(e[1][0] * x + y1) | bits_of(e[2][0] * x + y2);
+            for (unsigned in = lanes_of(~out); in; in &= in - 1) {
+                const int j = __builtin_ctz(in);
+                const unsigned qx = (unsigned)(px + (j & 3)), qy = (unsigned)(py + (j >> 2)), lane = qx % LANES;
+                const unsigned column = qx / LANES, row = qy / BLOCK_ROWS, line = qy % BLOCK_ROWS;
+                const unsigned block = column * LANES + row;
+                if (!(z[j] > t->low[column][row])) continue;
+                expand(f, t, (int)column, (int)row);
+                t->high[column][row] = t->nearest;
+                if (!(z[j] > t->inverse[block][0][line][lane])) continue;
+                t->inverse[block][0][line][lane] = z[j], t->shown[block][0][line][lane] = number;
+            }
+        }
+    }
+}
+
 // For triangles in a few blocks.
 static inline void cover_blocks(const Frame *f, const Seen *s, int32_t number, Box b, Tile *t, const int samples) {
     const Extent x = extent_of(t, b);
     const float error = error_of(t, s->w), most = largest(s->w, x) + error;
+    const float errors[3] = {error_of(t, s->e[0]), error_of(t, s->e[1]), error_of(t, s->e[2])};
     for (int c = b.x0 / LANES; c <= b.x1 / LANES; c++)
         for (int row = b.y0 / BLOCK_ROWS; row <= b.y1 / BLOCK_ROWS; row++) {
             if (hidden(f, t, c, row, s->w, error, x)) continue;
-            expand(f, t, c, row);
-            cover_block(f, s, number, t, c, row, b, samples, 0, 0);
+            cover_block(f, s, number, t, c, row, b, errors, samples, 0, 0);
             if (most > t->high[c][row]) t->high[c][row] = most;
         }
 }
 
 // A block that is neither in front of a triangle nor behind it.
 static inline void cover_some(const Frame *f, const Seen *s, int32_t number, Box b, Tile *t, int c, int row, int inside,
-                              float error, const int samples, const int holes) {
+                              float error, const float *errors, const int samples, const int holes) {
     const int32_t flat = t->flat[c][row];
     if (flat != MANY) {
         const Box all = {c * LANES, row * BLOCK_ROWS, c * LANES + LANES - 1, row * BLOCK_ROWS + BLOCK_ROWS - 1};
@@ -67,12 +99,11 @@ static inline void cover_some(const Frame *f, const Seen *s, int32_t number, Box
             t->low[c][row] = smallest(s->w, x) - error, t->high[c][row] = largest(s->w, x) + error;
             return;
         }
-        expand(f, t, c, row);
     }
     if (inside)
-        cover_block(f, s, number, t, c, row, b, samples, 1, 0);
+        cover_block(f, s, number, t, c, row, b, errors, samples, 1, 0);
     else
-        cover_block(f, s, number, t, c, row, b, samples, 0, holes);
+        cover_block(f, s, number, t, c, row, b, errors, samples, 0, holes);
 }
 
 // Decides about whole blocks first: a column of blocks at a time, each block in a lane.
@@ -105,7 +136,7 @@ static inline void cover_many(const Frame *f, const Seen *s, int32_t number, Box
         for (unsigned left = lanes_of(~away) & ~lanes_of(front); left; left &= left - 1) {
             const int r = __builtin_ctz(left);
             const int all = inside >> r & 1;
-            cover_some(f, s, number, b, t, c, r, all, error, samples, holes);
+            cover_some(f, s, number, b, t, c, r, all, error, errors, samples, holes);
             if (t->flat[c][r] != MANY) continue;
             if (most[r] > t->high[c][r]) t->high[c][r] = most[r];
             if (all && least[r] > t->low[c][r]) t->low[c][r] = least[r];
@@ -121,12 +152,16 @@ static inline void cover(const Frame *f, const Camera *k, int32_t number, Tile *
     Box b = {s->x0 > left ? s->x0 - left : 0, s->y0 > top ? s->y0 - top : 0, x1 < TILE ? x1 : TILE - 1,
              y1 < TILE ? y1 : TILE - 1};
     const int few = !holes && b.x1 / LANES - b.x0 / LANES <= 1 && b.y1 / BLOCK_ROWS - b.y0 / BLOCK_ROWS <= 3;
+    const int wide = b.x1 - b.x0, high = b.y1 - b.y0;
     if (few && t->samples == 1) {
-        cover_blocks(f, s, number, b, t, 1);
+        if ((wide / 4 + 1) * (high / 2 + 1) <= FEW_GROUPS)
+            cover_centres(f, s, number, b, t);
+        else
+            cover_blocks(f, s, number, b, t, 1);
         return;
     }
     if (few) {
-        if ((b.x1 - b.x0 + 1) * (b.y1 - b.y0 + 1) <= FEW_PIXELS)
+        if ((wide + 1) * (high + 1) <= FEW_PIXELS)
             cover_few(f, s, number, b, t);
         else
             cover_blocks(f, s, number, b, t, MOST_SAMPLES);

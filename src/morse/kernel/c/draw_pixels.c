@@ -153,8 +153,12 @@ static inline void write_surfaces(const Frame *f, I8 shown, F8 inverse, int same
     I8 ids = splat_int(instance_of(f, shown[0]));
     if (!same)
         for (int j = 1; j < LANES; j++) ids[j] = shown[j] == shown[j - 1] ? ids[j - 1] : instance_of(f, shown[j]);
-    memcpy(f->depth + pixel, &depth, sizeof(float) * (size_t)count);
-    memcpy(f->ids + pixel, &ids, sizeof(int32_t) * (size_t)count);
+    // of a constant size, the copies are single instructions
+    if (count == LANES) {
+        memcpy(f->depth + pixel, &depth, sizeof depth), memcpy(f->ids + pixel, &ids, sizeof ids);
+        return;
+    }
+    EACH(j, count) f->depth[pixel + j] = depth[j], f->ids[pixel + j] = ids[j];
 }
 
 // A row of a block.

@@ -7,13 +7,15 @@
 
 #include "drawing.h"
 #include "export.h"
+#include "simd.h"
 
 // Maximum number of vertices of a cluster.
 #define MOST_VERTICES (3 * 256)
 // Clusters smaller than this many pixels are left out.
 #define SMALLEST 0.25f
 
-// Limit of the coefficients of planes.
+// Limits of projected coordinates and of the coefficients of 1 / depth, so that the values at all pixels are finite.
+#define FARTHEST 1e15
 #define LARGEST 1e30f
 
 MORSE_EXPORT int32_t morse_draw_find(Frame *f);
@@ -76,6 +78,17 @@ static void projection(const Camera *k, const float *m, double a[3][4]) {
     }
 }
 
+// Whether the coordinates of all vertices in a sphere are finite.
+static int is_finite(double a[3][4], const float *s) {
+    int fine = 1;
+    EACH(i, 3) {
+        double most = fabs(a[i][3]);
+        EACH(n, 3) most += fabs(a[i][n]) * ((double)fabsf(s[n]) + (double)s[3]);
+        fine &= most < FARTHEST;
+    }
+    return fine;
+}
+
 // The planes of a triangle; 0 if it is not visible from this side.
 static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s) {
     double e[3][3];
@@ -90,22 +103,51 @@ static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s)
     if (s->back && !(f->materials[s->material].flags & DOUBLE_SIDED)) return 0;
     EACH(i, 3) EACH(n, 3) s->e[i][n] = (float)(volume > 0 ? e[i][n] : -e[i][n]);
     EACH(n, 3) s->w[n] = (float)((e[0][n] + e[1][n] + e[2][n]) / volume);
-    // so that the values at all pixels are finite
-    const float *p = s->e[0];
-    float sums[4];
-    EACH(n, 4) sums[n] = fabsf(p[n]) + fabsf(p[4 + n]) + fabsf(n < 1 ? p[8] : s->w[n - 1]);
-    return (sums[0] < LARGEST) & (sums[1] < LARGEST) & (sums[2] < LARGEST) & (sums[3] < LARGEST);
+    return fabsf(s->w[0]) + fabsf(s->w[1]) + fabsf(s->w[2]) < LARGEST;
+}
+
+// Whether some of eight samples may be inside a triangle: the same numbers as when it is drawn.
+static inline int contains_some(const Seen *s, F8 x, F8 y) {
+    I8 out = splat_int(0);
+    EACH(i, 3) out |= bits_of(s->e[i][0] * x + (s->e[i][1] * y + s->e[i][2] + 0.0f));
+    return lanes_of(~out) != 0;
+}
+
+// Whether a triangle may cover a sample; decided only for the smallest, which are many and mostly between samples.
+static int reaches_samples(const Seen *s, F8 dx, F8 dy, int samples) {
+    const int wide = s->x1 - s->x0, high = s->y1 - s->y0;
+    if (samples == 1) {
+        if (wide > 3 || high > 1) return 1;
+        const I8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
+        return contains_some(s, to_float(lane & 3) + ((float)s->x0 + 0.5f),
+                             to_float(lane >> 2) + ((float)s->y0 + 0.5f));
+    }
+    if (wide + high > 1) return 1;
+    for (int y = s->y0; y <= s->y1; y++)
+        for (int x = s->x0; x <= s->x1; x++) {
+            const int lane = x % LANES;
+            if (contains_some(s, (float)lane + ((float)(x - lane) + 0.5f + dx), (float)y + 0.5f + dy)) return 1;
+        }
+    return 0;
 }
 
 void morse_draw_project(Frame *f) {
     double screen[MOST_VERTICES][5], a[3][4];
+    F8 dx, dy;
+    EACH_LANE(j) {
+        const float *by = f->samples + (j < f->sample_count ? 2 * j : 0);
+        dx[j] = by[0], dy[j] = by[1];
+    }
     for (int64_t j; (j = take(f)) < f->job_count;) {
         const Camera *k = f->cameras + f->jobs[j][0];
         // samples other than the centres of pixels are for colours only
-        const double reach = f->sample_count > 1 && k->color ? 0.9 : 0.5;
+        const int samples = k->color ? f->sample_count : 1;
+        const double reach = samples > 1 ? 0.9 : 0.5;
         const Part *part = f->parts + f->jobs[j][1];
         const Cluster *cluster = f->clusters + part->cluster;
         projection(k, f->models[part->instance], a);
+        f->counts[j] = 0;
+        if (!is_finite(a, f->spheres[part->cluster])) continue;
         EACH(v, cluster->vertices) {
             const float *p = f->vertices[cluster->vertex + v].p;
             double *to = screen[v];
@@ -120,7 +162,7 @@ void morse_draw_project(Frame *f) {
             const double *q[3] = {screen[c[0]], screen[c[1]], screen[c[2]]};
             if (q[0][2] > k->far && q[1][2] > k->far && q[2][2] > k->far) continue;
             s->material = f->slots[part->slots + c[3]];
-            if (!bounds(q, k, reach, s) || !planes(f, part, q, s)) continue;
+            if (!bounds(q, k, reach, s) || !planes(f, part, q, s) || !reaches_samples(s, dx, dy, samples)) continue;
             s->triangle = t, s->part = f->jobs[j][1], s++;
         }
         f->counts[j] = s - (f->seen + f->starts[j]);

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from morse.kernel.drawing.arrays import Drawing, Poses
 
 _SMALLEST = np.float32(0.25)
+# limits of projected coordinates and of the coefficients of 1 / depth, so that the values at all pixels are finite
+_FARTHEST = 1e15
 _LARGEST = np.float32(1e30)
 
 
@@ -115,9 +117,8 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
     edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
     inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
-    # so that the values at all pixels are finite
-    sizes = np.abs(np.concatenate([edges.reshape(-1, 9), inverse], axis=1)).reshape(-1, 3, 4)
-    chosen &= (sizes[:, 0] + sizes[:, 1] + sizes[:, 2] < _LARGEST).all(axis=1)
+    sizes = np.abs(inverse)
+    chosen &= (sizes[:, 0] + sizes[:, 1] + sizes[:, 2] < _LARGEST) & _is_finite(a, drawing.spheres[cluster])
     numbers = np.arange(first, first + count)
     return Projected(
         edges[chosen], inverse[chosen], box[chosen], numbers[chosen],
@@ -133,6 +134,15 @@ def _projection(k: NDArray[Any], m: NDArray[np.float32]) -> NDArray[np.float64]:
     x[:, 3] -= k["eye"].astype(np.float64)
     row = [r[3 * n] * x[0] + r[3 * n + 1] * x[1] + r[3 * n + 2] * x[2] for n in range(3)]
     return np.stack([fx * row[0] + cx * row[2], fy * row[1] + cy * row[2], row[2]])
+
+
+def _is_finite(a: NDArray[np.float64], sphere: NDArray[np.float32]) -> bool:
+    """Whether the coordinates of all vertices in a sphere are finite."""
+    reach = np.abs(sphere[:3]).astype(np.float64) + float(sphere[3])
+    most = np.abs(a[:, 3])
+    for n in range(3):
+        most = most + np.abs(a[:, n]) * reach[n]
+    return bool((most < _FARTHEST).all())
 
 
 def _bounds(
