@@ -51,6 +51,8 @@ class NameServer:
 
     def __init__(self, host: str, port: int) -> None:
         self.address = Address(host, port)
+        # yarpserver lets one connection wait; the system would try a refused one again only after a second
+        self._turn = asyncio.Lock()
 
     async def register(self, name: str, address: Address) -> Address | None:
         """Enter the address of a port; returns the address that the server has entered."""
@@ -77,7 +79,7 @@ class NameServer:
             OSError: the server cannot be reached, or does not answer in time.
         """
         try:
-            async with asyncio.timeout(_TIMEOUT):
+            async with self._turn, asyncio.timeout(_TIMEOUT):
                 reader, writer = await asyncio.open_connection(*self.address, limit=_LONGEST)
                 try:
                     writer.write(f"NAME_SERVER {request}\n".encode())

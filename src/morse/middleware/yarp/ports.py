@@ -29,6 +29,8 @@ logger = logging.getLogger(__name__)
 _RETRY, _CHECK = 1.0, 5.0
 #: wall-clock seconds in which the name server is told the end of the simulation
 _FAREWELL = 2.0
+#: more seconds for each port, and the longest farewell
+_EACH, _LONGEST = 0.02, 7.0
 _EVERYWHERE = ("0.0.0.0", "::", "")
 _NAME = re.compile(r"/[^\s:()\"\[\]{}]{1,500}$")
 _made: WeakKeyDictionary[Context, Ports] = WeakKeyDictionary()
@@ -147,7 +149,7 @@ class Ports:
         for port, _ in list(self._ports.values()):
             self._begin_close(port)
         if self._closing:
-            _, late = await asyncio.wait(self._closing, timeout=_FAREWELL)
+            _, late = await asyncio.wait(self._closing, timeout=min(_FAREWELL + _EACH * len(self._closing), _LONGEST))
             for task in late:
                 task.cancel()
 
