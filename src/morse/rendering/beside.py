@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor, wait
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -12,28 +12,11 @@ if TYPE_CHECKING:
 
     from morse.rendering.orders import Order
     from morse.rendering.picture import Picture
+    from morse.rendering.shot import Shot
     from morse.rendering.stage import Instant, Stage
 
 #: maximum number of ticks whose images are not complete, which limits the memory for their poses
 _MOST = 4
-
-
-class Shot(Protocol):
-    """An image that is complete, or will be."""
-
-    def picture(self) -> Picture:
-        """Return the image, and wait until it is complete; raise the error that has ended its rendering."""
-
-
-class Finished:
-    """An image that is complete."""
-
-    def __init__(self, picture: Picture) -> None:
-        self._picture = picture
-
-    def picture(self) -> Picture:
-        """Return the image."""
-        return self._picture
 
 
 class _UnderWay:

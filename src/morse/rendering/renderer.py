@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from morse.rendering.beside import Beside, Finished
+from morse.rendering.beside import Beside
 from morse.rendering.contents import MeshStore
 from morse.rendering.orders import order_of
 from morse.rendering.request import CameraRequest
+from morse.rendering.shot import Finished
 from morse.rendering.stage import Stage
 from morse.rendering.textures import TextureStore
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from morse.rendering.beside import Shot
+    from morse.rendering.contents import Contents
     from morse.rendering.lens import Lens
     from morse.rendering.motion import Motion
     from morse.rendering.picture import Picture
-    from morse.rendering.renderer import Renderer
+    from morse.rendering.shot import Shot
 
 
 class Placed(Protocol):
@@ -19,6 +19,17 @@ class Placed(Protocol):
 
     def world_pose(self) -> tuple[Sequence[float], Sequence[float]]:
         """Position (3) and rotation (9, row by row) in the world."""
+
+
+class Serving(Protocol):
+    """What renders images: `morse.rendering.renderer.Renderer`."""
+
+    @property
+    def contents(self) -> Contents:
+        """The present contents of the world."""
+
+    def serve(self, requests: Sequence[CameraRequest]) -> None:
+        """Render the requested images, or begin to."""
 
 
 class CameraRequest:
@@ -37,7 +48,7 @@ class CameraRequest:
     """
 
     def __init__(
-        self, server: Renderer, obj: Placed, lens: Lens, *, color: bool, normals: bool, wanted: Callable[[], bool]
+        self, server: Serving, obj: Placed, lens: Lens, *, color: bool, normals: bool, wanted: Callable[[], bool]
     ) -> None:
         self.server = server
         self.obj, self.lens, self.color, self.normals, self.wanted = obj, lens, color, normals, wanted

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from morse.core.sensor import Pose
     from morse.rendering import Lens, Picture
-    from morse.rendering.beside import Shot
+    from morse.rendering.shot import Shot
     from morse.scene.realism import RealismModel
     from morse.sensors.camera import Camera
 
@@ -75,7 +75,7 @@ class Exposure:
             StateError: the state is not that of an image.
         """
         from morse.rendering import Picture
-        from morse.rendering.beside import Finished
+        from morse.rendering.shot import Finished
 
         if set(state["picture"]) != set(uses):
             raise StateError("the saved state is damaged: an image lacks fields")

@@ -34,6 +34,9 @@ def main() -> None:
     ended = (GoalStatus.SUCCEEDED, GoalStatus.PREEMPTED, GoalStatus.ABORTED, GoalStatus.REJECTED)
     client.send_goal(TestGoal(goal=2))
     reached = until(ended)
+    end = time.monotonic() + _LIMIT
+    while time.monotonic() < end and client.get_result() is None:
+        time.sleep(0.01)  # a status may come before the result
     result = client.get_result().result
     client.send_goal(TestGoal(goal=100))
     until((GoalStatus.ACTIVE,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import struct
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -129,20 +130,25 @@ def test_a_message_is_read_as_it_was_written() -> None:
     # length of the index; two blocks of data, one of a reply; their lengths; the command
     assert written.startswith(b"YA\x0a\0\0\0RP\x02\x01" + b"\xff" * 8 + ints(8, len(data), 0) + b"\0\0\0\0~D\0\1")
 
-    async def read(stream: bytes, largest: int = 1000) -> wire.Arrived:
+    async def reading(stream: bytes, largest: int) -> wire.Arrived:
         reader = asyncio.StreamReader()
         reader.feed_data(stream)
         reader.feed_eof()
         return await wire.read_message(reader, largest)
 
-    assert asyncio.run(read(written)) == wire.Arrived("D", data)
+    def read(stream: bytes, largest: int = 1000) -> wire.Arrived:
+        # in a thread: tests of the page leave an event loop running in the main thread
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(asyncio.run, reading(stream, largest)).result()
+
+    assert read(written) == wire.Arrived("D", data)
     with_envelope = b"YA\x0a\0\0\0RP\x02\x01" + b"\xff" * 8 + ints(18, len(data), 0) + ints(10) + b"~\0\0\1D 12 0.5\0\0"
-    assert asyncio.run(read(with_envelope + data)).command == "D"
+    assert read(with_envelope + data).command == "D"
     for wrong in (written.replace(b"YA\x0a", b"YA\x0b"), written.replace(ints(8, len(data)), ints(-8, len(data)))):
         with pytest.raises(wire.WireError):
-            asyncio.run(read(wrong))
+            read(wrong)
     with pytest.raises(wire.WireError, match="expected 8 to 10"):
-        asyncio.run(read(written, 10))
+        read(written, 10)
 
 
 def test_an_image_has_the_header_of_yarp_and_padded_rows() -> None:
