@@ -212,7 +212,7 @@ def test_an_event_is_one_line_however_long_it_lasts(caplog):
 
 
 def test_the_list_of_recoveries_does_not_grow_for_ever():
-    w = crowd()
+    w = world(ground(), rigid("b1", box(0.3, 0.3, 0.3), at=(0, 0, 0.15)))
     for _ in range(120):
         w.data.time += 10.0
         spoil(w, "b1", "velocity", math.nan)

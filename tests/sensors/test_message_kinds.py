@@ -141,7 +141,7 @@ def test_what_does_not_fit_names_the_component_and_its_line(simulate, tmp_path, 
         "    _classpath = 'wrong_kind.Boiler'\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(Exception, match="it takes °C, field 'heat' has W; known: K, degC, °F") as caught:
+    with pytest.raises(Exception, match="it takes °C; field 'heat' has W; known: K, degC, °F") as caught:
         simulate(SCRIPT.format(parts="from wrong_kind import *\nboiler = BoilerB()\nrobot.append(boiler)"))
     assert "robot.boiler" in str(caught.value)
     assert "scene0.py:" in str(caught.value)
