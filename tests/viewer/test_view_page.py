@@ -196,10 +196,13 @@ def test_every_control_has_a_name_and_is_reached_by_tab(running, open_page) -> N
     )
     assert nameless == []
     page.evaluate("document.activeElement?.blur()")
-    reached = set()
+    page.evaluate(
+        """window.reached = [];
+        document.addEventListener('focusin', ({ target: e }) => reached.push(e.ariaLabel || e.innerText || ''))"""
+    )
     for _ in range(60):
         page.keyboard.press("Tab")
-        reached.add(page.evaluate("document.activeElement.ariaLabel || document.activeElement.innerText || ''"))
+    reached = page.evaluate("reached")
     for name in (
         "Pause",
         "One tick",
