@@ -258,7 +258,7 @@ def test_properties_that_are_no_plain_data_are_named_and_stay(caplog):
     w.game_object("b1")["Number"] = 5
     state = w.get_state()
     w.game_object("b1")["Number"] = 6
-    assert "'Thing' of 'b1' holds a object" in caplog.text
+    assert "'Thing' of 'b1' is of type object" in caplog.text
     w.set_state(state)
     assert w.game_object("b1")["Thing"] is keep
     assert w.game_object("b1")["Number"] == 5
@@ -309,9 +309,9 @@ def filled(value):
         (damaged(["engine", "integration"], filled(np.nan)), "not finite"),
         (damaged(["engine", "integration"], [1.0, 2.0]), "array"),
         (damaged(["engine", "integration"], lambda a: a.astype(object)), "array"),
-        (damaged(["engine", "asleep"], filled(0)), "circles"),
-        (damaged(["engine", "asleep"], filled(10_000)), "circles"),
-        (damaged(["engine", "asleep"], filled(-1000)), "circles"),
+        (damaged(["engine", "asleep"], filled(0)), "cycles"),
+        (damaged(["engine", "asleep"], filled(10_000)), "cycles"),
+        (damaged(["engine", "asleep"], filled(-1000)), "cycles"),
         (damaged(["engine", "asleep"], lambda a: a[:2]), "trees"),
         (damaged(["engine", "contacts"], np.array([[0, 100_000]])), "geom"),
         (damaged(["engine", "contacts"], np.zeros(3)), "pairs"),
