@@ -42,8 +42,8 @@ def plain_properties(owner: str, properties: dict[str, Any]) -> dict[str, Any]:
             if (owner, name) not in _said:
                 _said.add((owner, name))
                 logger.warning(
-                    "the property '%s' of '%s' is of type %s, which a saved state cannot contain; only numbers, strings, "
-                    "lists and dictionaries are saved",
+                    "the property '%s' of '%s' is of type %s, which a saved state cannot contain; only numbers, "
+                    "strings, lists and dictionaries are saved",
                     name,
                     owner,
                     error,
