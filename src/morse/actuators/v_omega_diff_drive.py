@@ -1,9 +1,14 @@
 """Drives a robot by the speeds of its wheels."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 from morse.actuators.speed_command import SpeedCommand
 from morse.core.wheeled_robot import PhysicsDifferentialRobot
+
+if TYPE_CHECKING:
+    from morse.core.group import Group
 
 
 class MotionVWDiff(SpeedCommand):
@@ -24,3 +29,13 @@ class MotionVWDiff(SpeedCommand):
         """Turn the wheels."""
         (v,), w = self.speeds()
         self.robot_parent.apply_vw_wheels(v, w)
+
+    @classmethod
+    def act_together(cls, group: Group) -> None:
+        """Turn the wheels of all robots."""
+        for member, v, w in zip(group.members, group.read("v"), group.read("w"), strict=True):
+            member.robot_parent.apply_vw_wheels(v, w)
+
+    def may_act_together(self) -> bool:
+        """Whether the speeds have no limits."""
+        return not self.is_limited()
