@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.skipif(not Footprint.possible(), reason="the system does not tell")
 
 
-def reset(victim: Victim, times: int) -> None:
+def reset(victim: Victim, times: int, *, before: int = 500) -> None:
+    """Reset a simulation; ``before`` times first, until its memory has grown to its maximum."""
     services = Line(victim.port, timeout=120.0)
     pose = Line(victim.streams["anna.pose"])
     services.call("simulation", "pause")
@@ -25,7 +26,7 @@ def reset(victim: Victim, times: int) -> None:
         pose.read()
         return pose.read()
 
-    for seed in range(500):  # memory grows to its maximum
+    for seed in range(before):
         first = once(seed)
     memory, descriptors = footprint.memory, footprint.descriptors
     for seed in range(times):
@@ -38,7 +39,7 @@ def reset(victim: Victim, times: int) -> None:
 
 
 def test_resets_leave_nothing_behind(victim: Victim) -> None:
-    reset(victim, 300)
+    reset(victim, 100, before=200)
 
 
 @pytest.mark.soak

@@ -7,23 +7,38 @@ from pymorse import Morse
 SIDE, SPEED, TURN = 1.0, 0.6, 1.0  # m, m/s, rad/s
 
 
+def error(heading, here):
+    """How far to turn to the left."""
+    return math.remainder(heading - here["yaw"], math.tau)
+
+
+def turn(robot, heading):
+    """Turns on the spot."""
+    left = math.tau
+    while abs(left) > 0.02:
+        left = error(heading, robot.odometry.get())
+        robot.motion.publish({"v": 0.0, "w": max(-TURN, min(TURN, 3.0 * left))})
+
+
+def straight(robot, heading):
+    """Drives one side, slower near its end."""
+    begun = robot.odometry.get()
+    left = SIDE
+    while left > 0.01:
+        here = robot.odometry.get()
+        left = SIDE - math.dist((here["x"], here["y"]), (begun["x"], begun["y"]))
+        robot.motion.publish({"v": min(SPEED, 2.0 * left + 0.05), "w": 2.0 * error(heading, here)})
+
+
 def main():
     """Returns the final position relative to the start: measured by odometry, and true, metres."""
     with Morse() as simu:
         robot = simu.robot
-        start = robot.pose.get()
-        for _ in range(4):
-            begun = robot.odometry.get()
-            here = begun
-            while math.dist((here["x"], here["y"]), (begun["x"], begun["y"])) < SIDE:
-                robot.motion.publish({"v": SPEED, "w": 0.0})
-                here = robot.odometry.get()
-            left = math.pi / 2
-            while left > 0.02:
-                robot.motion.publish({"v": 0.0, "w": min(TURN, 3.0 * left)})
-                now = robot.odometry.get()
-                left = math.remainder(here["yaw"] + math.pi / 2 - now["yaw"], math.tau)
-            robot.motion.publish({"v": 0.0, "w": 0.0})
+        start, first = robot.pose.get(), robot.odometry.get()["yaw"]
+        for side in range(4):
+            straight(robot, first + side * math.pi / 2)
+            turn(robot, first + (side + 1) * math.pi / 2)
+        robot.motion.publish({"v": 0.0, "w": 0.0})
         simu.sleep(0.5)
         said, is_at = robot.odometry.get(), robot.pose.get()
         return (said["x"], said["y"]), (is_at["x"] - start["x"], is_at["y"] - start["y"])
