@@ -17,7 +17,7 @@ class @classname@(Actuator):
     _short_desc = "@shortdesc@"
 
     # What clients can send: name, initial value, type, description.
-    add_data('counter', 0, 'int', 'Grows by one at every step of the simulation')
+    add_data('counter', 0, 'int', 'Increases by one at each step of the simulation')
 
     def __init__(self, obj, parent=None):
         """obj is the actuator itself in the simulation, parent the robot that carries it."""
@@ -31,27 +31,27 @@ class @classname@(Actuator):
 
     @service
     def get_counter(self):
-        """A service: clients call it by its name and get what it returns."""
+        """A service: clients call it by its name, and receive the value that it returns."""
         return self.local_data['counter']
 
     @interruptible
     @async_service
     def async_test(self, value):
-        """A service that takes its time: it ends when the counter has passed the value.
+        """An asynchronous service: it ends when the counter exceeds the value.
 
-        It returns at once; `self.completed(...)` tells the client, later, how it went.
+        The method returns immediately; `self.completed(...)` sends the result to the client later.
         """
-        # what is no number fails here, and the client is told
+        # a value that is not a number raises an error, which the client receives
         self._target = int(value)
 
     def interrupt(self):
-        """The client cancels async_test, or calls it again: stop what it had started."""
+        """Called when the client cancels async_test or calls it again: stop the running service."""
         self._target = None
         super().interrupt()
 
     def default_action(self):
-        """One step; called as often as the frequency of the actuator says."""
-        # local_data holds what clients have sent last, or the initial values.
+        """One step; called at the frequency of the actuator."""
+        # local_data contains the last values from clients, or the initial values.
         # self.robot_parent.bge_object is the body of the robot, which an actuator moves.
         self.local_data['counter'] += 1
 

@@ -19,25 +19,25 @@ class @classname@(Sensor):
 
     # What the sensor publishes: name, initial value, type, description.
     add_data('distance', 0.0, 'float', 'Distance from the origin along the X axis, in metres')
-    add_data('color', 'none', 'string', 'A colour, drawn by lot')
+    add_data('color', 'none', 'string', 'A random colour')
 
     def __init__(self, obj, parent=None):
         """obj is the sensor itself in the simulation, parent the robot that carries it."""
         logger.info("%s initialization", obj.name)
         super().__init__(obj, parent)
 
-        # Chance that obeys `morse run --seed`: the same seed gives the same colours.
+        # A random generator: the same `morse run --seed` gives the same colours.
         self._random = self.context.random(self.name())
 
         logger.info("Component initialized")
 
     @service
     def get_current_distance(self):
-        """A service: clients call it by its name and get what it returns."""
+        """A service: clients call it by its name, and receive the value that it returns."""
         return self.local_data['distance']
 
     def default_action(self):
-        """One measurement; called as often as the frequency of the sensor says."""
+        """One measurement; called at the frequency of the sensor."""
         # position_3d is the pose of the sensor in the world: x, y, z, yaw, pitch, roll
         self.local_data['distance'] = self.position_3d.x
         self.local_data['color'] = COLORS[self._random.integers(len(COLORS))]

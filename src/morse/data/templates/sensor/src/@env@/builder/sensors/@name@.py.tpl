@@ -1,6 +1,6 @@
 """The @name@ sensor, for scene scripts.
 
-This file seldom needs a change: to give the sensor a body of its own (the casing of a laser
+This file rarely needs a change. To give the sensor a body of its own (the casing of a laser
 scanner, say), a frequency or other default settings, write them below.
 """
 
