@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+import traceback
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -53,6 +54,22 @@ class Complaints:
             remark += f" ({self._others} warnings of other kinds were suppressed)"
             self._others = 0
         self._logger.log(level, "%s%s", message, remark)
+
+    def service_failed(self, name: str, error: Exception) -> str:
+        """Log the exception of a service, with the line that raised it.
+
+        Args:
+            name: of the service, for the log and as the kind of the message.
+            error: as it was caught.
+
+        Returns:
+            The type and the message of the exception, for the client.
+        """
+        what = f"{type(error).__name__}: {error}"
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        place = f'  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
+        self.log(logging.ERROR, name, f"{name} failed: {what}\n{place}")
+        return what
 
     def _forget(self, now: float) -> bool:
         """Free entries for new kinds; return False if all kinds belong to the present period."""

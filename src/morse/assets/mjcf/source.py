@@ -161,7 +161,7 @@ class Source:
         for assets in root.iter("asset"):
             for mesh in list(assets.iter("mesh")):
                 file = mesh.get("file")
-                name = mesh.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+                name = _asset_name(mesh)
                 if mesh.get("builtin") and max([0.0, *map(abs, _numbers(mesh.get("params", "")))]) > 64.0:
                     raise self._fail(f"the mesh '{name:.60}' has the parameters {mesh.get('params', '')[:60]!r}")
                 if file is None:
@@ -173,17 +173,14 @@ class Source:
                     self.warnings.append(f"the mesh '{file:.200}' is left out: {error}")
                     lost.add(name)
                     assets.remove(mesh)
-        for parent in list(root.iter()):
-            for child in list(parent):
-                if child.tag == "geom" and child.get("mesh") in lost:
-                    parent.remove(child)
+        _remove_shapes(root, "mesh", lost)
 
     def _take_heights(self, root: ElementTree.Element) -> None:
         lost: set[str] = set()
         for assets in root.iter("asset"):
             for field in list(assets.iter("hfield")):
                 file = field.get("file")
-                name = field.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+                name = _asset_name(field)
                 field.set("name", name)
                 source = f" ('{file:.200}')" if file else ""
                 field.attrib.pop("content_type", None)
@@ -196,10 +193,7 @@ class Source:
                     self.warnings.append(f"the hfield '{name:.200}'{source} is left out: {error}")
                     lost.add(name)
                     assets.remove(field)
-        for parent in list(root.iter()):
-            for child in list(parent):
-                if child.tag == "geom" and child.get("hfield") in lost:
-                    parent.remove(child)
+        _remove_shapes(root, "hfield", lost)
 
     def _heights(self, file: str) -> str:
         content = self._file(file).read_bytes()
@@ -241,3 +235,17 @@ def _numbers(text: str) -> Iterator[float]:
         except ValueError:
             continue
         yield number if not math.isnan(number) else math.inf
+
+
+def _asset_name(asset: ElementTree.Element) -> str:
+    """The name of an asset, which is by default that of its file."""
+    file = asset.get("file")
+    return asset.get("name") or (Path(file.replace("\\", "/")).stem if file else "")
+
+
+def _remove_shapes(root: ElementTree.Element, attribute: str, names: set[str]) -> None:
+    """Remove the shapes whose asset is left out."""
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.tag == "geom" and child.get(attribute) in names:
+                parent.remove(child)

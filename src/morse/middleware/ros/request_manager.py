@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-import traceback
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -151,7 +150,7 @@ class RosRequestManager(RequestManager):
             except MorseError as error:
                 ended((FAILED, str(error)))
             except Exception as error:
-                ended((FAILED, self._report(component, service, error)))
+                ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
             else:
                 if not done:
                     self._ends[outcome] = ended
@@ -166,14 +165,6 @@ class RosRequestManager(RequestManager):
         ended = self._ends.pop(request_id, None)
         if ended is not None:
             ended(result)
-
-    def _report(self, component: str, service: str, error: Exception) -> str:
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        name = f"the service {service} of {component}"
-        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self._complaints.log(logging.ERROR, name, text)
-        return what
 
 
 def _fields(request: Any) -> list[Any]:

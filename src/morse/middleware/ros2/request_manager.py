@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import traceback
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from morse.core.complaints import Complaints
@@ -212,7 +211,7 @@ class Ros2RequestManager(RequestManager):
         except MorseError as error:
             ended((FAILED, str(error)))
         except Exception as error:
-            ended((FAILED, self._report(component, service, error)))
+            ended((FAILED, self._complaints.service_failed(f"the service {service} of {component}", error)))
         else:
             if not done:
                 self._pending[outcome] = ended
@@ -225,15 +224,6 @@ class Ros2RequestManager(RequestManager):
         ended = self._pending.pop(request_id, None)
         if ended is not None:
             ended(result)
-
-    def _report(self, component: str, service: str, error: Exception) -> str:
-        """Log the exception of a service, and return the message for its caller."""
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        name = f"the service {service} of {component}"
-        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self._complaints.log(logging.ERROR, name, text)
-        return what
 
 
 def _typed_answer(server: Any, caller: Any) -> Callable[[Outcome], object]:

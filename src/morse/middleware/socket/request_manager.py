@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import traceback
 from collections import deque
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,7 @@ from morse.core.status import SUCCESS
 from morse.middleware.socket.calls import Calls
 from morse.middleware.socket.listener import listen, port_of
 from morse.middleware.socket.local import listen_locally, remove, wanted_path
-from morse.middleware.socket.protocol import MalformedRequest, Request, format_failure, format_reply, parse_request
+from morse.middleware.socket.protocol import MalformedRequest, format_failure, format_reply, parse_request
 from morse.middleware.socket.server import LineServer
 from morse.middleware.socket.service_client import ServiceClient
 from morse.middleware.socket.turns import Turns
@@ -235,7 +234,8 @@ class SocketRequestManager(RequestManager):
         except MorseError as error:
             self._answer(client, format_failure(request.id, str(error)))
         except Exception as error:
-            self._answer(client, format_failure(request.id, self._report(request, error)))
+            name = f"the service {request.service} of {request.component}"
+            self._answer(client, format_failure(request.id, self._complaints.service_failed(name, error)))
         else:
             if done:
                 self._answer(client, format_reply(request.id, *outcome))
@@ -248,15 +248,6 @@ class SocketRequestManager(RequestManager):
         call = self._calls.find(client, request)
         if call is not None:
             self.abort_request(call)
-
-    def _report(self, request: Request, error: Exception) -> str:
-        """Log the exception of a service, and return the message for its caller."""
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        name = f"the service {request.service} of {request.component}"
-        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self._complaints.log(logging.ERROR, name, text)
-        return what
 
     def _hand_over(self) -> None:
         if not self._consumed and not self._outbox:

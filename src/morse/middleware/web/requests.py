@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import re
-import traceback
 from collections import deque
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -161,7 +160,7 @@ class WebRequestManager(RequestManager):
         except MorseError as error:
             self._outbox.append((client, call, str(error), b""))
         except Exception as error:  # the service may be user code
-            self._outbox.append((client, call, self._report(path, error), b""))
+            self._outbox.append((client, call, self._complaints.service_failed(f"the service {path}", error), b""))
         else:
             if done:
                 self._answer(client, call, outcome)
@@ -205,13 +204,6 @@ class WebRequestManager(RequestManager):
         else:
             error = f"{state}: {value}" if value else state
         self._outbox.append((client, call, error, data))
-
-    def _report(self, path: str, error: Exception) -> str:
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        text = f'the service {path} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self._complaints.log(logging.ERROR, path, text)
-        return what
 
     def _hand_over(self) -> None:
         if self._outbox:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import logging
-import traceback
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +112,9 @@ class YarpRequestManager(RequestManager):
         except (MorseError, ValueError) as error:
             self._answer(place, number, (FAILED, str(error)))
         except Exception as error:
-            self._answer(place, number, (FAILED, self._report(component, service, error)))
+            self._answer(
+                place, number, (FAILED, self._complaints.service_failed(f"the service {service} of {component}", error))
+            )
         else:
             if done:
                 self._answer(place, number, outcome)
@@ -133,15 +134,6 @@ class YarpRequestManager(RequestManager):
         state, result = outcome
         text = "" if result is None else f" {result}" if isinstance(result, str) else f" {written(result)}"
         self._context.network.post(port.send, encode([f"{number} {state}{text}"]))
-
-    def _report(self, component: str, service: str, error: Exception) -> str:
-        """Log the exception of a service, and return the message for its caller."""
-        what = f"{type(error).__name__}: {error}"
-        frame = traceback.extract_tb(error.__traceback__)[-1]
-        name = f"the service {service} of {component}"
-        text = f'{name} failed: {what}\n  File "{frame.filename}", line {frame.lineno}, in {frame.name}'
-        self._complaints.log(logging.ERROR, name, text)
-        return what
 
 
 def _request(values: list[Any]) -> tuple[str, str, list[Any]]:
