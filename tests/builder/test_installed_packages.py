@@ -68,6 +68,30 @@ def test_classes_of_an_installed_package_come_with_the_star_import(site: Path) -
     assert done.stdout.strip() == "['my_lab.changes.deaf.Deaf'] my_lab.sensors.sonar.Sonar robot.sonar"
 
 
+EYE = """
+from morse.sensors.video_camera import VideoCamera
+from .lens import Wide
+
+class Eye(VideoCamera):
+    _name = "Eye"
+
+class Fisheye(Wide, Eye):
+    _name = "Fisheye"
+"""
+
+
+def test_a_camera_of_an_installed_package_looks_ahead(site: Path) -> None:
+    (site / "my_lab" / "sensors" / "eye.py").write_text(EYE)
+    (site / "my_lab" / "sensors" / "lens.py").write_text("class Wide:\n    pass\n")
+    done = run(
+        site,
+        "from morse.builder import *\n"
+        "for own in Eye(), Fisheye(): print(list(own.scene_node.rotation_euler) == list("
+        "VideoCamera().scene_node.rotation_euler), list(own.scene_node.rotation_euler) != [0, 0, 0])\n",
+    )
+    assert done.stdout.split() == ["True"] * 4, done.stderr
+
+
 def test_a_broken_package_is_left_out_with_a_warning(site: Path) -> None:
     (site / "my_lab" / "sensors" / "sonar.py").write_text("class Sonar(:\n")
     (site / "my_lab" / "changes" / "deaf.py").write_text("def\n")

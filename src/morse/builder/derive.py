@@ -21,7 +21,7 @@ from morse.core.exceptions import MorseBuilderNoComponentError
 from morse.core.plugins import entry_points
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from morse.builder.components.component import Component
     from morse.builder.names.catalog import Entry
@@ -37,23 +37,12 @@ _BASES = {
     "morse.core.robot.Robot": "robots",
 }
 
-#: builder classes with additional methods or their own body, by component class
+#: builder classes with additional methods or their own body, by component class; they hold for its subclasses, too
 _WITH_METHODS: Mapping[str, type[Component]] = {
     "morse.sensors.bumper.Bumper": ContactSensor,
     "morse.sensors.collision.Collision": ContactSensor,
     "morse.sensors.laserscanner.LaserScanner": LaserSensorWithArc,
-    "morse.sensors.laserscanner.LaserScannerRotationZ": LaserSensorWithArc,
     "morse.sensors.camera.Camera": CameraCreator,
-    "morse.sensors.video_camera.VideoCamera": CameraCreator,
-    "morse.sensors.depth_camera.DepthCamera": CameraCreator,
-    "morse.sensors.depth_camera.DepthCameraRotationZ": CameraCreator,
-    "morse.sensors.depth_camera.DepthVideoCamera": CameraCreator,
-    "morse.sensors.depth_camera.RawImage": CameraCreator,
-    "morse.sensors.normal_camera.NormalCamera": CameraCreator,
-    "morse.sensors.optical_flow_camera.OpticalFlowCamera": CameraCreator,
-    "morse.sensors.segmentation_camera.SegmentationCamera": CameraCreator,
-    "morse.sensors.semantic_camera.SemanticCamera": CameraCreator,
-    "morse.sensors.thermal_camera.ThermalCamera": CameraCreator,
 }
 
 #: builder classes that are written by hand; products are named after the component class
@@ -120,11 +109,21 @@ def derived_class(entry: Entry, kind: str, module: str) -> type[Component]:
     if kind == "robots":
         bases = (DeclaredRobot, DRIVES[(entry.defaults or {}).get("drive", "ground")])
     else:
-        bases = (_WITH_METHODS.get(entry.classpath, _CREATORS[kind]),)
+        bases = (next(_with_methods(entry.classpath), _CREATORS[kind]),)
     body: dict[str, Any] = {"_classpath": entry.classpath, "__doc__": entry.doc, "__module__": module}
     if kind != "robots":
         body["_product"] = entry.product
     return type(entry.name, bases, body)
+
+
+def _with_methods(classpath: str) -> Iterator[type[Component]]:
+    """The builder classes of a component class and of its base classes, as far as their files name these."""
+    if classpath in _WITH_METHODS:
+        yield _WITH_METHODS[classpath]
+    package = classpath.rpartition(".")[0].rpartition(".")[0]
+    if package.endswith((".sensors", ".actuators")):
+        for base in catalog.base_classes(package).get(classpath, ()):
+            yield from _with_methods(base)
 
 
 def builder_class(cls: type[Any], product: str | None = None, module: str | None = None) -> type[Component]:

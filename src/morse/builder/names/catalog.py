@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from morse.builder.names import sources
@@ -52,7 +53,7 @@ class Entry:
 @cache
 def components(package: str) -> dict[str, Entry]:
     """The components of ``morse.sensors``, ``morse.actuators`` or ``morse.robots`` by name, sorted."""
-    found = (entry for module, definition in sources.classes(package) for entry in entries(module, definition))
+    found = (entry for module, definition in _definitions(package) for entry in entries(module, definition))
     return {entry.name: entry for entry in sorted(found, key=lambda entry: entry.name)}
 
 
@@ -74,6 +75,20 @@ def entries(module: str, definition: Definition, *, named: bool = False) -> Iter
     yield Entry(given.get("name") or definition.name, classpath, _text(given, doc), attributes, defaults)
     for product in definition.defaults["_products"]:
         yield Entry(product["name"], classpath, _text(product, doc), attributes, product, product["name"])
+
+
+@cache
+def base_classes(package: str) -> dict[str, tuple[str, ...]]:
+    """The class paths of the base classes of each public class in the files of a package, by class path."""
+    return {
+        f"{module}.{definition.name}": tuple(resolve_name(base, module) for base in definition.bases)
+        for module, definition in _definitions(package)
+    }
+
+
+@cache
+def _definitions(package: str) -> tuple[tuple[str, Definition], ...]:
+    return tuple(sources.classes(package))
 
 
 def _text(defaults: dict[str, Any], doc: str) -> str:

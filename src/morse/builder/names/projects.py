@@ -151,7 +151,7 @@ class _Classes:
 
     def _entries(self, module: str, file: Any) -> Iterator[Entry]:
         for definition in sources.classes_of(file):
-            if definition.derived:
+            if definition.bases:
                 yield from catalog.entries(module, definition, named=True)
 
     def _class(self, entry: Entry) -> type:

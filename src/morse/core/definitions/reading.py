@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,14 +17,15 @@ class Definition:
     Attributes:
         name: name of the class.
         doc: its docstring, or None.
-        derived: whether it names a base class.
+        bases: the class paths of its base classes as far as the file says: relative to the file for a class of the
+            same file (``.Name``) and for a relative import.
         attributes: the attributes in its body whose values are plain literals.
         defaults: the literal arguments of each call of ``..Defaults(...)`` assigned to ``_builder`` and ``_products``.
     """
 
     name: str
     doc: str | None
-    derived: bool
+    bases: tuple[str, ...]
     attributes: dict[str, Any]
     defaults: dict[str, list[dict[str, Any]]]
 
@@ -40,15 +41,37 @@ def definitions(text: bytes, name: str) -> list[Definition]:
         SyntaxError: the text is not valid Python.
     """
     tree = ast.parse(text, name)
+    imported = dict(_imported(tree))
     classes = (statement for statement in tree.body if isinstance(statement, ast.ClassDef))
-    return [_definition(cls) for cls in classes if not cls.name.startswith("_")]
+    return [_definition(cls, imported) for cls in classes if not cls.name.startswith("_")]
 
 
-def _definition(cls: ast.ClassDef) -> Definition:
+def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """The names that a file imports, and their class paths."""
+    for statement in tree.body:
+        if isinstance(statement, ast.ImportFrom):
+            # a file is the module "." of its package: an import from "." is one level above
+            module = "." * (statement.level + 1 if statement.level else 0) + (statement.module or "")
+            for name in statement.names:
+                yield name.asname or name.name, f"{module.removesuffix('.')}.{name.name}"
+        elif isinstance(statement, ast.Import):
+            for name in statement.names:
+                yield (
+                    name.asname or name.name.partition(".")[0],
+                    (name.name if name.asname else name.name.partition(".")[0]),
+                )
+
+
+def _base(base: ast.expr, imported: Mapping[str, str]) -> str:
+    first, dot, rest = ast.unparse(base).partition(".")
+    return f"{imported.get(first, f'.{first}')}{dot}{rest}"
+
+
+def _definition(cls: ast.ClassDef, imported: Mapping[str, str]) -> Definition:
     return Definition(
         cls.name,
         ast.get_docstring(cls),
-        bool(cls.bases),
+        tuple(_base(base, imported) for base in cls.bases),
         _literals(_assignments(cls)),
         {name: list(_declared_defaults(cls, name)) for name in ("_builder", "_products")},
     )
