@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING, Any
 
+from morse.core.complaints import Complaints
 from morse.core.datastream import DatastreamManager
 from morse.core.exceptions import MorseMiddlewareError
 from morse.helpers.geodesy import angle_against_north
 from morse.middleware.mavlink.axes import Axes
 from morse.middleware.mavlink.commands import COMMANDS, CommandKinds
 from morse.middleware.mavlink.framing import Framer
+from morse.middleware.mavlink.intake import Intake
 from morse.middleware.mavlink.links import open_link
 from morse.middleware.mavlink.mapping import INSTALL, MANAGER_OPTIONS
 from morse.middleware.mavlink.telemetry import Telemetry
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
     from morse.middleware.mavlink.links import Link
     from morse.middleware.mavlink.stream import MavlinkStream
     from morse.scene import StreamDeclaration
+
+logger = logging.getLogger(__name__)
 
 #: angle of the X axis of the world from east, counter-clockwise, rad
 _X_AXIS = {"enu": 0.0, "nwu": math.pi / 2.0}
@@ -57,6 +62,7 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
         self._framers: dict[str, dict[object, Framer]] = {}
         self._vehicles: dict[tuple[str, str], Vehicle] = {}
         self._parser = common.MAVLink(None)
+        self._complaints = Complaints(logger)
 
     # -- streams -----------------------------------------------------------------------------
 
@@ -127,13 +133,15 @@ class MavlinkDatastreamManager(Telemetry, CommandKinds, DatastreamManager):
     def action(self) -> None:
         """Read received messages at the beginning of a tick."""
         for device, link in self._links.items():
-            framers = self._framers[device]
+            framers, intake = self._framers[device], Intake()
             for sender, data in link.receive():
                 if sender not in framers and len(framers) >= _MOST_FRAMERS:
                     framers.clear()
                 framer = framers.setdefault(sender, Framer(self._wanted))
-                for frame in framer.feed(data):
+                for frame in intake.frames(sender, framer, data):
                     self._arrived(device, frame.data)
+            if intake.lost:
+                self._complaints.warn(device, f"mavlink: {device} receives more than a tick can process: some is lost")
 
     def drain(self) -> None:
         """See `DatastreamManager.drain`."""

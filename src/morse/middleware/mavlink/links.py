@@ -84,7 +84,9 @@ class UdpLink(Link):
                 return
             except OSError:  # the port of the peer is closed
                 continue
-            if self._listens and address not in self._peers:
+            if self._listens:
+                # the peer that has been silent for longest gives way to a new one
+                self._peers.pop(address, None)
                 if len(self._peers) >= _MOST_PEERS:
                     del self._peers[next(iter(self._peers))]
                 self._peers[address] = None
