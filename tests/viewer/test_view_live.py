@@ -38,7 +38,7 @@ laser.translate(0.0, 0.0, 0.4)
 robot.append(laser)
 robot.add_default_interface('socket')
 
-env = Environment('sandbox')
+env = Environment('indoors-1/boxes')
 env.set_camera_location([-4.0, -4.0, 3.0])
 env.set_camera_rotation([1.2, 0.0, -0.8])
 """
@@ -72,7 +72,7 @@ def simulation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 @pytest.fixture(scope="module")
 def shown(simulation: str, open_shared_page: Any) -> Page:
     """The page of the simulation: it takes seconds to load and to draw for the first time."""
-    page: Page = open_shared_page(simulation, width=900, height=560)
+    page: Page = open_shared_page(simulation, width=900, height=420)
     until(lambda: page.evaluate("morse.seat.drives.value && morse.poses.value !== null"))
     return page
 
