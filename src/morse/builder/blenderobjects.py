@@ -15,6 +15,23 @@ from morse.scene import Light, Material, Node, NodeKind
 if TYPE_CHECKING:
     from morse.scene import Mesh as MeshData
 
+# scripts import all names of this module; `Light` of the scene would hide the actuator of that name
+__all__ = [
+    "BlenderObject",
+    "Camera",
+    "Cone",
+    "Coordsys",
+    "Cube",
+    "Cylinder",
+    "Empty",
+    "IcoSphere",
+    "Mesh",
+    "Plane",
+    "Sphere",
+    "Spot",
+    "Torus",
+]
+
 _LAMPS = ("POINT", "SUN", "SPOT", "AREA", "HEMI")
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from morse.core.builder_defaults import Visual
     from morse.scene import Mesh
 
+__all__ = ["ActuatorCreator", "ComponentCreator", "SensorCreator"]
+
 _SHAPES = {"cube": shapes.cube, "sphere": shapes.sphere, "cylinder": shapes.cylinder}
 
 

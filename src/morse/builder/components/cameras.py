@@ -101,8 +101,8 @@ class Kinect(SensorCreator):
             self._camera(_Colors, "rgb"),
             self._camera(_Depths, "depth"),
         )
-        self.video_camera.translate(0.06, -0.08, 0.04)
-        self.depth_camera.translate(0.06, 0.08, 0.04)
+        self.video_camera.translate(0.06, 0.08, 0.04)
+        self.depth_camera.translate(0.06, -0.08, 0.04)
 
     def _camera(self, kind: type[CameraCreator], name: str) -> CameraCreator:
         camera = kind(name)
@@ -114,6 +114,16 @@ class Kinect(SensorCreator):
         """Add a stream to both cameras; see `morse.builder.components.interfaces.Interfaces`."""
         self.video_camera.add_stream(*args, **kwargs)
         self.depth_camera.add_stream(*args, **kwargs)
+
+    def add_interface(self, interface: str, **kwargs: Any) -> None:
+        """Offer the services and stream the data of both cameras."""
+        super().add_interface(interface)
+        for camera in (self.video_camera, self.depth_camera):
+            camera.add_interface(interface, **kwargs)
+
+    def _add_missing_interface(self, interface: str) -> None:
+        # the cameras are connected one by one
+        super().add_interface(interface)
 
     def frequency(self, frequency: float) -> None:
         """Set the frequency of both cameras, Hz (per simulated second)."""
