@@ -59,7 +59,7 @@ def test_random_drawings_are_no_empty_ones(build):
         pictures, shadow, _ = drawn(NativeDrawer(build, made.drawing), made, made.cameras(), made.light(), 5)
         shares.append((pictures.ids >= 0).mean())
         shaded.append((shadow > NO_SURFACE).mean())
-        dark.append(pictures.rgb.std())
+        dark.append(pictures.rgba[:, :3].std())
     assert 0.2 < np.mean(shares) < 0.98
     assert np.mean(shaded) > 0.05
     assert np.mean(dark) > 20
@@ -86,7 +86,7 @@ def test_depth_does_not_depend_on_colour(build):
     one, other = (drawer.draw(some, made.poses, light, 5) for some in (cameras, without))
     np.testing.assert_array_equal(one.depth, other.depth)
     np.testing.assert_array_equal(one.ids, other.ids)
-    assert len(other.rgb) == 0
+    assert len(other.rgba) == 0
 
 
 def test_cameras_of_one_call_do_not_disturb_each_other(build):
@@ -101,7 +101,7 @@ def test_cameras_of_one_call_do_not_disturb_each_other(build):
         np.testing.assert_array_equal(whole.ids[first:end], alone.ids)
         np.testing.assert_array_equal(whole.depth[first:end], alone.depth)
         if camera["color"]:
-            np.testing.assert_array_equal(whole.rgb[first:end], alone.rgb)
+            np.testing.assert_array_equal(whole.rgba[first:end], alone.rgba)
         first = end
 
 

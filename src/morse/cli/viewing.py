@@ -108,7 +108,7 @@ def drawn(request: CameraRequest, show: str, fine: bool) -> NDArray[np.uint8]:
         pixels = np.repeat(grey[..., None], 3, axis=2)
     else:
         assert picture.rgb is not None
-        pixels = picture.rgb
+        pixels = np.ascontiguousarray(picture.rgb)
     width, height = shape_of(request, fine)
     if pixels.shape[:2] == (height, width):
         return pixels

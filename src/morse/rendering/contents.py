@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from morse.rendering.textures import TextureStore
     from morse.scene import Material, Mesh, Node
 
+#: the cyclic order of axes
+_NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 #: opacity below which a surface is translucent
 _OPAQUE = 0.99
 
@@ -107,6 +109,12 @@ class Contents:
             parts += [(c, number, len(slots), flags) for c in self._clusters(meshes.clusters(node.mesh, len(surfaces)))]
             slots += [self._material(material, node.color or material.color) for material in surfaces]
         self._settle(range(len(self.nodes)))
+        count = len(self.nodes)
+        #: the frames and poses of the last call of `poses`: most instances stand still
+        self._posed: tuple[Frames | None, Poses] = (
+            None,
+            Poses(np.zeros((count, 12), np.float32), np.zeros((count, 9), np.float32)),
+        )
         self._layout = -1
         self._displaced: list[int] = []
         texels, textured = textures.arrays()
@@ -176,18 +184,25 @@ class Contents:
         if time:
             assert frames.velocities is not None
             positions, rotations = moved(positions, rotations, *frames.velocities, time)
-        model = rotations[self._groups] @ frames.offsets
-        model[:, :, 3] += positions[self._groups]
-        seen = frames.visible & (np.abs(model) < 1e7).all(axis=(1, 2))
-        model[~seen] = 0.0
-        linear = model[:, :, :3]
-        # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
-        turns = np.cross(np.roll(linear, -1, axis=1), np.roll(linear, -2, axis=1))
-        turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
-        return Poses(
-            np.ascontiguousarray(model.reshape(-1, 12), dtype=np.float32),
-            np.ascontiguousarray(turns.reshape(-1, 9), dtype=np.float32),
-        )
+        frames = frames._replace(positions=positions, rotations=rotations)
+        before, poses = self._posed
+        rows = self._changed(before, frames)
+        if len(rows):
+            poses = Poses(poses.models.copy(), poses.turns.copy())
+            poses.models[rows], poses.turns[rows] = _placed(frames, rows, self._groups[rows])
+        self._posed = frames, poses
+        return poses
+
+    def _changed(self, before: Frames | None, now: Frames) -> NDArray[np.intp]:
+        """The instances whose poses are not those of other frames."""
+        if before is None or len(before.positions) != len(now.positions):
+            return np.arange(len(self._groups))
+        turned = (before.rotations != now.rotations).any(axis=(1, 2))
+        other = (turned | (before.positions != now.positions).any(axis=1))[self._groups]
+        other |= before.visible != now.visible
+        if before.offsets is not now.offsets:
+            other |= (before.offsets != now.offsets).any(axis=(1, 2))
+        return np.flatnonzero(other)
 
     def _velocities(self, slots: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """(K, 3) linear and (K, 3) angular velocities of the slots, world axes; 0 for static slots."""
@@ -221,6 +236,22 @@ class Contents:
     def node(self, number: int) -> Node:
         """The node of an instance."""
         return self.nodes[number]
+
+
+def _placed(
+    frames: Frames, rows: NDArray[np.intp], groups: NDArray[np.intp]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """The poses (N, 12) and (N, 9) of some instances, see `Poses`."""
+    model = frames.rotations[groups] @ frames.offsets[rows]
+    model[:, :, 3] += frames.positions[groups]
+    seen = frames.visible[rows] & (np.abs(model) < 1e7).all(axis=(1, 2))
+    model[~seen] = 0.0
+    linear = model[:, :, :3]
+    # cofactors are the inverse transposed times the determinant, whose sign is correct for mirrored meshes
+    one, other = linear[:, _NEXT], linear[:, _AFTER]
+    turns = one[:, :, _NEXT] * other[:, :, _AFTER] - one[:, :, _AFTER] * other[:, :, _NEXT]
+    turns *= np.sign(np.einsum("ni,ni->n", turns[:, 0], linear[:, 0]))[:, None, None]
+    return model.reshape(-1, 12).astype(np.float32), turns.reshape(-1, 9).astype(np.float32)
 
 
 def _material_rows(table: NDArray[np.object_]) -> NDArray[np.void]:

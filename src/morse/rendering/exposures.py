@@ -26,18 +26,20 @@ def cropped(lens: Lens, first: int, last: int) -> Lens:
 def averaged(pictures: Sequence[Picture]) -> Picture:
     """Return the mean light of images; depth, ids and normals are those of the middle one."""
     middle = pictures[len(pictures) // 2]
-    if len(pictures) == 1 or middle.rgb is None:
+    if len(pictures) == 1 or middle.rgba is None:
         return middle
-    light = np.zeros(middle.rgb.shape, np.float32)
+    light = np.zeros((*middle.rgba.shape[:2], 3), np.float32)
     for picture in pictures:
         light += LIGHT[picture.rgb]
-    return middle._replace(rgb=encoded(light * np.float32(1 / len(pictures))))
+    rgba = middle.rgba.copy()
+    rgba[..., :3] = encoded(light * np.float32(1 / len(pictures)))
+    return middle._replace(rgba=rgba)
 
 
 def joined(bands: Sequence[Picture]) -> Picture:
     """Return the image of its bands of rows."""
     parts: dict[str, Any] = {
         name: None if getattr(bands[0], name) is None else np.concatenate([getattr(band, name) for band in bands])
-        for name in ("rgb", "depth", "ids", "normals")
+        for name in ("rgba", "depth", "ids", "normals")
     }
     return bands[-1]._replace(**parts)

@@ -104,14 +104,16 @@ def cameras_of(orders: Sequence[Order], time: float) -> NDArray[Any]:
     """Return the undistorted images of orders, (K,) `CAMERA`, at a time relative to the tick."""
     views = [(order, view) for order in orders for view in views_of(order)]
     cameras = np.zeros(len(views), CAMERA)
-    for row, (order, view) in zip(cameras, views, strict=True):
+    for number, (order, view) in enumerate(views):
         position, rotation = order.pose(time)
-        for name in ("fx", "fy", "cx", "cy", "near", "far", "width", "height"):
-            row[name] = getattr(view.lens, name)
+        lens = view.lens
         # the rotations of undistorted images permute axes, so that these products are exact
-        row["axes"] = (rotation @ view.turn).T.ravel()
-        row["eye"], row["color"], row["exposure"] = position, order.color, order.exposure
-        row["normals"] = order.normals
+        axes = (rotation @ view.turn).T.ravel()
+        # one assignment takes a fraction of the time of one for each field
+        cameras[number] = (
+            *(lens.fx, lens.fy, lens.cx, lens.cy, lens.near, lens.far, axes, position, order.exposure),
+            *(lens.width, lens.height, 0, order.color, order.normals, 0),
+        )
     return cameras
 
 
@@ -120,7 +122,7 @@ def cut(made: Pictures, row: Any) -> Drawn:
     shape, first = (int(row["height"]), int(row["width"])), int(row["pixel"])
     part = slice(first, first + shape[0] * shape[1])
     return Drawn(
-        made.rgb[part].reshape(*shape, 3) if row["color"] else None,
+        made.rgba[part].reshape(*shape, 4) if row["color"] else None,
         made.depth[part].reshape(shape),
         made.ids[part].reshape(shape),
         made.normals[part].reshape(*shape, 3) if row["normals"] else None,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from morse.rendering.lens import Lens
 from morse.rendering.renderer import Renderer
 from morse.rendering.viewpoint import Viewpoint
@@ -11,7 +13,6 @@ from morse.rendering.viewpoint import Viewpoint
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from morse.physics import World
@@ -52,4 +53,4 @@ def photograph(
     renderer.serve([request])
     assert request.picture is not None
     assert request.picture.rgb is not None
-    return request.picture.rgb
+    return np.ascontiguousarray(request.picture.rgb)

@@ -15,7 +15,7 @@ class Picture(NamedTuple):
     """An image of a camera; its arrays are not shared.
 
     Attributes:
-        rgb: (H, W, 3) uint8, or None if it was not requested.
+        rgba: (H, W, 4) uint8, opaque; None if it was not requested.
         depth: (H, W) float32, metres along the axis of the camera, 0 without a surface.
         ids: (H, W) int32, index in `nodes`, -1 without a surface.
         normals: (H, W, 3) float32, unit normals of the surfaces, towards the camera: X right, Y down, Z forward; 0
@@ -27,7 +27,7 @@ class Picture(NamedTuple):
         axes: (3, 3) float32, its right, down and forward axes, in rows.
     """
 
-    rgb: NDArray[np.uint8] | None
+    rgba: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
     normals: NDArray[np.float32] | None
@@ -36,3 +36,8 @@ class Picture(NamedTuple):
     models: NDArray[np.float32]
     eye: NDArray[np.float32]
     axes: NDArray[np.float32]
+
+    @property
+    def rgb(self) -> NDArray[np.uint8] | None:
+        """(H, W, 3) uint8, the colours without opacity; shares the memory of `rgba`."""
+        return None if self.rgba is None else self.rgba[..., :3]

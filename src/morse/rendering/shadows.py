@@ -68,8 +68,12 @@ class Shadows:
 
     def update(self, poses: Poses) -> None:
         """Update the shadows of moved objects."""
-        for one in self._maps:
-            one.update(poses)
+        if len(self._maps) == 1:
+            self._maps[0].update(poses)
+            return
+        fine, coarse = self._maps
+        fine.update(poses)
+        coarse.update(poses, fine.covers(coarse.light.sun[12] / fine.light.sun[12]))
 
 
 class ShadowMap:
@@ -96,16 +100,39 @@ class ShadowMap:
         self._stood = self._models = np.zeros((0, 12), np.float32)
         self._touched = np.zeros((0, 4), np.int32)
 
-    def update(self, poses: Poses) -> None:
-        """Update the shadows of moved objects."""
+    def covers(self, ratio: float) -> NDArray[np.bool_]:
+        """(M,) the moving parts whose shadows another map need not contain, because this one has priority.
+
+        Args:
+            ratio: size of the texels of the other map, relative to those of this one.
+        """
+        assert self.light.shadow is not None
+        high, wide = self.light.shadow.shape
+        # a point at the border is shifted by 1.3 texels of the other map, and read from 4 x 4 of them
+        margin = _BORDER + 5.0 * ratio
+        rows = self._touched
+        return np.asarray(
+            (rows[:, :2] > margin).all(axis=1) & (rows[:, 2] < wide - margin) & (rows[:, 3] < high - margin)
+        )
+
+    def update(self, poses: Poses, left_out: NDArray[np.bool_] | None = None) -> None:
+        """Update the shadows of moved objects.
+
+        Args:
+            left_out: (M,) the moving parts whose shadows are not needed.
+        """
         shadow = self.light.shadow
         assert shadow is not None
         stands, now = poses.models[self._still_instances], poses.models[self._instances]
+        drawn = np.ones(len(now), bool) if left_out is None else ~left_out
+        # without a pose, like an invisible object, so that a change of `left_out` counts as a motion
+        now[~drawn] = 0.0
         if self._base is None or not np.array_equal(stands, self._stood):
             shadow[:] = NO_SURFACE
             self._drawer.cast_shadows(self._still, poses, self.light)
             self._base, self._stood, self._models = shadow.copy(), stands, now
-            self._touched = self._drawer.cast_shadows(self._movers, poses, self.light)
+            self._touched = np.zeros((len(now), 4), np.int32)
+            self._touched[drawn] = self._drawer.cast_shadows(self._movers[drawn], poses, self.light)
             return
         moved = (now != self._models).any(axis=1)
         if not moved.any():
@@ -119,8 +146,11 @@ class ShadowMap:
             moved |= ((mine[..., :2] < gone[..., 2:]) & (gone[..., :2] < mine[..., 2:])).all(axis=2).any(axis=1)
         else:
             moved[:] = True
-        self._touched[moved] = self._drawer.cast_shadows(self._movers[moved], poses, self.light)
         self._models = now
+        self._touched[moved] = 0
+        moved &= drawn
+        if moved.any():
+            self._touched[moved] = self._drawer.cast_shadows(self._movers[moved], poses, self.light)
 
 
 def _axes(sunny: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from morse.kernel.drawing import Light, drawer
 from morse.rendering.contents import Contents
 from morse.rendering.distortion import DistortedLens
 from morse.rendering.exposures import averaged, cropped, joined
-from morse.rendering.lights import lamps_of, light_nodes, sky_of
+from morse.rendering.lit_world import LitWorld
 from morse.rendering.orders import cameras_of, cut, pixels_of, views_of
 from morse.rendering.picture import Picture
 from morse.rendering.shadows import Shadows
@@ -66,9 +66,9 @@ class Stage:
         self.contents = Contents(world, meshes, textures)
         self._colors = [node.color for node in self.contents.nodes]
         self._drawer = drawer(self.contents.drawing)
-        self._light_nodes = light_nodes(world.scene)
-        lamps, sunny, _ = lamps_of(self._light_nodes, world)
-        self._light = Light(lamps, sky_of(world.scene.settings.view, sunny), np.zeros(16, np.float32), None)
+        self._lit_world = LitWorld(world)
+        lamps, sky = self._lit_world.now()
+        self._light = Light(lamps.lamps, sky, np.zeros(16, np.float32), None)
         self._shadows: Shadows | None = None
         self._spot_shadows = SpotShadows()
         #: the kernel and the shadow maps serve one call at a time
@@ -90,8 +90,7 @@ class Stage:
         frames = self.contents.frames(moving=any(order.motion is not None for order in orders))
         if not any(order.color for order in orders):
             return Instant(frames, None, None)
-        lamps = lamps_of(self._light_nodes, self._world)
-        return Instant(frames, lamps, sky_of(self._world.scene.settings.view, lamps.sunny))
+        return Instant(frames, *self._lit_world.now())
 
     def draw(self, instant: Instant, orders: Sequence[Order]) -> list[Picture]:
         """Render the images of a tick; the images do not depend on those rendered before."""

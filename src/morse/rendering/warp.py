@@ -70,7 +70,7 @@ class Flat(NamedTuple):
 class Drawn(NamedTuple):
     """The rendered undistorted image; see `morse.rendering.Picture`."""
 
-    rgb: NDArray[np.uint8] | None
+    rgba: NDArray[np.uint8] | None
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
     normals: NDArray[np.float32] | None
@@ -99,13 +99,14 @@ class Warp:
     def gather(self, drawn: Sequence[Drawn]) -> Drawn:
         """The distorted image from the undistorted ones."""
         size = self._lens.height * self._lens.width
-        color = bool(drawn) and drawn[0].rgb is not None
-        rgb = np.zeros((size, 3), np.uint8)
+        color = bool(drawn) and drawn[0].rgba is not None
+        rgba = np.zeros((size, 4), np.uint8)
+        rgba[:, 3] = 255
         depth, ids = np.zeros(size, np.float32), np.full(size, -1, np.int32)
         normals = np.zeros((size, 3), np.float32) if drawn and drawn[0].normals is not None else None
         for flat, picture in zip(self.flats, drawn, strict=True):
-            if picture.rgb is not None:
-                rgb[flat.pixels] = _colors(flat, picture.rgb)
+            if picture.rgba is not None:
+                rgba[flat.pixels, :3] = _colors(flat, picture.rgba)
             numbers = picture.ids.ravel()[flat.nearest]
             if picture.normals is not None and normals is not None:
                 # these rotations permute axes, so that the products are exact
@@ -119,7 +120,7 @@ class Warp:
             depth[flat.pixels] = np.where(far | (numbers < 0), np.float32(0), depths)
         shape = (self._lens.height, self._lens.width)
         return Drawn(
-            rgb.reshape(*shape, 3) if color else None,
+            rgba.reshape(*shape, 4) if color else None,
             depth.reshape(shape),
             ids.reshape(shape),
             None if normals is None else normals.reshape(*shape, 3),
@@ -167,9 +168,9 @@ def _neighbours(flat: Flat) -> list[tuple[NDArray[np.intp], NDArray[np.float32]]
     ]
 
 
-def _colors(flat: Flat, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _colors(flat: Flat, rgba: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """(N, 3) interpolated as linear light, not as sRGB codes."""
-    pixels = rgb.reshape(-1, 3)
+    pixels = rgba.reshape(-1, 4)[:, :3]
     light = np.zeros((len(flat.pixels), 3), np.float32)
     for at, share in _neighbours(flat):
         light += LIGHT[pixels[at]] * share[:, None]

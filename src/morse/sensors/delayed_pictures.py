@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 #: types of the arrays of an image, and numbers of their axes
 _ARRAYS = {
-    "rgb": (np.uint8, 3),
+    "rgba": (np.uint8, 3),
     "depth": (np.float32, 2),
     "ids": (np.int32, 2),
     "normals": (np.float32, 3),
@@ -34,6 +34,11 @@ _ARRAYS = {
 
 #: limit of the memory of all images of a camera that wait for their delay, bytes
 _MOST_BYTES = 2 << 30
+
+
+def _stored(uses: Sequence[str]) -> list[str]:
+    """The stored fields of an image that contain the used ones."""
+    return list(dict.fromkeys("rgba" if name == "rgb" else name for name in uses))
 
 
 class Exposure:
@@ -64,7 +69,7 @@ class Exposure:
             "noted": copied(self.noted),
             "pose": None if self.pose is None else [list(self.pose[0]), list(self.pose[1])],
             "is_metered": self.is_metered,
-            "picture": {name: copied(getattr(picture, name)) for name in uses},
+            "picture": {name: copied(getattr(picture, name)) for name in _stored(uses)},
         }
 
     @classmethod
@@ -77,9 +82,9 @@ class Exposure:
         from morse.rendering import Picture
         from morse.rendering.shot import Finished
 
-        if set(state["picture"]) != set(uses):
+        if set(state["picture"]) != set(_stored(uses)):
             raise StateError("the saved state is damaged: an image lacks fields")
-        fields: dict[str, Any] = {"rgb": None, "normals": None, "nodes": [], "names": []}
+        fields: dict[str, Any] = {"rgba": None, "normals": None, "nodes": [], "names": []}
         for name, (kind, axes) in _ARRAYS.items():
             found = state["picture"].get(name)
             if found is None:
@@ -120,7 +125,7 @@ class DelayedPictures(Realism):
     def check_memory(self, lens: Lens) -> None:
         """Raise `ValueError` if the images of a lens that wait for their delay need too much memory."""
         waiting = self.delay * min(self._camera.frequency, self._camera.clock.frequency)
-        pixel = 8 + 3 * self._camera.color + 12 * self._camera.normals
+        pixel = 8 + 4 * self._camera.color + 12 * self._camera.normals
         size = waiting * lens.width * lens.height * pixel
         if size > _MOST_BYTES:
             raise ValueError(

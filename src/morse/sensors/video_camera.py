@@ -169,21 +169,23 @@ class VideoCamera(Camera):
         if not self.auto_exposure or exposure.is_metered:
             return
         exposure.is_metered = True
-        rgb = exposure.picture().rgb
-        assert rgb is not None
-        self._adjust(int(rgb.sum(dtype=np.int64)) / rgb.size)
+        rgba = exposure.picture().rgba
+        assert rgba is not None
+        pixels = rgba.shape[0] * rgba.shape[1]
+        # the sum of contiguous memory is several times faster; the opacity is 255 everywhere
+        self._adjust((int(rgba.sum(dtype=np.int64)) - 255 * pixels) / (3 * pixels))
 
     def take(self, picture: Picture) -> None:
-        """Store the image, with opaque alpha."""
-        rgb = picture.rgb
-        assert rgb is not None
+        """Store the image."""
+        image = picture.rgba
+        assert image is not None
         if self.full_well or self.read_noise or self.stuck_pixels:
             from morse.rendering.pixel_noise import Chip, exposed
 
             chip = Chip(self.full_well, self.read_noise, self.stuck_pixels)
-            rgb = exposed(chip, rgb, self._random, self.context.random(f"{self.name()}/stuck pixels"))
-        image = np.full((*rgb.shape[:2], 4), 255, np.uint8)
-        image[..., :3] = rgb
+            image = image.copy()
+            flaws = self.context.random(f"{self.name()}/stuck pixels")
+            image[..., :3] = exposed(chip, image[..., :3], self._random, flaws)
         self.local_data["image"] = self.ordered(image)
 
     def _adjust(self, mean: float) -> None:

@@ -51,10 +51,13 @@ static __attribute__((noinline)) V3 shade(const Frame *f, const Camera *k, Looks
     return (V3){within(c.x, 0, 1), within(c.y, 0, 1), within(c.z, 0, 1)};
 }
 
-// Eight pixels as sRGB.
-static inline void write_colours(const Frame *f, V3 c, int count, uint8_t *to) {
+// Eight pixels as sRGB, opaque.
+static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[4]) {
     const I8 r = to_int(c.x * 4095.0f + 0.5f), g = to_int(c.y * 4095.0f + 0.5f), b = to_int(c.z * 4095.0f + 0.5f);
-    EACH(j, count) to[3 * j] = f->encoded[r[j]], to[3 * j + 1] = f->encoded[g[j]], to[3 * j + 2] = f->encoded[b[j]];
+    EACH(j, count) {
+        const uint8_t pixel[4] = {f->encoded[r[j]], f->encoded[g[j]], f->encoded[b[j]], 255};
+        memcpy(to[j], pixel, sizeof pixel);
+    }
 }
 
 // Shades the collected samples, and adds them to their pixels.
@@ -116,7 +119,7 @@ static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, 
 
 // Eight pixels in a row of the only triangle that they show.
 static inline void draw_same(const Frame *f, const Camera *k, Work *w, int32_t who, int x, int y, int count,
-                             uint8_t *to) {
+                             uint8_t (*to)[4]) {
     Looks *l = &w->one;
     l->x = STEPS + ((float)x + 0.5f + f->samples[0]), l->y = splat((float)y + 0.5f + f->samples[1]);
     if (who < 0)
@@ -184,7 +187,7 @@ static void draw_row(const Frame *f, const Camera *k, Work *w, int column, int b
     if (k->normals) write_normals(f, k, w->planes, shown, x, y, count, f->normals + pixel);
     if (!k->color) return;
     if (same)
-        draw_same(f, k, w, shown[0], x, y, count, f->rgb + 3 * pixel);
+        draw_same(f, k, w, shown[0], x, y, count, f->rgba + pixel);
     else
         collect(f, k, w, block, r, x, y, count);
 }
@@ -207,7 +210,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
         const int x = left + block / LANES * LANES, y = top + block % LANES * BLOCK_ROWS + row % BLOCK_ROWS;
         const V3 c = {w->total[0][row], w->total[1][row], w->total[2][row]};
         const int count = k->width - x < LANES ? k->width - x : LANES;
-        write_colours(f, c, count, f->rgb + 3 * (k->pixel + (int64_t)y * k->width + x));
+        write_colours(f, c, count, f->rgba + (k->pixel + (int64_t)y * k->width + x));
     }
 }
 

@@ -21,6 +21,8 @@ static void fill(const Frame *f, const float *q[3]) {
     if (!(area > 0 || area < 0) || !(right >= 0.5f && bottom >= 0.5f && left < size[0] && top < size[1])) return;
     const int x0 = (int)ceilf(most(left, 0.5f) - 0.5f), x1 = (int)(least(right, size[0]) - 0.5f);
     const int y0 = (int)ceilf(most(top, 0.5f) - 0.5f), y1 = (int)(least(bottom, size[1]) - 0.5f);
+    // most small triangles are between the centres of texels
+    if (x0 > x1 || y0 > y1) return;
     const float sign = area > 0 ? 1.0f : -1.0f, dx = (bz * cy - cz * by) / area, dy = (cz * bx - bz * cx) / area;
     for (int y = y0; y <= y1; y++) {
         float *row = f->shadow + (int64_t)y * f->shadow_width, base[3], step[3];

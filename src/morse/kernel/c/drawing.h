@@ -51,6 +51,8 @@ typedef struct {
     int32_t triangle, part, material, back;
 } Seen;
 
+_Static_assert(sizeof(Seen) == 72, "SEEN_BYTES in morse/kernel/drawing/arrays.py");
+
 // Everything that is drawn, for all cameras of a tick.
 typedef struct {
     const Vertex *vertices;
@@ -78,7 +80,7 @@ typedef struct {
     int64_t *firsts;
     int32_t *members;
     const int32_t (*tiles)[4];
-    uint8_t *rgb;
+    uint8_t (*rgba)[4];
     float *depth;
     int32_t *ids;
     float (*normals)[3];  // unit vectors along the axes of the camera; null if no camera measures them

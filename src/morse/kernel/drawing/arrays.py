@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -67,7 +68,8 @@ CAMERA = np.dtype(
     ],
     align=True,
 )
-SEEN_BYTES = 80
+#: size of ``Seen`` in ``c/drawing.h``
+SEEN_BYTES = 72
 
 #: positions of the samples in a pixel, relative to its centre; the first sample, for depth and id, is the centre
 SAMPLES = {1: ((0.0, 0.0),), 5: ((0.0, 0.0), (-0.4, -0.2), (-0.2, 0.4), (0.2, -0.4), (0.4, 0.2))}
@@ -149,14 +151,14 @@ class Pictures(NamedTuple):
     """The images of cameras, one after the other.
 
     Attributes:
-        rgb: (N, 3) uint8; undefined for cameras without colour.
+        rgba: (N, 4) uint8, opaque; undefined for cameras without colour.
         depth: (N,) float32, metres along the axis, 0 without a surface.
         ids: (N,) int32, index of the instance, -1 without a surface.
         normals: (N, 3) float32, unit vectors along the axes of the camera, 0 without a surface; undefined for cameras
             without normals.
     """
 
-    rgb: NDArray[np.uint8]
+    rgba: NDArray[np.uint8]
     depth: NDArray[np.float32]
     ids: NDArray[np.int32]
     normals: NDArray[np.float32]
@@ -164,12 +166,20 @@ class Pictures(NamedTuple):
 
 def tiles_of(cameras: NDArray[Any]) -> NDArray[np.int32]:
     """(N, 4) int32, camera, left, top and 0 of all tiles; sets the first tile and pixel of each camera."""
+    sizes = tuple(zip(cameras["width"].tolist(), cameras["height"].tolist(), strict=True))
+    tiles, cameras["tile"], cameras["pixel"] = _tiles_of_sizes(sizes)
+    return tiles
+
+
+@lru_cache(maxsize=16)
+def _tiles_of_sizes(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.int32], list[int], list[int]]:
+    """The tiles, and the first tile and pixel of each image."""
     found = [np.zeros((0, 4), dtype=np.int32)]
-    tile = pixel = 0
-    for number, row in enumerate(cameras):
-        width, height = int(row["width"]), int(row["height"])
-        row["tile"], row["pixel"] = tile, pixel
+    first_tiles, first_pixels, tile, pixel = [], [], 0, 0
+    for number, (width, height) in enumerate(sizes):
+        first_tiles.append(tile)
+        first_pixels.append(pixel)
         y, x = np.mgrid[0:height:TILE, 0:width:TILE].reshape(2, -1)
         found.append(np.column_stack([np.full(len(x), number), x, y, np.zeros_like(x)]).astype(np.int32))
         tile, pixel = tile + len(x), pixel + width * height
-    return np.concatenate(found)
+    return np.concatenate(found), first_tiles, first_pixels

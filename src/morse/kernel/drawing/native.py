@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
 
-_OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "members", "rgb", "depth", "ids", "normals")
+_OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "members", "rgba", "depth", "ids", "normals")
+
+
+#: the positions of samples
+_SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPLES.items()}
 
 
 class NativeDrawer:
@@ -58,7 +62,7 @@ class NativeDrawer:
         self._run("morse_draw_project", count)
         self._bin(len(cameras), len(tiles))
         pixels = int((cameras["width"].astype(np.int64) * cameras["height"]).sum())
-        colour = np.empty((pixels if cameras["color"].any() else 0, 3), np.uint8)
+        colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
         normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
         made = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32), normals)
         frame.point(**made._asdict())
@@ -85,7 +89,7 @@ class NativeDrawer:
     def _light(self, light: Light, poses: Poses, samples: int) -> None:
         frame, shadow, near, lamp = self._frame, light.shadow, light.near_shadow, light.lamp_shadow
         frame.point(**light._asdict())
-        frame.point(samples=np.array(SAMPLES[samples], np.float32), models=poses.models, turns=poses.turns)
+        frame.point(samples=_SAMPLES[samples], models=poses.models, turns=poses.turns)
         frame.lamp_count, frame.sample_count = len(light.lamps), samples
         frame.shadow_height, frame.shadow_width = (0, 0) if shadow is None else shadow.shape
         frame.near_height, frame.near_width = (0, 0) if near is None else near.shape

@@ -36,7 +36,7 @@ class ReferenceDrawer:
         with np.errstate(all="ignore"):
             made = [self._draw(camera, poses, light, samples) for camera in cameras]
         no_pixels = np.zeros(0, np.float32)
-        empty = Pictures(np.zeros((0, 3), np.uint8), no_pixels, np.zeros(0, np.int32), no_pixels.reshape(0, 3))
+        empty = Pictures(np.zeros((0, 4), np.uint8), no_pixels, np.zeros(0, np.int32), no_pixels.reshape(0, 3))
         return Pictures(*(np.concatenate(column) for column in zip(empty, *made, strict=True)))
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
@@ -56,13 +56,13 @@ class ReferenceDrawer:
         instances = self.drawing.parts[seen.part, 1] if len(seen) else np.zeros(1, np.int32)
         ids = np.where(who < 0, np.int32(-1), instances[np.maximum(who, 0)])
         depth = np.where(who < 0, np.float32(0), np.float32(1) / inverse[0].ravel())
-        rgb = np.zeros((len(who), 3), np.uint8)
+        rgba = np.zeros((len(who), 4), np.uint8)
         if camera["color"]:
-            rgb = reference_colors.paint(self.drawing, camera, poses, light, seen, shown.reshape(count, -1))
+            rgba = reference_colors.paint(self.drawing, camera, poses, light, seen, shown.reshape(count, -1))
         normals = np.zeros((len(who), 3), np.float32)
         if camera["normals"]:
             normals = reference_normals.normals(self.drawing, camera, poses, seen, who)
-        return Pictures(rgb, depth.astype(np.float32), ids.astype(np.int32), normals)
+        return Pictures(rgba, depth.astype(np.float32), ids.astype(np.int32), normals)
 
     def _cover(
         self,

@@ -24,7 +24,7 @@ _ONE = np.float32(1)
 def paint(
     drawing: Drawing, camera: NDArray[Any], poses: Poses, light: Light, seen: Projected, shown: NDArray[np.int32]
 ) -> NDArray[np.uint8]:
-    """(N, 3) the colours of pixels that show triangles (samples, N)."""
+    """(N, 4) the colours of pixels that show triangles (samples, N)."""
     samples, pixels = shown.shape
     total = np.zeros((pixels, 3), np.float32)
     column = (np.arange(pixels) % int(camera["width"])).astype(np.float32)
@@ -37,7 +37,8 @@ def paint(
         x, y = column[new] + np.float32(0.5) + shift[0], row[new] + np.float32(0.5) + shift[1]
         color = _colors(drawing, camera, poses, light, seen, shown[sample, new], x, y)
         total[new] += within(color, 0, 1) * share[new, None]
-    return ENCODED[(total * np.float32(4095) + np.float32(0.5)).astype(np.int64)]
+    codes = ENCODED[(total * np.float32(4095) + np.float32(0.5)).astype(np.int64)]
+    return np.concatenate([codes, np.full((pixels, 1), 255, np.uint8)], axis=1)
 
 
 def _colors(

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
     models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame jobs starts counts
-    seen firsts members tiles rgb depth ids normals"""
+    seen firsts members tiles rgba depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
     near_width near_height lamp_width lamp_height"""
 
@@ -32,9 +32,12 @@ class FrameStructure(ctypes.Structure):
 
     def point(self, **arrays: NDArray[Any] | None) -> None:
         """Set addresses to those of contiguous arrays, or to null."""
+        kept = self._kept
         for name, array in arrays.items():
-            setattr(self, name, address(array))
-        self._kept.update(arrays)
+            # the memory of an array does not move
+            if name not in kept or kept[name] is not array:
+                setattr(self, name, address(array))
+                kept[name] = array
 
     def forget(self, *names: str) -> None:
         """Release arrays that the frame points to."""
