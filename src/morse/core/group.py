@@ -5,14 +5,14 @@ from __future__ import annotations
 import sys
 from array import array
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
 from morse.core.group_poses import GroupPoses
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,6 +28,7 @@ class Member(Protocol):
 
     bge_object: Any
     robot_parent: Any
+    frequency: float
     context: Any
     group: Group | None
     local_data: dict[str, Any]
@@ -35,6 +36,25 @@ class Member(Protocol):
 
     def settle(self) -> None:
         """Update the attributes that ``act_together`` does not update."""
+
+
+class Kept(NamedTuple):
+    """The data that a group has measured in one tick; other threads may read them at any time later.
+
+    Attributes:
+        stamp: simulated time of the measurement, whole ns.
+        parts: names of data fields, and a function that returns their values for a row.
+    """
+
+    stamp: int
+    parts: Sequence[tuple[tuple[str, ...], Callable[[int], Any]]]
+
+    def data(self, row: int) -> dict[str, Any]:
+        """The measured fields of a member."""
+        data: dict[str, Any] = {}
+        for fields, values in self.parts:
+            data.update(zip(fields, values(row), strict=True))
+        return data
 
 
 class Group:
@@ -70,6 +90,7 @@ class Group:
         self._snapshots = self.context.world.snapshots([member.bge_object for member in members])
         self._velocities: Any = None
         self._written: list[tuple[tuple[str, ...], Callable[[int], Any]]] | None = None
+        self._immediate: list[int] = []
         self._time = 0.0
         self.poses = GroupPoses(self._snapshots.now())
         self._size = 0
@@ -124,7 +145,7 @@ class Group:
 
     # -- for act_together: writing ---------------------------------------------------------
 
-    def write(self, fields: Sequence[str], values: Callable[[int], Any] | NDArray[Any]) -> None:
+    def write(self, fields: Sequence[str], values: Callable[[int], Any] | NDArray[Any], *, later: bool = False) -> None:
         """Set fields of the data of all members.
 
         Args:
@@ -132,6 +153,8 @@ class Group:
             values: (N, F) an array, which must not be modified later; or a function that returns F values for a row.
                 The function is called when the data of that member are read, at the latest before the group acts again;
                 if they are not read, it is not called.
+            later: whether the values of the function depend only on the row and on objects that do not change, such as
+                ``poses``. Other threads may then call the function, also after the group has acted again.
 
         Raises:
             ValueError: an array of another shape.
@@ -139,6 +162,8 @@ class Group:
         assert self._written is not None
         names = tuple(fields)
         if callable(values):
+            if not later:
+                self._immediate.append(len(self._written))
             self._written.append((names, values))
             return
         array = np.asarray(values)
@@ -224,6 +249,7 @@ class Group:
         self.is_changed |= size - taken != self._size - len(datas)
         self._before = (self._written, self._time, self.poses, self.stamp)
         self._written, self._time, self.poses = [], self.context.clock.time, GroupPoses(self._snapshots.now())
+        self._immediate = []
         self.stamp += 1
         return held
 
@@ -239,6 +265,18 @@ class Group:
                 self.fill(row)
             self.members[row].settle()
         self.memory.clear()
+
+    def written(self) -> frozenset[str]:
+        """The names of the data fields that the present measurement contains."""
+        return frozenset(name for fields, _ in self._written or () for name in fields)
+
+    def keep(self, rows: Sequence[int]) -> Kept:
+        """Keep the present measurement of some members for another thread."""
+        parts = list(self._written or ())
+        for index in self._immediate:
+            names, values = parts[index]
+            parts[index] = names, _found({row: tuple(values(row)) for row in rows})
+        return Kept(self.context.clock.stamp(self._time), parts)
 
     # -- for the members -------------------------------------------------------------------
 
@@ -263,6 +301,10 @@ class Group:
     def data_of(self, member: Member) -> dict[str, Any]:
         """Return the data of a member, filled in on demand."""
         return self.fill(self._rows[id(member)])
+
+
+def _found(values: Mapping[int, Any]) -> Callable[[int], Any]:
+    return values.__getitem__
 
 
 def _bytes(speeds: Sequence[float] | NDArray[Any] | None) -> bytes:

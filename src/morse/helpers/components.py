@@ -1,5 +1,16 @@
 """The functions for declarations in component classes, under the import path of MORSE 1.4."""
 
-from morse.core.declarations import add_data, add_kind, add_level, add_property, each, euler, mapped, prop, scaled
+from morse.core.declarations import (
+    add_data,
+    add_kind,
+    add_level,
+    add_property,
+    computed,
+    each,
+    euler,
+    mapped,
+    prop,
+    scaled,
+)
 
-__all__ = ["add_data", "add_kind", "add_level", "add_property", "each", "euler", "mapped", "prop", "scaled"]
+__all__ = ["add_data", "add_kind", "add_level", "add_property", "computed", "each", "euler", "mapped", "prop", "scaled"]

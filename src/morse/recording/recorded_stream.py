@@ -64,9 +64,9 @@ class RecordedStream(Ros2Stream):
 
     def single(self, type_name: str) -> Single | None:
         """Return the present message if the sensor has one message of that type; else None."""
-        if len(self._sending) != 1 or len(self._sending[0][1]) != 1 or self._odometry is not None:
+        if len(self.sending) != 1 or len(self.sending[0][1]) != 1 or self._odometry is not None:
             return None
-        bound, (line,) = self._sending[0]
+        bound, (line,) = self.sending[0]
         number = getattr(line.publisher, "number", None)
         nothing = line.outlet.when is not None and not line.outlet.when()
         if line.outlet.type != type_name or number is None or nothing:

@@ -98,7 +98,7 @@ class GPS(Sensor):
     def act_together(cls, group: Group) -> None:
         """Take the positions of all members."""
         poses = group.poses
-        group.write(("x", "y", "z"), lambda row: poses.pose(row)[0])
+        group.write(("x", "y", "z"), lambda row: poses.pose(row)[0], later=True)
 
 
 class RawGPS(GPS):

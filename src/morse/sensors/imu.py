@@ -199,6 +199,7 @@ class IMU(MotionSensor):
             group.is_changed = True
             return
         before, here = memory.get("moment"), (clock.time, poses, group.velocities())
+        starts = [] if before is not None else [(m._time, (m._linear, m._angular)) for m in members]
         memory["moment"] = here
         names = ["angular_velocity", "linear_acceleration"]
         if members[0].has_magnetometer:
@@ -206,16 +207,14 @@ class IMU(MotionSensor):
 
         def measured(row: int) -> list[list[float]]:
             member, (time, _, velocities) = members[row], here
-            then, moved = member._time, (member._linear, member._angular)
-            if before is not None:
-                then, moved = before[0], before[2].velocity(row)
+            then, moved = starts[row] if before is None else (before[0], before[2].velocity(row))
             passed = time - then if time > then else clock.period
             pose = poses.pose(row)
             motion = changed(moved, velocities.velocity(row), passed, pose[0], velocities.origin(row))
             felt = member._felt(motion, pose)
             return [felt[name] for name in names]
 
-        group.write(names, measured)
+        group.write(names, measured, later=True)
 
     def settle(self) -> None:
         """Set the last measurement, from which the next accelerations are computed."""

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from morse.core.declarations import BuilderDefaults, Visual
 from morse.core.sensor import Sensor
-from morse.helpers.components import add_data, add_kind, add_level, euler
+from morse.helpers.components import add_data, add_kind, add_level, computed, euler
 from morse.helpers.transformation import Transformation3d
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from morse.core.group import Group
 
 _DIFF = ["differential"]
@@ -18,12 +20,11 @@ _FULL = ["integrated"]
 _INTEGRATED = ("x", "y", "z", "yaw", "pitch", "roll", "vx", "vy", "vz", "wz", "wy", "wx")
 
 
-def _body_rates(odometry: Odometry) -> list[float]:
+def _body_rates(data: Mapping[str, float]) -> list[float]:
     """Return the angular velocity in body axes, rad/s, from the rates of the Euler angles.
 
     J. Diebel, "Representing Attitude: Euler Angles, Unit Quaternions, and Rotation Vectors" (2006), equation 75.
     """
-    data = odometry.local_data
     sin_roll, cos_roll = math.sin(data["roll"]), math.cos(data["roll"])
     sin_pitch, cos_pitch = math.sin(data["pitch"]), math.cos(data["pitch"])
     roll_rate, pitch_rate, yaw_rate = data["wx"], data["wy"], data["wz"]
@@ -83,7 +84,7 @@ class Odometry(Sensor):
         position=("x", "y", "z"),
         orientation=euler("roll", "pitch", "yaw"),
         linear=("vx", "vy", "vz"),
-        angular=_body_rates,
+        angular=computed(_body_rates),
     )
 
     def __init__(self, obj: Any, parent: Any = None) -> None:
@@ -122,38 +123,40 @@ class IntegratedOdometry(Odometry):
     def default_action(self) -> None:
         """Measure the pose relative to the start, and the displacement per second."""
         pose = self.relative_pose()
-        self.local_data.update(zip(_INTEGRATED, self._numbers(pose, self.previous_pos), strict=True))
+        self.local_data.update(zip(_INTEGRATED, _numbers(pose, self.previous_pos, self.frequency), strict=True))
         self.previous_pos = pose
-
-    def _numbers(self, pose: Transformation3d, before: Transformation3d) -> tuple[float, ...]:
-        """Return the fields `_INTEGRATED`, from two poses relative to the start."""
-        step = before.transformation3d_with(pose)
-        rate = self.frequency
-        yaw, pitch, roll = pose.yaw, pose.pitch, pose.roll
-        rates = (_shortest(b - a) * rate for a, b in ((before.yaw, yaw), (before.pitch, pitch), (before.roll, roll)))
-        return pose.x, pose.y, pose.z, yaw, pitch, roll, step.x * rate, step.y * rate, step.z * rate, *rates
 
     @classmethod
     def act_together(cls, group: Group) -> None:
         """Measure for all members; the values are computed on demand."""
-        members, here, before = group.members, group.poses, group.memory.get("poses")
+        here, before = group.poses, group.memory.get("poses")
         group.memory["poses"] = here
+        rate = group.members[0].frequency
+        originals = group.attributes("original_pos")
+        starts = group.attributes("previous_pos") if before is None else ()
 
         def relative(row: int, poses: Any) -> Transformation3d:
-            original: Transformation3d = members[row].original_pos  # type: ignore[attr-defined]
+            original: Transformation3d = originals[row]
             return original.transformation3d_with(poses.transformation(row))
 
         def numbers(row: int) -> tuple[float, ...]:
-            member: Any = members[row]
-            previous = member.previous_pos if before is None else relative(row, before)
-            found: tuple[float, ...] = member._numbers(relative(row, here), previous)
-            return found
+            previous = starts[row] if before is None else relative(row, before)
+            return _numbers(relative(row, here), previous, rate)
 
-        group.write(_INTEGRATED, numbers)
+        group.write(_INTEGRATED, numbers, later=True)
 
     def settle(self) -> None:
         """Set the pose of the last measurement, from which the next displacement is measured."""
         self.previous_pos = self.relative_pose()
+
+
+def _numbers(pose: Transformation3d, before: Transformation3d, rate: float) -> tuple[float, ...]:
+    """Return the fields `_INTEGRATED`, from two poses relative to the start, with a rate in Hz."""
+    step = before.transformation3d_with(pose)
+    x, y, z, yaw, pitch, roll = pose.numbers()
+    _, _, _, old_yaw, old_pitch, old_roll = before.numbers()
+    rates = [_shortest(b - a) * rate for a, b in ((old_yaw, yaw), (old_pitch, pitch), (old_roll, roll))]
+    return x, y, z, yaw, pitch, roll, step.x * rate, step.y * rate, step.z * rate, *rates
 
 
 def _shortest(angle: float) -> float:

@@ -35,4 +35,4 @@ class Pose(Sensor):
     @classmethod
     def act_together(cls, group: Group) -> None:
         """Measure the poses of all members."""
-        group.write(("x", "y", "z", "yaw", "pitch", "roll"), group.poses.numbers)
+        group.write(("x", "y", "z", "yaw", "pitch", "roll"), group.poses.numbers, later=True)

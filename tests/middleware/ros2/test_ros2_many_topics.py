@@ -70,14 +70,16 @@ def test_a_hundred_topics(seconds: int, monkeypatch: pytest.MonkeyPatch) -> None
         try:
             assert peer.stdout.readline() == "ready\n"
             (manager,) = [m for m in simulation.context.stream_managers.values() if "ros2" in m.classpath.lower()]
-            lines = [line for (stream,) in manager.streams.values() for _, lines in stream._sending for line in lines]
+            lines = [line for (stream,) in manager.streams.values() for _, lines in stream.sending for line in lines]
             deadline = time.monotonic() + 60
             while not all(line.publisher.wanted() for line in lines):
                 assert time.monotonic() < deadline, "the topics were not found"
                 time.sleep(0.01)
             simulation.step(5)  # the first message of each topic takes much longer
+            monkeypatch.setattr(simulation.context, "paced", lambda: True)
             costs = Costs(simulation)
             costs.run(seconds * HZ)
+            manager.sender.finish()
             counts = json.loads(peer.communicate("end\n", timeout=60)[0])
         finally:
             peer.kill()

@@ -23,11 +23,25 @@ from morse.core.declarations.fields import DataField, KindUse, Level, Option, Pr
 from morse.core.declarations.functions import add_data, add_kind, add_level, add_property
 from morse.core.declarations.merged import data_fields, fields_of_component, kinds, levels, properties, says_nothing
 from morse.core.declarations.refused import FRAMES
-from morse.core.declarations.sources import Each, Euler, Mapped, Prop, Scaled, each, euler, mapped, prop, scaled
+from morse.core.declarations.sources import (
+    Computed,
+    Each,
+    Euler,
+    Mapped,
+    Prop,
+    Scaled,
+    computed,
+    each,
+    euler,
+    mapped,
+    prop,
+    scaled,
+)
 
 __all__ = [
     "FRAMES",
     "BuilderDefaults",
+    "Computed",
     "DataField",
     "Each",
     "Euler",
@@ -44,6 +58,7 @@ __all__ = [
     "add_kind",
     "add_level",
     "add_property",
+    "computed",
     "data_fields",
     "each",
     "euler",

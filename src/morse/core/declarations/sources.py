@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 
 class Euler(NamedTuple):
@@ -40,6 +40,16 @@ class Scaled(NamedTuple):
 
     field: str
     factor: float
+
+
+class Computed(NamedTuple):
+    """A function of the data of the component.
+
+    Attributes:
+        function: takes the data fields by name, and uses nothing else: it may be called later, in any thread.
+    """
+
+    function: Callable[[Mapping[str, Any]], Any]
 
 
 class Each(NamedTuple):
@@ -84,6 +94,11 @@ def prop(name: str, scale: float = 1.0) -> Prop:
 def scaled(field: str, factor: float) -> Scaled:
     """Return a source for a field times a factor: ``scaled("colours", 255.0)`` maps 0..1 to 0..255 and back."""
     return Scaled(field, factor)
+
+
+def computed(function: Callable[[Mapping[str, Any]], Any]) -> Computed:
+    """Return a source for a function of the data fields, which uses nothing else of the component."""
+    return Computed(function)
 
 
 def each(attribute: str, among: str = "") -> Each:

@@ -13,7 +13,7 @@ from morse.core.kinds.installed import kind_named
 from morse.core.kinds.kind import ORIENTATION
 from morse.core.kinds.message import Message
 from morse.core.kinds.replaced import uses_after_modifiers
-from morse.core.kinds.sources import Among, as_slot, source_of
+from morse.core.kinds.sources import Among, FromData, as_slot, source_of
 from morse.core.kinds.table import GENERAL
 from morse.core.kinds.turning import TURNABLE, turned
 from morse.core.quoting import shown
@@ -41,6 +41,15 @@ class KindError(MorseDeclarationError):
     def __init__(self, findings: list[str]) -> None:
         super().__init__("; ".join(findings))
         self.findings = findings
+
+
+class _Holder:
+    """Data in place of a component."""
+
+    __slots__ = ("local_data",)
+
+    def __init__(self, data: Mapping[str, Any]) -> None:
+        self.local_data = data
 
 
 class BoundKind:
@@ -126,6 +135,29 @@ class BoundKind:
             slots[slot.name] = as_slot(slot, value)
         slots.update(self._covariances)
         return Message(self.kind, stamp_of(component), self.frame, slots)
+
+    @property
+    def needs(self) -> frozenset[str] | None:
+        """The fields that determine the message; None if it depends on more than the data of the component."""
+        if self._turns or not all(source.is_of_data for _, source in self._sources) or self.kind.name == GENERAL:
+            return None
+        if any(isinstance(source, FromData) for _, source in self._sources):
+            return frozenset(self.component.local_data) - {"timestamp"}
+        return frozenset(name for _, source in self._sources for name in source.fields if name is not None)
+
+    def gather_from(self, data: Mapping[str, Any], stamp: int) -> Message:
+        """Return the message with other data; in any thread, if `needs` is not None.
+
+        Vectors are those of the data: sequences of numbers, or arrays.
+
+        Args:
+            data: the fields `needs`.
+            stamp: simulated time of the measurement, whole ns.
+        """
+        holder = _Holder(data)
+        slots = {slot.name: value for slot, source in self._sources if (value := source.get(holder)) is not None}
+        slots.update(self._covariances)
+        return Message(self.kind, stamp, self.frame, slots)
 
     def scatter(self, slots: Mapping[str, Any], frame: str = "") -> tuple[dict[str, Any], str | None]:
         """Return the fields that a command sets, for `morse.core.validation.Commands`; other fields stay unchanged.

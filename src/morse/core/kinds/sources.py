@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from morse.core.declarations.sources import Euler, Mapped, Prop, Scaled
+from morse.core.declarations.sources import Computed, Euler, Mapped, Prop, Scaled
 from morse.core.exceptions import MorseDeclarationError
 from morse.core.hints import closest, nearest
 from morse.core.kinds.turning import angles_of, normalized, quaternion_of
@@ -31,6 +31,8 @@ class Source:
 
     fields: tuple[str | None, ...] = ()
     frame = ""
+    #: whether `get` uses nothing of the component but ``local_data``
+    is_of_data = False
 
     @property
     def is_present(self) -> bool:
@@ -55,6 +57,8 @@ class Source:
 
 class Constant(Source):
     """A constant value."""
+
+    is_of_data = True
 
     def __init__(self, value: Any) -> None:
         self._value = value
@@ -87,8 +91,23 @@ class FromFunction(Source):
         return self._function(component)
 
 
+class FromData(Source):
+    """A function of the data; its frame is the frame of the field with the name of the slot, if there is one."""
+
+    is_of_data = True
+
+    def __init__(self, function: Callable[[Any], Any], frame: str) -> None:
+        self._function, self.frame = function, frame
+
+    def get(self, component: Any) -> Any:
+        """The return value of the function."""
+        return self._function(component.local_data)
+
+
 class FromField(Source):
     """The value of a field, converted into the unit of the slot."""
+
+    is_of_data = True
 
     def __init__(self, name: str, field: DataField, factor: float, offset: float) -> None:
         self.fields, self.frame = (name,), field.frame
@@ -116,6 +135,8 @@ class FromField(Source):
 
 class Stack(Source):
     """Several numbers, stacked into an array."""
+
+    is_of_data = True
 
     def __init__(self, names: tuple[str | None, ...], frame: str, scales: tuple[tuple[float, float], ...]) -> None:
         self.fields, self.frame = names, frame
@@ -180,6 +201,8 @@ class Among(Source):
 
 class FromEuler(Source):
     """A quaternion from Euler angles."""
+
+    is_of_data = True
 
     def __init__(self, names: tuple[str | None, ...], frame: str, factor: float) -> None:
         self.fields, self.frame = names, frame
@@ -247,6 +270,8 @@ def source_of(slot: Slot, given: Any, fields: Mapping[str, DataField], units: Ma
         field = _field(given.field, fields)
         _check_shape(slot, given.field, field)
         return FromField(given.field, field, given.factor, 0.0)
+    if isinstance(given, Computed):
+        return FromData(given.function, fields[slot.name].frame if slot.name in fields else "")
     if isinstance(given, Mapped):
         _field(given.field, fields)
         unknown = [word for word in given.words.values() if slot.choices and word not in slot.choices]

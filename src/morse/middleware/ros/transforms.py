@@ -22,10 +22,11 @@ class TransformsOf14(Transforms):
     def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
         yield from ()
 
+    def _with_base(self) -> Iterator[Any]:
+        return (frames for frames in self._robots.values() if frames.source is not None)
+
     def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
         for frames in self._robots.values():
-            if frames.source is not None:
-                yield frames.odom, frames.base, frames.pose()
             for stream in frames.streams:
                 if hasattr(stream.component_instance, "lens") and stream.kwargs["pub_tf"]:
                     pose = stream.component_instance.sensor_to_robot_position_3d()

@@ -22,6 +22,7 @@ from morse.middleware.ros2.outlets import COMMAND
 from morse.middleware.ros2.robots import Robots
 from morse.middleware.ros2.rosout import LogTopic
 from morse.middleware.ros2.sending import Sender
+from morse.middleware.ros2.together import Together
 from morse.middleware.ros2.transforms import Transforms
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     Attributes:
         names: names of topics and frames.
         transforms: the tree of frames.
-        sender: sends images and clouds.
+        sender: sends images, clouds, and messages of sensors that act together.
+        together: sensors that act together.
         backend: transports the messages.
     """
 
@@ -64,6 +66,10 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         announce(self.backend, self.title)
         self._complaints = Complaints(logger)
         self.sender = Sender(lambda: self.backend.takes_threads and context.paced())
+        #: None if the backend takes other messages than CDR, or takes them in the tick only
+        self.together: Together | None = None
+        if self.backend.takes_threads and self.backend.is_cdr:
+            self.together = Together(context, self.sender, self.wants_transforms)
         #: topics by name: their type, and the component that publishes them
         self._claims: dict[str, tuple[str, str]] = {}
         self._publishers: dict[tuple[str, str, Qos], Publisher] = {}
@@ -193,7 +199,10 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     def closed(self, stream: Ros2Stream) -> None:
         """Release its topics; they stay open for a replacement of the component, so that readers stay connected."""
         name = stream.component_name
+        self.sender.finish()
         self.release(name)
+        if self.together is not None:
+            self.together.remove(stream)
         self._aliases = {alias: owner for alias, owner in self._aliases.items() if owner != name}
         if stream.direction == "OUT":
             self.transforms.remove(stream)
@@ -228,7 +237,10 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         if self._clock is not None and self._clock.wanted():
             self._publish(self._clock, _CLOCK, clock(stamp))
         if self._tf is not None:
-            self.transforms.publish(stamp, wanted=self._tf_is_due(stamp) and self._tf.wanted())
+            wanted = self._tf_is_due(stamp) and self._tf.wanted()
+            moving = self.transforms.publish(stamp, wanted=wanted)
+            if moving is not None:
+                self.sender.do(moving)
         self.robots.publish()
         if self._log is not None:
             self._log.publish(stamp)
@@ -236,6 +248,8 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
     def finalize(self) -> None:
         """Close all topics and leave the domain."""
         super().finalize()
+        if self.together is not None:
+            self.together.close()
         self.sender.close()
         if self._log is not None:
             self._log.close()

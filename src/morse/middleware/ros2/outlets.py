@@ -31,6 +31,9 @@ class Outlet(NamedTuple):
         takes_long: `make` takes so long that it is called in another thread while the simulation is paced by the wall
             clock. It must then use nothing but the message, whose arrays do not change.
         numbers: for messages of a header and a fixed number of numbers: returns these, which `make` describes by name.
+        has_child: whether the message has a ``child_frame_id`` after the header.
+        is_detached: `make` and `numbers` use nothing but the message, and the pose of a sensor in its rigid group; they
+            take vectors as sequences of numbers, too. Another thread may call them later.
     """
 
     type: str
@@ -43,6 +46,8 @@ class Outlet(NamedTuple):
     when: Callable[[], bool] | None = None
     takes_long: bool = False
     numbers: Callable[[Message], tuple[float, ...]] | None = None
+    has_child: bool = False
+    is_detached: bool = False
 
 
 class Inlet(NamedTuple):

@@ -33,7 +33,8 @@ def header(message: Message, frame: str) -> dict[str, Any]:
     return {"stamp": time(message.stamp), "frame_id": frame}
 
 
-def _floats(numbers: Any) -> list[float]:
+def floats(numbers: Any) -> list[float]:
+    """An array or a sequence of numbers as a list."""
     given: list[float] = numbers.tolist() if type(numbers) is np.ndarray else [float(number) for number in numbers]
     return given
 
@@ -42,7 +43,7 @@ def xyz(vector: Sequence[float] | None) -> dict[str, float]:
     """``Vector3`` or ``Point``; zero for None."""
     if vector is None:
         return {}
-    x, y, z = _floats(vector)
+    x, y, z = floats(vector)
     return {"x": x, "y": y, "z": z}
 
 
@@ -59,7 +60,7 @@ def xyzw(wxyz: Sequence[float] | None) -> tuple[float, float, float, float]:
     """The numbers of `quaternion`, in the order of ``Quaternion``."""
     if wxyz is None:
         return _NO_TURN
-    w, x, y, z = _floats(wxyz)
+    w, x, y, z = floats(wxyz)
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if not 0.0 < length < math.inf:
         return _NO_TURN
@@ -68,7 +69,7 @@ def xyzw(wxyz: Sequence[float] | None) -> tuple[float, float, float, float]:
 
 def three(vector: Sequence[float] | None) -> tuple[float, ...]:
     """The numbers of `xyz`."""
-    return (0.0, 0.0, 0.0) if vector is None else tuple(_floats(vector))
+    return (0.0, 0.0, 0.0) if vector is None else tuple(floats(vector))
 
 
 def covariance(matrix: Any) -> Any:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from morse.helpers.transformation import Transformation3d
-from morse.mathutils.rotations import quaternion_from_rotation, rotation_from_quaternion
+from morse.mathutils.rotations import cross, quaternion_from_rotation, rotation_from_quaternion, turn
+from morse.middleware.ros2.parts import floats
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,15 +24,15 @@ class Motion(NamedTuple):
     """
 
     pose: Transformation3d
-    linear: Any
-    angular: Any
+    linear: Sequence[float]
+    angular: Sequence[float]
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> Transformation3d:
     """A pose from a position and a unit quaternion w, x, y, z."""
     made = Transformation3d()
-    w, x, y, z = (float(number) for number in quaternion)
-    px, py, pz = (float(number) for number in position)
+    w, x, y, z = floats(quaternion)
+    px, py, pz = floats(position)
     made.set_pose((px, py, pz), rotation_from_quaternion(w, x, y, z))
     return made
 
@@ -63,10 +62,10 @@ def motion_of_robot(sensor: Transformation3d, linear: Any, angular: Any, mountin
         mounting: pose of the sensor on the robot.
     """
     pose = product(mounting, product(sensor, inverse(mounting)))
-    rotation = np.array(mounting.rotation_matrix, dtype=np.float64)
-    turning = rotation @ np.asarray(angular, dtype=np.float64)
+    offset, rotation = mounting.get_pose()
+    turning = turn(rotation, floats(angular))
     # velocities of two points of a rigid body differ by the cross product of the angular velocity and their offset
-    moving = rotation @ np.asarray(linear, dtype=np.float64) - np.cross(turning, [mounting.x, mounting.y, mounting.z])
+    moving = [v - w for v, w in zip(turn(rotation, floats(linear)), cross(turning, offset), strict=True)]
     return Motion(pose, moving, turning)
 
 

@@ -1,4 +1,4 @@
-"""A thread that encodes and sends images and clouds, so that the tick does not wait for them."""
+"""A thread that encodes and sends messages, so that the tick does not wait for them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 #: number of messages that wait; a tick with more of them waits, because none is dropped
-_MOST = 16
+_MOST = 32
 
 
 class Sender:
@@ -38,7 +38,7 @@ class Sender:
             work()
             return
         if self._thread is None:
-            self._thread = threading.Thread(target=self._serve, name="morse-ros2-images", daemon=True)
+            self._thread = threading.Thread(target=self._serve, name="morse-ros2", daemon=True)
             self._thread.start()
         self._queue.put(work)
 

@@ -10,26 +10,49 @@ from zlib import crc32
 import numpy as np
 
 from morse.core.kind_stream import KindStream
+from morse.helpers.transformation import Transformation3d
 from morse.middleware.ros2.cdr import CdrError, encode_stamped
 from morse.middleware.ros2.fields import field_outlet, unsaid
 from morse.middleware.ros2.mapping import STREAM_OPTIONS
 from morse.middleware.ros2.names import relative_name, robot_of
-from morse.middleware.ros2.parts import covariance, header, quaternion, xyz
+from morse.middleware.ros2.parts import covariance, header, quaternion, three, xyz, xyzw
 from morse.middleware.ros2.poses import OPTICAL_INVERSE, motion_of_robot, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
     from morse.core.kinds import BoundKind, Message
     from morse.core.object import Object
-    from morse.helpers.transformation import Transformation3d
     from morse.middleware.ros2.backends.backend import Publisher, Subscription
     from morse.middleware.ros2.outlets import Inlet, Outlet
+    from morse.middleware.ros2.poses import Motion
+    from morse.middleware.ros2.together import Together
+    from morse.physics.mounting import Mounting
 
 #: number of actions without a message after which a stream checks for senders of another type
 _PATIENCE = 120
+_UNKNOWN = (0.0,) * 36
 _UNFIT = (ValueError, TypeError, OverflowError, struct.error, RecursionError)
 
 
-class _Sending(NamedTuple):
+def _numbers(matrix: Any) -> Sequence[float]:
+    """The 36 numbers of a covariance; None becomes all zeros, which means unknown."""
+    if matrix is None:
+        return _UNKNOWN
+    found: list[float] = np.asarray(matrix, dtype=np.float64).reshape(-1).tolist()
+    return found
+
+
+def _placed(mounting: Mounting) -> Transformation3d:
+    """A pose in a rigid group."""
+    made = Transformation3d()
+    made.set_pose(mounting.offset, mounting.turned)
+    return made
+
+
+class Sending(NamedTuple):
+    """A topic that a stream publishes."""
+
     topic: str
     outlet: Outlet
     publisher: Publisher
@@ -59,7 +82,7 @@ class Ros2Stream(KindStream):
         # streams check in different ticks
         self._silence = crc32(self.component_name.encode()) % _PATIENCE
         self._prepared = self.manager.backend.is_cdr
-        self._sending: list[tuple[BoundKind, list[_Sending]]] = []
+        self.sending: list[tuple[BoundKind, list[Sending]]] = []
         self._hearing: list[_Hearing] = []
         for bound in self.kinds:
             method = self.manager.mapping(bound.kind.name, self.direction)
@@ -73,7 +96,7 @@ class Ros2Stream(KindStream):
                     for topic, subscription in self.manager.hear(self, bound, inlet)
                 ]
             else:
-                self._sending.append((bound, self._offered(bound, ports)))
+                self.sending.append((bound, self._offered(bound, ports)))
         odometry = [bound for bound in self.kinds if bound.kind.name == "odometry"]
         self._odometry = odometry[0] if odometry and self.gives_transform else None
         if self.direction == "OUT":
@@ -81,16 +104,21 @@ class Ros2Stream(KindStream):
             self.manager.robots.add(self)
             # a scene that was not made for ROS may have two odometry sensors
             self.manager.transforms.add(self, lenient="ros2" in self.manager.context.scene.interfaces)
+        together = self.manager.together
+        self._rigid: Transformation3d | None = None
+        self._together: Together | None = (
+            together if together is not None and together.takes(self, self.sending) else None
+        )
 
     def _offer_fields(self) -> None:
         if self.kwargs["fields"] and self.kinds:
             outlets = [field_outlet(self.component_instance, name) for name in unsaid(self.kinds)]
             main = next((kind for kind in self.kinds if not kind.topic), self.kinds[0])
-            self._sending.append((main, self._offered(main, outlets)))
+            self.sending.append((main, self._offered(main, outlets)))
 
-    def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[_Sending]:
+    def _offered(self, bound: BoundKind, outlets: list[Outlet]) -> list[Sending]:
         offers = [self.manager.offer(self, bound, outlet) for outlet in outlets]
-        return [_Sending(*offer) for offer in offers if offer is not None]
+        return [Sending(*offer) for offer in offers if offer is not None]
 
     # -- frames ------------------------------------------------------------------------------
 
@@ -118,14 +146,23 @@ class Ros2Stream(KindStream):
 
     def frames(self) -> set[str]:
         """The frames of the messages of the component."""
-        said = {line.outlet.frame for _, lines in self._sending for line in lines if line.outlet.frame}
+        said = {line.outlet.frame for _, lines in self.sending for line in lines if line.outlet.frame}
         return {bound.frame for bound in self.kinds} | said
 
     def mounting(self) -> Transformation3d:
         """The present pose of the component on its robot, X forward."""
-        pose = self.component_instance.sensor_to_robot_position_3d()
+        obj, body = self.component_instance.bge_object, self.robot.bge_object
+        if self.is_rigid():
+            # the same bits in all ticks
+            pose = _placed(body.mounting).transformation3d_with(_placed(obj.mounting))
+        else:
+            pose = self.component_instance.sensor_to_robot_position_3d()
         # the axes of a camera object are those of its image
         return product(pose, OPTICAL_INVERSE) if hasattr(self.component_instance, "lens") else pose
+
+    def is_rigid(self) -> bool:
+        """Whether the component is part of the body of the robot, in which only calls can move it."""
+        return bool(self.component_instance.bge_object.slot == self.robot.bge_object.slot)
 
     def master(self) -> Any:
         """The camera in whose frame the images or clouds of several cameras are; None for all other components."""
@@ -142,6 +179,45 @@ class Ros2Stream(KindStream):
         """Whether the transform from odom to base_link is derived from it."""
         return bool(self.kwargs["tf"]) and any(bound.kind.name == "odometry" for bound in self.kinds)
 
+    # -- acting together ---------------------------------------------------------------------
+
+    @property
+    def waiting(self) -> Collection[Any] | None:
+        """See `AbstractDatastream.waiting`."""
+        return None if self._together is None else ()
+
+    @property
+    def moves_frames(self) -> bool:
+        """Whether the frame of the robot follows from its messages."""
+        return self._odometry is not None
+
+    def is_ready(self, written: Collection[str]) -> bool:
+        """Whether its messages follow from these data fields, which are measured in each tick.
+
+        Messages about the robot also need the pose of the sensor on the robot, which must be constant.
+        """
+        if any(bound.needs is None or not bound.needs <= set(written) for bound, _ in self.sending):
+            return False
+        if not self._tells_of_robot():
+            return True
+        self._rigid = self.mounting()
+        return self.is_rigid()
+
+    def _tells_of_robot(self) -> bool:
+        return any(line.outlet.has_child for _, lines in self.sending for line in lines)
+
+    def move_frames(self, message: Message) -> None:
+        """Set the pose of the robot in the tree of frames, in the thread that publishes the tree."""
+        self.manager.transforms.moved(self, self._motion(message, self._rigid).pose)
+
+    def detached(self, line: Sending) -> Sending:
+        """A topic whose messages another thread may make; the pose on the robot is that found by `is_ready`."""
+        if not line.outlet.has_child:
+            return line
+        make = partial(self.odometry, mounting=self._rigid)
+        numbers = partial(self.odometry_numbers, mounting=self._rigid)
+        return line._replace(outlet=line.outlet._replace(make=make, numbers=numbers))
+
     # -- publishing --------------------------------------------------------------------------
 
     def default(self, ci: Object | None = None) -> bool:
@@ -155,29 +231,32 @@ class Ros2Stream(KindStream):
             if silent:
                 self._look_for_others()
             return super().default(ci)
-        for bound, lines in self._sending:
+        for bound, lines in self.sending:
             wanted = [line for line in lines if line.publisher.wanted()]
             moves = bound is self._odometry and self.manager.wants_transforms()
             if not wanted and not moves:
                 continue
             message = bound.gather()
             if moves:
-                self.manager.transforms.moved(self, self._motion(message).pose)
+                pose = self._motion(message, None).pose
+                self.manager.sender.do(partial(self.manager.transforms.moved, self, pose))
             for line in wanted:
                 if line.outlet.when is not None and not line.outlet.when():
                     continue
                 frame = self.frame_id(line.outlet.frame or message.frame)
                 if line.outlet.takes_long:
-                    self.manager.sender.do(partial(self._send, line, message, frame))
+                    self.manager.sender.do(partial(self.send, line, message, frame))
                 else:
-                    self._send(line, message, frame)
+                    self.send(line, message, frame)
         return False
 
-    def _send(self, line: _Sending, message: Message, frame: str) -> None:
+    def send(self, line: Sending, message: Message, frame: str) -> None:
+        """Encode and send a message."""
         try:
             outlet, backend = line.outlet, self.manager.backend
             if outlet.numbers is not None and self._prepared:
-                data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message))
+                child = self.child_frame_id() if outlet.has_child else None
+                data = encode_stamped(outlet.type, message.stamp, frame, outlet.numbers(message), child)
             else:
                 made = outlet.make(message, frame)
                 if made is None:
@@ -192,13 +271,27 @@ class Ros2Stream(KindStream):
         if not line.publisher.publish(data):
             self.complain(f"slow {line.topic}", f"a reader of {line.topic} is too slow: a message is lost")
 
-    def _motion(self, message: Message) -> Any:
+    def _motion(self, message: Message, mounting: Transformation3d | None) -> Motion:
         sensor = pose_of(message.position, message.orientation)
-        return motion_of_robot(sensor, message.linear, message.angular, self.mounting())
+        return motion_of_robot(sensor, message.linear, message.angular, mounting or self.mounting())
 
-    def odometry(self, message: Message, frame: str) -> dict[str, Any]:
-        """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted."""
-        pose, linear, angular = self._motion(message)
+    def odometry_numbers(self, message: Message, mounting: Transformation3d | None = None) -> tuple[float, ...]:
+        """The numbers of `odometry`."""
+        pose, linear, angular = self._motion(message, mounting)
+        return (
+            *three((pose.x, pose.y, pose.z)), *xyzw(quaternion_of(pose)), *_numbers(message.pose_covariance),
+            *three(linear), *three(angular), *_numbers(message.twist_covariance),
+        )  # fmt: skip
+
+    def odometry(self, message: Message, frame: str, mounting: Transformation3d | None = None) -> dict[str, Any]:
+        """``nav_msgs/Odometry`` of the robot, wherever the sensor is mounted.
+
+        Args:
+            message: of the sensor.
+            frame: of the pose.
+            mounting: pose of the sensor on the robot; None for the present one.
+        """
+        pose, linear, angular = self._motion(message, mounting)
         return {
             "header": header(message, frame),
             "child_frame_id": self.child_frame_id(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
@@ -12,7 +13,7 @@ from morse.middleware.ros2.parts import quaternion, time, xyz
 from morse.middleware.ros2.poses import OPTICAL_TURN, between, pose_of, quaternion_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     _Send = Callable[[dict[str, Any]], object]
 
@@ -47,11 +48,11 @@ class _RobotFrames:
         #: streams with a frame that keeps the axes of the world, independent of the robot
         self.upright: list[Ros2Stream] = []
 
-    def pose(self) -> Transformation3d:
-        """The pose of the robot in the frame odom."""
+    def true_pose(self) -> tuple[Transformation3d, Transformation3d] | None:
+        """The initial and the present pose of the robot in the world; None if its odometry moves it in the tree."""
         if self.source is not None:
-            return self.moved
-        return self.robot.initial_position_3d.transformation3d_with(Transformation3d(self.robot.bge_object))  # type: ignore[no-any-return]
+            return None
+        return self.robot.initial_position_3d, Transformation3d(self.robot.bge_object)
 
 
 class Transforms:
@@ -59,7 +60,7 @@ class Transforms:
 
     Args:
         localization: another node publishes the transform from map to odom.
-        send, send_static: send a ``tf2_msgs/TFMessage``.
+        send, send_static: send a ``tf2_msgs/TFMessage``; the first one may be called in another thread.
 
     Attributes:
         changed: whether the frames have changed since `publish` was called.
@@ -108,8 +109,8 @@ class Transforms:
 
     def moved(self, stream: Ros2Stream, pose: Transformation3d) -> None:
         """Set the odometry of a robot."""
-        frames = self._robots[stream.robot.name()]
-        if frames.source == stream.component_name:
+        frames = self._robots.get(stream.robot.name())
+        if frames is not None and frames.source == stream.component_name:
             frames.moved = pose
 
     def plain(self) -> list[tuple[str, str, Any]] | None:
@@ -126,15 +127,18 @@ class Transforms:
                 return None
         return [(frames.odom, frames.base, frames.robot) for frames in self._robots.values()]
 
-    def publish(self, stamp: int, *, wanted: bool) -> None:
-        """Send the moving transforms, and the fixed transforms if they have changed.
+    def publish(self, stamp: int, *, wanted: bool) -> Callable[[], object] | None:
+        """Send the fixed transforms if they have changed, and collect the moving transforms.
+
+        Returns:
+            A function that sends the moving transforms, in the thread that calls `moved`; None if nobody wants them.
 
         Args:
             stamp: simulated time, ns. Time 0 has a special meaning in tf, and is not sent.
             wanted: whether the moving transforms have subscribers.
         """
         if stamp <= 0:
-            return
+            return None
         if self.changed:
             self.changed = False
             for frames in self._robots.values():
@@ -143,8 +147,26 @@ class Transforms:
                 frames.fixed = [joint for joint in joints if joint.is_fixed]
                 frames.upright = [stream for stream in frames.streams if "down" in stream.frames()]
             self._send_static({"transforms": [transform(stamp, *one) for one in self._static()]})
-        if wanted and self._robots:
-            self._send({"transforms": [transform(stamp, *one) for one in self._moving()]})
+        if not wanted or not self._robots:
+            return None
+        bases = [(frames, frames.true_pose()) for frames in self._with_base()]
+        return partial(self._send_moving, stamp, bases, list(self._moving()))
+
+    def _with_base(self) -> Iterator[_RobotFrames]:
+        """The robots whose base is a frame that moves."""
+        yield from self._robots.values()
+
+    def _send_moving(
+        self,
+        stamp: int,
+        bases: Sequence[tuple[_RobotFrames, tuple[Transformation3d, Transformation3d] | None]],
+        others: Sequence[tuple[str, str, Transformation3d]],
+    ) -> None:
+        made = []
+        for frames, poses in bases:
+            pose = frames.moved if poses is None else poses[0].transformation3d_with(poses[1])
+            made.append(transform(stamp, frames.odom, frames.base, pose))
+        self._send({"transforms": [*made, *(transform(stamp, *one) for one in others)]})
 
     def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
         frames_of_world = set()
@@ -164,8 +186,8 @@ class Transforms:
             yield MAP, f"{MAP}_ned", pose_of((0.0, 0.0, 0.0), _NED)
 
     def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
+        """All frames that move, except the bases of the robots."""
         for frames in self._robots.values():
-            yield frames.odom, frames.base, frames.pose()
             for stream in frames.streams:
                 if stream.is_carried():
                     yield frames.base, stream.own_frame(), stream.mounting()

@@ -29,13 +29,13 @@ class SensingKinds:
     @maps("imu")
     def imu(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``data``, as in REP 145."""
-        return [Outlet("sensor_msgs/msg/Imu", _imu, "data")]
+        return [Outlet("sensor_msgs/msg/Imu", _imu, "data", is_detached=True)]
 
     @maps("magnetic_field")
     def magnetic_field(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """On ``mag`` beside an imu."""
         beside = any(other.kind.name == "imu" for other in stream.kinds)
-        return [Outlet("sensor_msgs/msg/MagneticField", _magnetic_field, "mag" if beside else "")]
+        return [Outlet("sensor_msgs/msg/MagneticField", _magnetic_field, "mag" if beside else "", is_detached=True)]
 
     @maps("fix")
     def fix(self, stream: Any, bound: BoundKind) -> list[Outlet]:

@@ -36,7 +36,7 @@ class SpatialKinds:
     def pose(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """A point if there is no orientation."""
         if not bound.has("orientation"):
-            return [Outlet("geometry_msgs/msg/PointStamped", _point)]
+            return [Outlet("geometry_msgs/msg/PointStamped", _point, is_detached=True)]
         if bound.has("covariance"):
             return [
                 Outlet(
@@ -52,6 +52,7 @@ class SpatialKinds:
                 "geometry_msgs/msg/PoseStamped",
                 lambda m, f: {"header": header(m, f), "pose": _pose(m)},
                 numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
+                is_detached=True,
             )
         ]
 
@@ -73,6 +74,7 @@ class SpatialKinds:
                 "geometry_msgs/msg/TwistStamped",
                 lambda m, f: {"header": header(m, f), "twist": _twist(m)},
                 numbers=lambda m: (*three(m.linear), *three(m.angular)),
+                is_detached=True,
             )
         ]
 
@@ -94,7 +96,15 @@ class SpatialKinds:
     @maps("odometry")
     def odometry(self, stream: Any, bound: BoundKind) -> list[Outlet]:
         """Odometry of the robot, wherever the sensor is mounted; the transform of base_link is derived from it."""
-        return [Outlet("nav_msgs/msg/Odometry", stream.odometry)]
+        return [
+            Outlet(
+                "nav_msgs/msg/Odometry",
+                stream.odometry,
+                numbers=stream.odometry_numbers,
+                has_child=True,
+                is_detached=True,
+            )
+        ]
 
     @maps("wrench")
     def wrench(self, stream: Any, bound: BoundKind) -> list[Outlet]:
