@@ -13,10 +13,12 @@ from urllib.parse import urlsplit
 from websockets.asyncio.server import broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
+from morse.core.complaints import Complaints
+from morse.core.web_crowd import MOST_WAITING, Crowd, Pace
 from morse.viewer import page_messages as pm
 from morse.viewer.page import Page
 from morse.viewer.protocol import MAX_MESSAGE, VERSION, Close, NotUnderstood, decode_page_message, encode_server_message
-from morse.viewer.requests import Requests
+from morse.viewer.requests import MOST_REQUESTS, PageLeft, Requests
 from morse.viewer.seat import Seat
 from morse.viewer.site import Site, refuse
 from morse.viewer.view_messages import Answer, Refused, Welcome
@@ -33,9 +35,19 @@ if TYPE_CHECKING:
 MOST_EVENTS = 1000
 """Maximum number of events that wait for the simulation."""
 
+MOST_PAGES = 128
+"""Maximum number of connected pages."""
+
+#: maximum number of connections, also those that fetch files or have not sent a request
+_MOST_CONNECTIONS = 256
+#: seconds between two evaluations of what all pages show together
+_INTERVAL = 0.02
 _PATIENCE = 300.0  # s: time for a large scene over a slow connection
 _FIRST_MESSAGE = 10.0  # s
 _GREETING = "/ws"
+
+
+logger = logging.getLogger("morse.viewer")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +89,12 @@ class Hub:
         self._lasting: dict[Subject, str | bytes] = {}
         self._server: Server | None = None
         self._cookie = ""
+        self._seat_told = ""
+        self._evaluation: asyncio.TimerHandle | None = None
+        self._wishes_waiting = False
+        self._complaints = Complaints(logger)
+        self._crowd = Crowd(_MOST_CONNECTIONS, lambda text: self._complaints.warn("crowd", f"live view: {text}"))
+        self._pace = Pace()
         self._quiet = logging.Logger("morse.viewer.connections", logging.CRITICAL + 1)  # no log of invalid requests
 
     @property
@@ -98,8 +116,10 @@ class Hub:
                     host,
                     port,
                     process_request=self._answer,
+                    create_connection=self._crowd.connection,  # type: ignore[arg-type] # a factory is sufficient
                     compression=None,
                     max_size=MAX_MESSAGE,
+                    max_queue=MOST_WAITING,
                     open_timeout=_PATIENCE,
                     close_timeout=_PATIENCE,
                     logger=self._quiet,
@@ -141,7 +161,10 @@ class Hub:
     # requests ------------------------------------------------------------------------------------
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
-        path = urlsplit(request.path).path
+        try:
+            path = urlsplit(request.path).path
+        except ValueError:
+            return refuse(HTTPStatus.BAD_REQUEST, "The path is not valid.")
         try:
             secret = path == _GREETING or self.site.is_secret(path)
             refusal = self.access.refusal(request.path, request.headers, secret=secret, cookie=self._cookie)
@@ -150,7 +173,10 @@ class Hub:
         if refusal is not None:
             return refuse(HTTPStatus.FORBIDDEN, refusal)
         if path == _GREETING:
-            return None
+            if len(self._pages) < MOST_PAGES:
+                return None
+            self._complaints.warn("full", f"live view: a page is refused: there are {MOST_PAGES} pages")
+            return refuse(HTTPStatus.SERVICE_UNAVAILABLE, f"There are {MOST_PAGES} pages already: close some.")
         return self.site.respond(path, request.headers, self.access.cookie(request.path, self._cookie))
 
     async def _serve(self, connection: ServerConnection) -> None:
@@ -161,8 +187,11 @@ class Hub:
             if page is None:
                 return
             sender = asyncio.create_task(page.send_forever())
+            spent = 0.0
             async for frame in connection:
+                begin = self._pace.now()
                 self._receive(page, decode_page_message(frame))
+                spent = await self._pace.rest(spent + self._pace.now() - begin)
         except NotUnderstood as error:
             reason = f"Not understood: {error}".encode(errors="replace")[:120].decode(errors="ignore")  # RFC 6455: 123
             await connection.close(Close.NOT_UNDERSTOOD, reason)
@@ -199,7 +228,8 @@ class Hub:
     def _leave(self, page: Page) -> None:
         del self._pages[page.number]
         self._drop_drag(page)
-        self._requests.forget(page.number)
+        if unanswered := self._requests.forget(page.number):
+            self.events.append(PageLeft(unanswered))
         self.seat.leave(page.number, list(self._pages))
         self._seat_changed()
         self._wishes_changed()
@@ -236,6 +266,8 @@ class Hub:
                 self._refuse(page, message, "another page drives: request control first")
             case pm.ViewEvent() if len(self.events) >= MOST_EVENTS:
                 self._refuse(page, message, "the simulation is busy with earlier requests")
+            case pm.ViewEvent() if self._requests.is_full(page.number, message):
+                self._refuse(page, message, f"{MOST_REQUESTS} requests of this page are active: wait until they end")
             case pm.ViewEvent():
                 if isinstance(message, pm.Drag | pm.DragEnd):
                     self._dragging = page.number if isinstance(message, pm.Drag) else None
@@ -264,12 +296,31 @@ class Hub:
 
     def _tell(self, page: Page, message: ServerMessage) -> None:
         page.tell(message.subject(), encode_server_message(message))
+        if page.hopeless:
+            page.connection.transport.abort()
 
     def _seat_changed(self) -> None:
         message = self.seat.message(len(self._pages))
-        self.broadcast(message.subject(), encode_server_message(message), lasting=False)
+        frame = str(encode_server_message(message))
+        if frame != self._seat_told:
+            self._seat_told = frame
+            self.broadcast(message.subject(), frame, lasting=False)
 
     def _wishes_changed(self) -> None:
+        """Evaluate the wishes now, or soon if a page changes them again and again."""
+        if self._evaluation is None:
+            self._evaluate()
+            self._evaluation = asyncio.get_running_loop().call_later(_INTERVAL, self._evaluate_again)
+        else:
+            self._wishes_waiting = True
+
+    def _evaluate_again(self) -> None:
+        self._evaluation = None
+        if self._wishes_waiting:
+            self._wishes_changed()
+
+    def _evaluate(self) -> None:
+        self._wishes_waiting = False
         shown = [page.watch for page in self._pages.values() if page.watch is not None]
         self.wishes = Wishes(
             values=frozenset(name for watch in shown for name in watch.values),

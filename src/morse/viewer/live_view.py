@@ -29,12 +29,13 @@ from morse.viewer.inputs.moving import Moving
 from morse.viewer.inputs.service_calls import ServiceCalls
 from morse.viewer.notebook import Frame, frame
 from morse.viewer.opening import has_display
+from morse.viewer.requests import PageLeft
 from morse.viewer.server import ViewServer
 from morse.viewer.snapshot import MovingNode, Snapshot
 from morse.viewer.view_messages import Appearance, Listening, Pace, Tree, Viewpoint
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import numpy as np
     from numpy.typing import NDArray
@@ -49,6 +50,8 @@ _SNAPSHOT_INTERVAL = 1.0 / 125.0
 _UNPACED_INTERVAL = 1.0 / 30.0
 #: ticks that take longer than this, s, are all shown: compared with them, a snapshot is cheap
 _LONG_TICK = 0.01
+#: time that a tick takes for the requests of pages, s; the rest waits for the next tick
+_LONGEST = 0.005
 #: wall-clock seconds between two updates of the values that pages show
 _VALUES_INTERVAL = 1.0 / 20.0
 
@@ -131,6 +134,7 @@ class View(Observer):
             page.Teleport: self._moving.teleport,
             page.Drag: self._moving.drag,
             page.DragEnd: self._moving.let_go,
+            PageLeft: self._services.forget,
         }
 
     @property
@@ -166,12 +170,21 @@ class View(Observer):
 
     def before_tick(self) -> None:
         """Execute the requests of the driving page."""
-        for event in self._server.take_events():
+        server = self._server
+        if events := server.take_events():
+            self._handle(events)
+        self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
+
+    def _handle(self, events: Sequence[page.ViewEvent]) -> None:
+        """Execute requests, for a few milliseconds."""
+        begin = time.perf_counter()
+        for number, event in enumerate(events, 1):
             handler = self._handlers.get(type(event))
             if handler is not None:
                 handler(event)
-        server = self._server
-        self._simulation.set_controls(server.held_keys(), tuple(server.gamepad()[0]), self._listening)
+            if time.perf_counter() - begin > _LONGEST:
+                self._server.put_back(events[number:])
+                return
 
     def after_tick(self) -> None:
         """Show the changes of the tick."""

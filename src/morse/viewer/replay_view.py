@@ -12,6 +12,7 @@ from morse.viewer.feeds.recorded_pictures import RecordedPicturesFeed
 from morse.viewer.feeds.recorded_values import RecordedValuesFeed
 from morse.viewer.feeds.recorded_world import cast_rays
 from morse.viewer.live_view import View
+from morse.viewer.requests import PageLeft
 from morse.viewer.view_messages import History, Refused
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ class ReplayView(View):
             page.Quit: lambda _: self.end(),
             page.ListenTo: lambda _: None,
             page.ToggleCapturing: lambda _: None,
+            PageLeft: lambda _: None,
         }
         self._handlers = {**refused, **own}
 

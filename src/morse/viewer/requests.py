@@ -6,11 +6,23 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from morse.viewer.page_messages import CancelService
+from morse.viewer.page_messages import CancelService, ViewEvent
 
 if TYPE_CHECKING:
-    from morse.viewer.page_messages import ViewEvent
     from morse.viewer.view_messages import Answer
+
+MOST_REQUESTS = 256
+"""Maximum number of requests of one page that have no answer yet."""
+
+
+class PageLeft(ViewEvent, frozen=True):
+    """A page has disconnected; no page can send this message.
+
+    Attributes:
+        requests: its requests that have no answer yet.
+    """
+
+    requests: list[int]
 
 
 class Requests:
@@ -32,11 +44,20 @@ class Requests:
             self._asked[number] = (page, own)
         return msgspec.structs.replace(event, request=number)
 
+    def is_full(self, page: int, event: ViewEvent) -> bool:
+        """Whether a page has too many requests without an answer to send another one."""
+        if isinstance(event, CancelService) or getattr(event, "request", None) is None:
+            return False
+        return sum(asked[0] == page for asked in self._asked.values()) >= MOST_REQUESTS
+
     def take(self, answer: Answer) -> tuple[int, Answer]:
         """The page that sent the request (0: disconnected, or already answered), and the answer for the page."""
         page, own = self._asked.pop(answer.request, (0, 0))
         return page, msgspec.structs.replace(answer, request=own)
 
-    def forget(self, page: int) -> None:
-        """Forget the requests of a page that has disconnected."""
-        self._asked = {number: asked for number, asked in self._asked.items() if asked[0] != page}
+    def forget(self, page: int) -> list[int]:
+        """Forget the requests of a page that has disconnected; returns those without an answer."""
+        unanswered = [number for number, asked in self._asked.items() if asked[0] == page]
+        for number in unanswered:
+            del self._asked[number]
+        return unanswered

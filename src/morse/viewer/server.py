@@ -33,6 +33,8 @@ logger = logging.getLogger("morse.viewer")
 
 _SHORTEST_INTERVAL = 1.0 / 125.0
 """Minimum wall-clock seconds between two snapshots: no screen shows more."""
+#: number of descriptions of the world that are kept, for pages that still fetch an earlier one
+_DESCRIPTIONS = 8
 
 
 class ViewServer:
@@ -139,6 +141,8 @@ class ViewServer:
         files[url] = File("application/json", description, lasting=False)
         self._moving = len(moving)
         self._network.post(self._hub.site.files.update, files)
+        # each spawned object makes a new description
+        self._network.post(self._hub.site.files.pop, f"/worlds/{self._revision - _DESCRIPTIONS}.json", None)
         self.send(World(self._revision, url))
 
     def offer(self, folder: str, mime: str, data: bytes) -> str:
@@ -214,6 +218,10 @@ class ViewServer:
             self._dragging = False
             events.append(DragEnd())
         return events
+
+    def put_back(self, events: Sequence[ViewEvent]) -> None:
+        """Return the last ones of the taken requests, because the tick has no more time for them."""
+        self._hub.events.extendleft(reversed(events))
 
     def held_keys(self) -> frozenset[str]:
         """Pressed keys (``KeyboardEvent.code``) of the driving page; none if it is hidden, silent or disconnected.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import socket
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ from morse.core.exceptions import MorseError
 from morse.middleware.rosbridge.hub import RosbridgeHub
 from morse.middleware.web.client import WebClient
 from morse.middleware.web.hub import hub_of
+from morse.middleware.web.topics import WebInlet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -292,6 +294,26 @@ def test_there_are_not_more_clients_than_allowed(start: Callable[..., tuple[Any,
     assert caught.value.response.status_code == 503
     for client in clients:
         client.socket.close()
+
+
+def test_connections_that_send_nothing_do_not_keep_clients_out(start: Callable[..., tuple[Any, int]]) -> None:
+    sim, port = start(options=", most_clients=1")
+    silent = [socket.create_connection(("127.0.0.1", port), timeout=60.0) for _ in range(70)]
+    assert silent[0].recv(1) == b"", "the oldest one is closed"
+    client = Client(sim, port)
+    client.send(op="call_service", service="/rosapi/nodes", id="here")
+    client.until(id="here")
+    for one in (*silent, client.socket):
+        one.close()
+
+
+def test_only_the_latest_of_many_large_commands_wait() -> None:
+    inlet = WebInlet(None, "/topic")  # type: ignore[arg-type] # not closed here
+    for number in range(32):
+        inlet.put(bytes([number]) * 100_000)
+    waiting = inlet.take()
+    assert sum(map(len, waiting)) <= 1 << 20
+    assert waiting[-1][0] == 31
 
 
 def test_who_does_not_read_misses_messages_and_stops_nobody(start: Callable[..., tuple[Any, int]]) -> None:

@@ -11,12 +11,12 @@ from websockets.exceptions import ConnectionClosed
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
+    from morse.core.web_crowd import Pace
+
 MOST_BYTES = 16 << 20
 """Maximum size of the send queue of a client, bytes; newer data replace older data."""
 
 _MOST_TOLD = 4096
-#: maximum number of messages of a client in one period, and its length, s
-_MOST_RECEIVED, _PERIOD = 500, 0.1
 
 
 class WebClient:
@@ -38,7 +38,6 @@ class WebClient:
         self._of_key: dict[object, deque[int]] = {}
         self._serial = self._size = self._told = 0
         self._wake = asyncio.Event()
-        self._received, self._period_ends = 0, 0.0
 
     @property
     def is_behind(self) -> bool:
@@ -123,14 +122,10 @@ class WebClient:
 
     # -- receiving ---------------------------------------------------------------------------
 
-    async def receive_forever(self) -> None:
-        """Receive messages until the connection is closed; a client that sends too fast is throttled."""
-        loop = asyncio.get_running_loop()
+    async def receive_forever(self, pace: Pace) -> None:
+        """Receive messages until the connection is closed; a client that sends too much is throttled."""
+        spent = 0.0
         async for frame in self.connection:
+            begin = pace.now()
             self.received(frame)
-            now = loop.time()
-            if now >= self._period_ends:
-                self._received, self._period_ends = 0, now + _PERIOD
-            self._received += 1
-            if self._received >= _MOST_RECEIVED:
-                await asyncio.sleep(self._period_ends - now)
+            spent = await pace.rest(spent + pace.now() - begin)

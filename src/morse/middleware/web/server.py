@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from morse.core.complaints import Complaints
 from morse.core.exceptions import MorseMiddlewareError
 from morse.core.web_access import Access
+from morse.core.web_crowd import MOST_WAITING, Crowd, Pace
 from morse.middleware.web.client import WebClient
 
 if TYPE_CHECKING:
@@ -30,10 +31,12 @@ _C = TypeVar("_C", bound=WebClient)
 
 logger = logging.getLogger(__name__)
 
-MAX_MESSAGE = 4 << 20
+MAX_MESSAGE = 1 << 20
 """Maximum size of a message of a client, bytes."""
 
 _TRIES = 10
+#: maximum number of connections that have not opened a WebSocket
+_UNFINISHED = 64
 #: addresses of all networks
 _ALL = ("0.0.0.0", "::", "")
 #: timeouts for the handshake, for the response to a ping, and for closing, s
@@ -77,6 +80,9 @@ class WebServer(Generic[_C]):
         self.clients: set[_C] = set()
         self.port = 0
         self.complaints = Complaints(logger)
+        most = self._most + _UNFINISHED
+        self._crowd = Crowd(most, lambda text: self.complaints.warn("crowd", f"{name}: {text}"))
+        self._pace = Pace()
         self._server: Server | None = None
         self._quiet = logging.Logger(
             "morse.middleware.web.connections", logging.CRITICAL + 1
@@ -120,7 +126,9 @@ class WebServer(Generic[_C]):
                     process_request=self._check,
                     subprotocols=self._subprotocols or None,  # type: ignore[arg-type] # words are subprotocols
                     compression=None,
+                    create_connection=self._crowd.connection,  # type: ignore[arg-type] # a factory is sufficient
                     max_size=MAX_MESSAGE,
+                    max_queue=MOST_WAITING,
                     open_timeout=_PATIENCE,
                     ping_timeout=_SILENCE,
                     close_timeout=_FAREWELL,
@@ -172,7 +180,7 @@ class WebServer(Generic[_C]):
         sender = asyncio.create_task(client.send_forever())
         try:
             client.begin()
-            await client.receive_forever()
+            await client.receive_forever(self._pace)
         except ConnectionClosed:
             pass  # a client may disconnect at any time
         except Exception as error:  # an error of one client must not affect the others

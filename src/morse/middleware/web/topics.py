@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 #: limits of the messages of a topic that wait for the next action of an actuator: number and bytes
-_MOST_ARRIVED, _MOST_BYTES = 64, 8 << 20
+_MOST_ARRIVED, _MOST_BYTES = 64, 1 << 20
 #: maximum number of ticks whose messages wait for the network thread
 _MOST_TICKS = 32
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from morse.core.context import Context
     from morse.viewer import page_messages as page
     from morse.viewer.inputs.commands import Commands
+    from morse.viewer.requests import PageLeft
     from morse.viewer.server import ViewServer
 
 
@@ -105,6 +106,12 @@ class ServiceCalls(RequestManager):
         for request_id, request in list(self._pending.items()):
             if request == event.request:
                 self.abort_request(request_id)
+
+    def forget(self, event: PageLeft) -> None:
+        """End the running services of a page that has disconnected, if they are only for that page."""
+        for request_id, request in list(self._pending.items()):
+            if request in event.requests:
+                self.abandon(request_id)
 
     def set_property(self, event: page.SetProperty) -> None:
         """Change a property."""
