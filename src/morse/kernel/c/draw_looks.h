@@ -1,28 +1,43 @@
-// Eight samples to shade, of any pixels of a tile.
+// Samples to shade, eight at a time, of any pixels of a tile.
 #pragma once
 #include "drawing.h"
 #include "simd.h"
 
 typedef struct {
-    F8 x, y, share;          // position in the image, and share of the pixel
+    F8 x, y;                 // position in the image
     F8 inverse, nx, ny, nz;  // 1 / depth; the normal, not normalised
     F8 r, g, b, er, eg, eb, metallic, roughness;
     F8 u, v, ux, vx, uy, vy;  // texture coordinates and their changes to the right and down
     I8 none, plain, texture;
-    int32_t pixel[LANES];
 } Looks;
 
-// Number of groups of samples that are shaded one after the other: they are stored long before they are loaded.
-#define MOST_GROUPS 8
+// The interpolated attributes of a triangle, in lanes: the normal; the texture coordinates and 1, times the factor of
+// all edges; 1 / depth.
+enum { NORMAL_X, NORMAL_Y, NORMAL_Z, TEXTURE_U, TEXTURE_V, WHOLE, INVERSE };
 
-// Attributes of a triangle as planes: normals, texture coordinates and the sum of its edges.
+// The attributes as planes: their changes to the right and down, and their values at pixel 0, 0.
 typedef struct {
-    float normal[3][3], uv[2][3], whole[3];
-    int32_t who;
+    F8 across, down, start;
+    int32_t who, material;
 } Planes;
 
 // Size of the cache: most triangles are visible again in the next row.
 #define MOST_PLANES 64
 
-static inline float at_point(const float *p, float x, float y) { return p[0] * x + p[1] * y + p[2]; }
-static inline F8 at_points(const float *p, F8 x, F8 y) { return p[0] * x + p[1] * y + p[2]; }
+// Eight samples before they are shaded: a row of attributes for each.
+typedef struct {
+    F8 value[LANES], across[LANES], down[LANES];
+    F8 x, y;
+    int32_t pixel[LANES], material[LANES];
+    float share[LANES];  // of the pixel
+} Points;
+
+// Number of groups of samples that are shaded one after the other: they are stored long before they are loaded.
+#define MOST_GROUPS 8
+
+static inline F8 at_point(const Planes *p, float x, float y) { return p->across * x + p->down * y + p->start; }
+
+// An attribute of eight samples.
+static inline F8 at_points(const Planes *p, int which, F8 x, F8 y) {
+    return p->across[which] * x + p->down[which] * y + p->start[which];
+}

@@ -17,10 +17,16 @@
 
 MORSE_EXPORT void morse_draw_pixels(Frame *f);
 
+// Triangles of a material in a pixel are shaded together if the cosine of the angle between their normals is larger,
+// and the relative difference of their 1 / depth is smaller.
+#define ALIKE 0.95f
+#define APART 0.125f
+
 // What a thread needs for a tile.
 typedef struct {
     Tile tile;
-    Looks one, some[MOST_GROUPS];  // samples of the same triangle, and samples of different triangles
+    Looks one;                 // samples of the same triangle
+    Points some[MOST_GROUPS];  // samples of different triangles
     int32_t some_count;
     F8 total[3][COLUMNS * LANES * BLOCK_ROWS];  // colours of the pixels of rows with different triangles
     uint8_t mixed[COLUMNS * LANES * BLOCK_ROWS];
@@ -60,19 +66,33 @@ static inline void write_colours(const Frame *f, V3 c, int count, uint8_t (*to)[
     }
 }
 
+// The attributes of a sample.
+static inline void set_point(const Frame *f, Work *w, int number, int32_t who, float x, float y) {
+    Points *p = w->some + number / LANES;
+    const int j = number % LANES;
+    p->x[j] = x, p->y[j] = y;
+    if (who < 0) {
+        p->value[j] = NO_ATTRIBUTES, p->across[j] = p->down[j] = splat(0);
+        p->material[j] = -1;
+        return;
+    }
+    const Planes *plane = planes_of(f, w->planes, who);
+    p->value[j] = at_point(plane, x, y), p->across[j] = plane->across, p->down[j] = plane->down;
+    p->material[j] = plane->material;
+}
+
 // Shades the collected samples, and adds them to their pixels.
 static void finish(const Frame *f, const Camera *k, Work *w) {
     const int count = w->some_count;
-    for (int j = count; j % LANES; j++) {
-        Looks *l = w->some + j / LANES;
-        look_at(f, w->planes, l, j % LANES, l->x[0], l->y[0], -1);
-    }
+    for (int j = count; j % LANES; j++) set_point(f, w, j, -1, w->some[j / LANES].x[0], w->some[j / LANES].y[0]);
     for (int i = 0; i < count; i += LANES) {
-        Looks *l = w->some + i / LANES;
-        const V3 c = shade(f, k, l);
+        const Points *p = w->some + i / LANES;
+        Looks l;
+        look_at_points(f, &l, p);
+        const V3 c = shade(f, k, &l);
         EACH(j, count - i < LANES ? count - i : LANES) {
-            const int row = l->pixel[j] / LANES, lane = l->pixel[j] % LANES;
-            const float share = l->share[j];
+            const int row = p->pixel[j] / LANES, lane = p->pixel[j] % LANES;
+            const float share = p->share[j];
             w->total[0][row][lane] += c.x[j] * share, w->total[1][row][lane] += c.y[j] * share;
             w->total[2][row][lane] += c.z[j] * share;
         }
@@ -80,16 +100,51 @@ static void finish(const Frame *f, const Camera *k, Work *w) {
     w->some_count = 0;
 }
 
-static inline void add_look(const Frame *f, const Camera *k, Work *w, int pixel, float x, float y, int32_t who,
-                            float share) {
-    Looks *l = w->some + w->some_count / LANES;
-    const int j = w->some_count % LANES;
-    l->pixel[j] = pixel, l->share[j] = share;
-    look_at(f, w->planes, l, j, x, y, who);
-    if (++w->some_count == MOST_GROUPS * LANES) finish(f, k, w);
+// Whether two samples of a material are nearly on one plane.
+static inline int alike(const float *a, const float *b) {
+    const float cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    const float most = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]) * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+    return cosine > 0 && cosine * cosine > ALIKE * ALIKE * most && fabsf(a[INVERSE] - b[INVERSE]) < APART * a[INVERSE];
 }
 
-// Eight pixels of different triangles: samples of a pixel that show the same triangle are merged.
+// The first of the samples from `first` to `end` with which the sample at `end` is shaded; `end` if none is.
+static int shaded_with(const Frame *f, const Work *w, int first, int end) {
+    const int32_t material = w->some[end / LANES].material[end % LANES];
+    if (material < 0 || f->materials[material].texture >= 0) return end;
+    const float *mine = (const float *)&w->some[end / LANES].value[end % LANES];
+    for (int n = first; n < end; n++) {
+        const Points *p = w->some + n / LANES;
+        if (p->material[n % LANES] == material && alike((const float *)&p->value[n % LANES], mine)) return n;
+    }
+    return end;
+}
+
+// Collects the samples of a pixel that shows different triangles.
+static void collect_pixel(const Frame *f, Work *w, int pixel, float x, float y, const int32_t *who) {
+    int32_t kinds[MOST_SAMPLES], shares[MOST_SAMPLES];
+    const int first = w->some_count, samples = f->sample_count;
+    int end = first;
+    EACH(n, samples) {
+        int at = first;
+        while (at < end && kinds[at - first] != who[n]) at++;
+        if (at == end) {
+            const float *by = f->samples + 2 * n;
+            set_point(f, w, end, who[n], x + by[0], y + by[1]);
+            at = shaded_with(f, w, first, end);
+        }
+        if (at < end)
+            shares[at - first]++;
+        else
+            kinds[end - first] = who[n], shares[end - first] = 1, end++;
+    }
+    for (int n = first; n < end; n++) {
+        Points *p = w->some + n / LANES;
+        p->pixel[n % LANES] = pixel, p->share[n % LANES] = (float)shares[n - first] / (float)samples;
+    }
+    w->some_count = end;
+}
+
+// Eight pixels of different triangles.
 static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, int x, int y, int count) {
     const Tile *t = &w->tile;
     const int row = block * BLOCK_ROWS + r, samples = t->samples;
@@ -99,21 +154,17 @@ static void collect(const Frame *f, const Camera *k, Work *w, int block, int r, 
     for (int n = 1; n < samples; n++) other |= t->shown[block][n][r] ^ t->shown[block][0][r];
     EACH(j, count) {
         const float px = (float)(x + j) + 0.5f, py = (float)y + 0.5f;
+        if (w->some_count + MOST_SAMPLES > MOST_GROUPS * LANES) finish(f, k, w);
         int32_t who[MOST_SAMPLES];
-        who[0] = t->shown[block][0][r][j];
-        if (!other[j]) {
-            add_look(f, k, w, row * LANES + j, px + f->samples[0], py + f->samples[1], who[0], 1);
+        EACH(n, samples) who[n] = t->shown[block][n][r][j];
+        if (other[j]) {
+            collect_pixel(f, w, row * LANES + j, px, py, who);
             continue;
         }
-        for (int n = 1; n < samples; n++) who[n] = t->shown[block][n][r][j];
-        EACH(n, samples) {
-            int same = 1, known = 0;
-            EACH(o, n) known |= who[o] == who[n];
-            if (known) continue;
-            for (int o = n + 1; o < samples; o++) same += who[o] == who[n];
-            const float *by = f->samples + 2 * n;
-            add_look(f, k, w, row * LANES + j, px + by[0], py + by[1], who[n], (float)same / (float)samples);
-        }
+        const int at = w->some_count++;
+        set_point(f, w, at, who[0], px + f->samples[0], py + f->samples[1]);
+        Points *p = w->some + at / LANES;
+        p->pixel[at % LANES] = row * LANES + j, p->share[at % LANES] = 1;
     }
 }
 
@@ -136,8 +187,8 @@ static void write_normals(const Frame *f, const Camera *k, Planes *cache, I8 sho
     EACH(j, count) {
         float n[3] = {0, 0, 0};
         if (shown[j] >= 0) {
-            const Planes *p = planes_of(f, cache, shown[j]);
-            EACH(i, 3) n[i] = at_point(p->normal[i], (float)(x + j) + 0.5f, fy);
+            const F8 at = at_point(planes_of(f, cache, shown[j]), (float)(x + j) + 0.5f, fy);
+            EACH(i, 3) n[i] = at[i];
         }
         const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         const float factor = 1 / sqrtf(square > 1e-30f ? square : 1e-30f);
@@ -218,7 +269,7 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
 void morse_draw_pixels(Frame *f) {
     Work w;
     // lanes without a texture are computed, too
-    memset(&w.one, 0, sizeof w.one), memset(w.some, 0, sizeof w.some);
+    memset(&w.one, 0, sizeof w.one);
     EACH(i, MOST_PLANES) w.planes[i].who = -1;
     for (int64_t t; (t = take(f)) < f->tile_count;) draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
 }

@@ -1,75 +1,126 @@
 // Attributes of the surfaces at samples.
 #pragma once
+#include <string.h>
+
 #include "draw_looks.h"
 
-// The interpolated attributes of a triangle, from the cache or computed.
-static const Planes *planes_of(const Frame *f, Planes *cache, int32_t who) {
+// What samples without a surface have: the normal Z, 1 / depth = 1, and a material.
+static const F8 NO_ATTRIBUTES = {0, 0, 1, 0, 0, 1, 1};
+static const Surface NO_SURFACE = {.roughness = 1, .texture = -1};
+
+// The attributes of a vertex, with the normal in the world.
+static inline F8 attributes_of(const Vertex *v, F8 x, F8 y, F8 z, float facing) {
+    F8 a = (x * v->n[0] + y * v->n[1] + z * v->n[2]) * facing;
+    a[TEXTURE_U] = v->uv[0], a[TEXTURE_V] = v->uv[1], a[WHOLE] = 1;
+    return a;
+}
+
+// The planes of a triangle, from the cache or computed.
+static inline const Planes *planes_of(const Frame *f, Planes *cache, int32_t who) {
     Planes *p = cache + (who & (MOST_PLANES - 1));
     if (p->who == who) return p;
     const Seen *s = f->seen + who;
     const Part *part = f->parts + s->part;
     const Vertex *base = f->vertices + f->clusters[part->cluster].vertex;
     const int32_t *c = f->triangles[s->triangle];
-    const Vertex *v[3] = {base + c[0], base + c[1], base + c[2]};
-    const float *turn = f->turns[part->instance], facing = s->back ? -1.0f : 1.0f;
-    float n[3][3];
-    EACH(a, 3) EACH(b, 3) {
-        const float *row = turn + 3 * b;
-        n[a][b] = (row[0] * v[a]->n[0] + row[1] * v[a]->n[1] + row[2] * v[a]->n[2]) * facing;
+    const float *t = f->turns[part->instance], facing = s->back ? -1.0f : 1.0f;
+    const F8 x = {t[0], t[3], t[6]}, y = {t[1], t[4], t[7]}, z = {t[2], t[5], t[8]};
+    F8 corner[3];
+    EACH(i, 3) corner[i] = attributes_of(base + c[i], x, y, z, facing);
+    F8 *plane[3] = {&p->across, &p->down, &p->start};
+    EACH(i, 3) {
+        *plane[i] = s->e[0][i] * corner[0] + s->e[1][i] * corner[1] + s->e[2][i] * corner[2];
+        (*plane[i])[INVERSE] = s->w[i];
     }
-    EACH(a, 3) {
-        EACH(b, 3) p->normal[b][a] = s->e[0][a] * n[0][b] + s->e[1][a] * n[1][b] + s->e[2][a] * n[2][b];
-        EACH(b, 2) p->uv[b][a] = s->e[0][a] * v[0]->uv[b] + s->e[1][a] * v[1]->uv[b] + s->e[2][a] * v[2]->uv[b];
-        p->whole[a] = s->e[0][a] + s->e[1][a] + s->e[2][a];
-    }
-    p->who = who;
+    p->who = who, p->material = s->material;
     return p;
 }
 
-// Eight samples without a surface; positions and shares are set already.
+// Eight samples without a surface; their positions are set already.
 static inline void look_at_nothing(Looks *l) {
     l->nx = l->ny = l->r = l->g = l->b = l->er = l->eg = l->eb = l->metallic = splat(0);
     l->nz = l->inverse = l->roughness = splat(1);
     l->none = l->texture = splat_int(-1), l->plain = splat_int(0);
 }
 
-// Eight samples of the same triangle.
-static inline void look_at_triangle(const Frame *f, Planes *cache, Looks *l, int32_t who) {
-    const Surface *m = f->materials + f->seen[who].material;
-    const Planes *p = planes_of(f, cache, who);
-    const F8 x = l->x, y = l->y;
-    l->inverse = at_points(f->seen[who].w, x, y);
-    l->nx = at_points(p->normal[0], x, y), l->ny = at_points(p->normal[1], x, y), l->nz = at_points(p->normal[2], x, y);
+// Eight samples of the same material.
+static inline void set_surface(Looks *l, const Surface *m) {
     l->r = splat(m->color[0]), l->g = splat(m->color[1]), l->b = splat(m->color[2]);
     l->er = splat(m->emission[0]), l->eg = splat(m->emission[1]), l->eb = splat(m->emission[2]);
     l->metallic = splat(m->metallic), l->roughness = splat(m->roughness);
-    l->none = splat_int(0), l->plain = splat_int(m->flags & SHADELESS ? -1 : 0), l->texture = splat_int(m->texture);
-    if (m->texture < 0) return;
-    const F8 w = 1 / at_points(p->whole, x, y), u = at_points(p->uv[0], x, y) * w, v = at_points(p->uv[1], x, y) * w;
-    l->u = u, l->ux = (p->uv[0][0] - u * p->whole[0]) * w, l->uy = (p->uv[0][1] - u * p->whole[1]) * w;
-    l->v = v, l->vx = (p->uv[1][0] - v * p->whole[0]) * w, l->vy = (p->uv[1][1] - v * p->whole[1]) * w;
+    l->plain = splat_int(m->flags & SHADELESS ? -1 : 0), l->texture = splat_int(m->texture);
 }
 
-// One sample, in a lane.
-static inline void look_at(const Frame *f, Planes *cache, Looks *l, int j, float x, float y, int32_t who) {
-    l->x[j] = x, l->y[j] = y;
-    if (who < 0) {
-        l->nx[j] = l->ny[j] = l->r[j] = l->g[j] = l->b[j] = l->er[j] = l->eg[j] = l->eb[j] = l->metallic[j] = 0;
-        l->nz[j] = l->inverse[j] = l->roughness[j] = 1;
-        l->none[j] = l->texture[j] = -1, l->plain[j] = 0;
+// Eight samples of the same triangle.
+static inline void look_at_triangle(const Frame *f, Planes *cache, Looks *l, int32_t who) {
+    const Planes *p = planes_of(f, cache, who);
+    const Surface *m = f->materials + p->material;
+    const F8 x = l->x, y = l->y;
+    l->inverse = at_points(p, INVERSE, x, y);
+    l->nx = at_points(p, NORMAL_X, x, y), l->ny = at_points(p, NORMAL_Y, x, y), l->nz = at_points(p, NORMAL_Z, x, y);
+    l->none = splat_int(0);
+    set_surface(l, m);
+    if (m->texture < 0) return;
+    const F8 w = 1 / at_points(p, WHOLE, x, y), u = at_points(p, TEXTURE_U, x, y) * w,
+             v = at_points(p, TEXTURE_V, x, y) * w;
+    l->u = u, l->ux = (p->across[TEXTURE_U] - u * p->across[WHOLE]) * w,
+    l->uy = (p->down[TEXTURE_U] - u * p->down[WHOLE]) * w;
+    l->v = v, l->vx = (p->across[TEXTURE_V] - v * p->across[WHOLE]) * w,
+    l->vy = (p->down[TEXTURE_V] - v * p->down[WHOLE]) * w;
+}
+
+// Rows become columns.
+static inline void transpose(const F8 *from, F8 *to) {
+    F8 a[LANES], b[LANES];
+    EACH(i, 4) {
+        a[2 * i] = __builtin_shufflevector(from[2 * i], from[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        a[2 * i + 1] = __builtin_shufflevector(from[2 * i], from[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    EACH(i, 2) EACH(k, 2) {
+        b[4 * i + 2 * k] = __builtin_shufflevector(a[4 * i + k], a[4 * i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        b[4 * i + 2 * k + 1] = __builtin_shufflevector(a[4 * i + k], a[4 * i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+    EACH(i, 4) {
+        to[i] = __builtin_shufflevector(b[i], b[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        to[i + 4] = __builtin_shufflevector(b[i], b[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+// The materials of eight samples, -1 for none.
+static inline void set_surfaces(const Frame *f, Looks *l, const int32_t *materials) {
+    const Surface *m[LANES];
+    int same = 1;
+    EACH_LANE(j) same &= materials[j] == materials[0];
+    EACH_LANE(j) {
+        m[j] = materials[j] < 0 ? &NO_SURFACE : f->materials + materials[j];
+        l->none[j] = materials[j] < 0 ? -1 : 0;
+    }
+    if (same) {
+        set_surface(l, m[0]);
         return;
     }
-    const Surface *m = f->materials + f->seen[who].material;
-    const Planes *p = planes_of(f, cache, who);
-    l->inverse[j] = at_point(f->seen[who].w, x, y);
-    l->nx[j] = at_point(p->normal[0], x, y), l->ny[j] = at_point(p->normal[1], x, y);
-    l->nz[j] = at_point(p->normal[2], x, y);
-    l->r[j] = m->color[0], l->g[j] = m->color[1], l->b[j] = m->color[2];
-    l->er[j] = m->emission[0], l->eg[j] = m->emission[1], l->eb[j] = m->emission[2];
-    l->metallic[j] = m->metallic, l->roughness[j] = m->roughness;
-    l->none[j] = 0, l->plain[j] = m->flags & SHADELESS ? -1 : 0, l->texture[j] = m->texture;
-    if (m->texture < 0) return;
-    const float w = 1 / at_point(p->whole, x, y), u = at_point(p->uv[0], x, y) * w, v = at_point(p->uv[1], x, y) * w;
-    l->u[j] = u, l->ux[j] = (p->uv[0][0] - u * p->whole[0]) * w, l->uy[j] = (p->uv[0][1] - u * p->whole[1]) * w;
-    l->v[j] = v, l->vx[j] = (p->uv[1][0] - v * p->whole[0]) * w, l->vy[j] = (p->uv[1][1] - v * p->whole[1]) * w;
+    F8 rows[LANES], columns[LANES];
+    // colour with opacity, emission, and metallic, which are in this order in memory
+    EACH_LANE(j) memcpy(rows + j, m[j], sizeof rows[j]);
+    transpose(rows, columns);
+    l->r = columns[0], l->g = columns[1], l->b = columns[2];
+    l->er = columns[4], l->eg = columns[5], l->eb = columns[6], l->metallic = columns[7];
+    EACH_LANE(j) {
+        l->roughness[j] = m[j]->roughness, l->texture[j] = m[j]->texture;
+        l->plain[j] = m[j]->flags & SHADELESS ? -1 : 0;
+    }
+}
+
+// Eight samples of different triangles.
+static inline void look_at_points(const Frame *f, Looks *l, const Points *p) {
+    F8 at[LANES], across[LANES], down[LANES];
+    transpose(p->value, at);
+    l->x = p->x, l->y = p->y;
+    l->inverse = at[INVERSE], l->nx = at[NORMAL_X], l->ny = at[NORMAL_Y], l->nz = at[NORMAL_Z];
+    set_surfaces(f, l, p->material);
+    if (!any(l->texture >= 0)) return;
+    transpose(p->across, across), transpose(p->down, down);
+    const F8 w = 1 / at[WHOLE], u = at[TEXTURE_U] * w, v = at[TEXTURE_V] * w;
+    l->u = u, l->ux = (across[TEXTURE_U] - u * across[WHOLE]) * w, l->uy = (down[TEXTURE_U] - u * down[WHOLE]) * w;
+    l->v = v, l->vx = (across[TEXTURE_V] - v * across[WHOLE]) * w, l->vy = (down[TEXTURE_V] - v * down[WHOLE]) * w;
 }

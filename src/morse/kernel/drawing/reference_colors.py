@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SHADELESS
-from morse.kernel.drawing.reference_light import lit, mixed, sky_in, tone, unit, within
+from morse.kernel.drawing.reference_light import dot, lit, mixed, sky_in, tone, unit, within
 from morse.kernel.drawing.reference_normals import along, normals_at
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float32]
 
 _ONE = np.float32(1)
+#: see ``ALIKE`` and ``APART``
+_ALIKE, _APART = np.float32(0.95), np.float32(0.125)
 
 
 def paint(
@@ -29,16 +31,66 @@ def paint(
     total = np.zeros((pixels, 3), np.float32)
     column = (np.arange(pixels) % int(camera["width"])).astype(np.float32)
     row = (np.arange(pixels) // int(camera["width"])).astype(np.float32)
+    kinds = _kinds(drawing, poses, seen, shown, column, row)
     for sample in range(samples):
-        known = (shown[:sample] == shown[sample]).any(axis=0)
-        share = (shown[sample:] == shown[sample]).sum(axis=0).astype(np.float32) / np.float32(samples)
-        shift = np.array(SAMPLES[samples][sample], np.float32)
-        new = ~known
-        x, y = column[new] + np.float32(0.5) + shift[0], row[new] + np.float32(0.5) + shift[1]
+        new = kinds[sample] == sample
+        share = (kinds[:, new] == sample).sum(axis=0).astype(np.float32) / np.float32(samples)
+        x, y = _place(samples, sample, column[new], row[new])
         color = _colors(drawing, camera, poses, light, seen, shown[sample, new], x, y)
-        total[new] += within(color, 0, 1) * share[new, None]
+        total[new] += within(color, 0, 1) * share[:, None]
     codes = ENCODED[(total * np.float32(4095) + np.float32(0.5)).astype(np.int64)]
     return np.concatenate([codes, np.full((pixels, 1), 255, np.uint8)], axis=1)
+
+
+def _place(samples: int, sample: int, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+    """The position of a sample of each pixel in the image."""
+    shift = np.array(SAMPLES[samples][sample], np.float32)
+    return column + np.float32(0.5) + shift[0], row + np.float32(0.5) + shift[1]
+
+
+def _kinds(
+    drawing: Drawing, poses: Poses, seen: Projected, shown: NDArray[np.int32], column: Floats, row: Floats
+) -> NDArray[np.intp]:
+    """(samples, N) the first sample of the pixel with which each sample is shaded."""
+    samples = len(shown)
+    kinds = np.zeros(shown.shape, np.intp)
+    flat = [_Flat(drawing, poses, seen, shown[n], *_place(samples, n, column, row)) for n in range(samples)]
+    for sample in range(1, samples):
+        free = np.ones(shown.shape[1], bool)
+        kinds[sample] = sample
+        equal = [shown[other] == shown[sample] for other in range(sample)]
+        like = [flat[other].is_like(flat[sample]) for other in range(sample)]
+        for other, found in (*enumerate(equal), *enumerate(like)):
+            joined = free & (kinds[other] == other) & found
+            kinds[sample, joined] = other
+            free &= ~joined
+    return kinds
+
+
+class _Flat:
+    """The planes of surfaces without texture at samples (N,)."""
+
+    def __init__(self, d: Drawing, poses: Poses, seen: Projected, who: NDArray[np.int32], x: Floats, y: Floats) -> None:
+        self.material = np.full(len(who), -1)
+        self.inverse = np.zeros(len(who), np.float32)
+        self.normal = [np.zeros(len(who), np.float32) for _ in range(3)]
+        solid = np.flatnonzero(who >= 0)
+        if not len(solid):
+            return
+        number, w = who[solid], seen.w[who[solid]]
+        plain = d.materials["texture"][seen.material[number]] < 0
+        self.material[solid] = np.where(plain, seen.material[number], -1)
+        self.inverse[solid] = w[:, 0] * x[solid] + w[:, 1] * y[solid] + w[:, 2]
+        for part, values in zip(self.normal, normals_at(d, poses, seen, number, x[solid], y[solid]), strict=True):
+            part[solid] = values
+
+    def is_like(self, other: _Flat) -> NDArray[np.bool_]:
+        """(N,) whether samples of a material are nearly on one plane."""
+        cosine = dot(self.normal, other.normal)
+        most = dot(self.normal, self.normal) * dot(other.normal, other.normal)
+        near = np.abs(self.inverse - other.inverse) < _APART * self.inverse
+        same = (self.material == other.material) & (self.material >= 0)
+        return np.asarray(same & near & (cosine > 0) & (cosine * cosine > _ALIKE * _ALIKE * most))
 
 
 def _colors(
