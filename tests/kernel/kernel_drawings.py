@@ -63,6 +63,8 @@ class RandomDrawing:
             materials,
             texels,
             textures,
+            rng.integers(0, 2, count).astype(np.uint8),
+            (spheres[:, 3] * rng.uniform(1, 2, clusters)).astype(np.float32),
         )
         turns = rotations(rng, instances)
         turns[parts[:, 3] == MIRRORED] *= -1

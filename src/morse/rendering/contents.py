@@ -126,6 +126,8 @@ class Contents:
             _material_rows(table),
             texels,
             textured,
+            np.concatenate([np.zeros(0, np.uint8), *(c.convex for c in self._chunks)]),
+            np.concatenate([np.zeros(0, np.float32), *(c.guards for c in self._chunks)]),
         )
         self.moving = self.drawing.parts[:, 3] & MOVES != 0
 

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from morse.kernel.drawing.arrays import CLUSTER, VERTEX
+from morse.rendering.convex import convex_parts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from morse.rendering.convex import ConvexParts
     from morse.scene import Mesh
 
 #: largest valid coordinate of a mesh, m
@@ -29,12 +31,16 @@ class Clusters(NamedTuple):
         triangles: (T, 4) int32, three vertices, relative to the first of the cluster, and the material slot.
         clusters: (C, 4) int32, first vertex, number of vertices, first triangle, number of triangles.
         spheres: (C, 4) float32, centre and radius.
+        convex: (T,) uint8, 1 for triangles of closed convex parts.
+        guards: (C,) float32, radius of the sphere around the same centre that contains these parts.
     """
 
     vertices: NDArray[np.void]
     triangles: NDArray[np.int32]
     clusters: NDArray[np.int32]
     spheres: NDArray[np.float32]
+    convex: NDArray[np.uint8]
+    guards: NDArray[np.float32]
 
 
 def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
@@ -44,8 +50,8 @@ def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
 
     Args:
         slots: number of material slots; triangles of other slots get the last one.
-        at_once: number of triangles that are processed at once, a multiple of `CLUSTER`; the result does not depend on
-            it. It bounds the temporary memory.
+        at_once: number of triangles that are processed at once, a multiple of `CLUSTER`, which bounds the temporary
+            memory. Larger meshes are not searched for convex parts; nothing else depends on it.
     """
     index = np.asarray(mesh.triangles).reshape(-1, 3)
     points = np.asarray(mesh.vertices, dtype=np.float32).reshape(-1, 3)
@@ -59,7 +65,8 @@ def clusters_of(mesh: Mesh, slots: int, at_once: int = _AT_ONCE) -> Clusters:
     del centres, chosen
     slot = np.clip(_column(mesh.material_index, len(index)), 0, slots - 1)
     ordered = [order[part] for part in _parts(len(order), at_once)] or [order]
-    return _stacked([_joined(_rows(mesh, points, index, part), slot[part]) for part in ordered])
+    stacked = _stacked([_joined(_rows(mesh, points, index, part), slot[part]) for part in ordered])
+    return stacked if len(order) > at_once else _guarded(stacked, convex_parts(points, index[order], slot[order]))
 
 
 def _parts(count: int, at_once: int) -> list[slice]:
@@ -100,7 +107,23 @@ def _stacked(parts: list[Clusters]) -> Clusters:
         np.concatenate([part.triangles for part in parts]),
         np.concatenate(numbers),
         np.concatenate([part.spheres for part in parts]),
+        np.concatenate([part.convex for part in parts]),
+        np.concatenate([part.guards for part in parts]),
     )
+
+
+def _guarded(made: Clusters, solids: ConvexParts) -> Clusters:
+    """Return the clusters of a mesh with its convex parts."""
+    part, spheres = solids
+    guards = made.spheres[:, 3].copy()
+    owner = np.repeat(np.arange(len(made.clusters)), made.clusters[:, 3])
+    inside = part >= 0
+    if inside.any():
+        owner, own = owner[inside], spheres[part[inside]]
+        apart = np.linalg.norm(own[:, :3] - made.spheres[owner, :3], axis=1) + own[:, 3]
+        # slightly enlarged, because the kernel uses single precision
+        np.maximum.at(guards, owner, (apart * 1.0001 + 1e-6).astype(np.float32))
+    return made._replace(convex=inside.astype(np.uint8), guards=guards)
 
 
 def _column(values: NDArray[np.int32] | None, count: int) -> NDArray[np.int64]:
@@ -144,7 +167,10 @@ def _joined(rows: NDArray[np.float32], slot: NDArray[np.int64]) -> Clusters:
     triangles[:, 3] = slot
     vertices = flat[first].view(VERTEX).reshape(-1)
     numbers = np.column_stack([firsts, sizes, starts, np.diff(np.append(starts, count))]).astype(np.int32)
-    return Clusters(vertices, triangles, numbers.reshape(-1, 4), _spheres(vertices["p"], firsts))
+    spheres = _spheres(vertices["p"], firsts)
+    return Clusters(
+        vertices, triangles, numbers.reshape(-1, 4), spheres, np.zeros(count, np.uint8), spheres[:, 3].copy()
+    )
 
 
 def _grouped(key: NDArray[np.uint64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

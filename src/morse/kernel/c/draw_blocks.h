@@ -74,10 +74,15 @@ static inline F8 row_of(const float *w, F8 x, float y) { return w[0] * x + (w[1]
 // The part of an edge that is the same for a row. Never -0, so that the sign of the whole decides.
 static inline float above(const float *e, float y) { return e[1] * y + e[2] + 0.0f; }
 
+// Whether a triangle replaces another one, or none, in a sample.
+static inline int is_nearer(float inverse, int32_t who, float old, int32_t before) {
+    return inverse > old || (inverse == old && who < before);
+}
+
 // Whether a plane is behind everything that a block shows in some of its pixels.
 static inline int hidden(const Frame *f, const Tile *t, int column, int row, const float *w, float error, Extent x) {
     const int32_t flat = t->flat[column][row];
-    if (largest(w, x) + error <= t->low[column][row]) return 1;
+    if (largest(w, x) + error < t->low[column][row]) return 1;
     if (flat == MANY) return 0;
     const float *u = surface_of(f, t, flat), apart[3] = {w[0] - u[0], w[1] - u[1], w[2] - u[2]};
     return largest(apart, x) < -2 * (error + error_of(t, u));
@@ -101,7 +106,7 @@ static inline void expand(const Frame *f, Tile *t, int column, int row) {
 
 // Gives samples in which a surface has holes a negative depth.
 static inline F8 without_holes(const Frame *f, const Seen *s, F8 z, F8 old, F8 x, float y, int px, int py) {
-    EACH_LANE(j) if (z[j] > old[j] && !opaque(f, s, x[j], y, px + j, py)) z[j] = -1;
+    EACH_LANE(j) if (z[j] >= old[j] && !opaque(f, s, x[j], y, px + j, py)) z[j] = -1;
     return z;
 }
 
@@ -157,7 +162,7 @@ static inline void cover_block(const Frame *f, const Seen *s, int32_t number, Ti
             }
             const F8 old = *inverse;
             if (holes) z = without_holes(f, s, z, old, x, y, left + n, top + r + 2 * n);
-            const I8 mine = z > old, before = *shown;
+            const I8 before = *shown, mine = (z > old) | ((z == old) & (who < before));
             NO_MASKED_STORE;
             *inverse = pick(mine, z, old), *shown = pick_int(mine, who, before);
         }

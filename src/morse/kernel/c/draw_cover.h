@@ -1,7 +1,8 @@
 // The samples of a tile in which a triangle is the nearest surface.
 //
-// All functions compute the same numbers in the same order: the result does not depend on the choice between them.
-// Bounds that decide about whole blocks include the rounding errors of the samples.
+// All functions compute the same numbers in the same order: the result does not depend on the choice between them. Of
+// several triangles at the same depth, the first in `seen` is visible: the result does not depend on their order
+// either. Bounds that decide about whole blocks include the rounding errors of the samples.
 #pragma once
 #include "draw_blocks.h"
 
@@ -34,8 +35,9 @@ static inline void cover_few(const Frame *f, const Seen *s, int32_t number, Box 
             t->high[column][row] = t->nearest;
             for (; in; in &= in - 1) {
                 const int n = __builtin_ctz(in);
-                if (!(z[n] > t->inverse[block][n][line][lane])) continue;
-                t->inverse[block][n][line][lane] = z[n], t->shown[block][n][line][lane] = number;
+                float *inverse = (float *)&t->inverse[block][n][line] + lane;
+                int32_t *shown = (int32_t *)&t->shown[block][n][line] + lane;
+                if (is_nearer(z[n], number, *inverse, *shown)) *inverse = z[n], *shown = number;
             }
         }
     }
@@ -61,11 +63,12 @@ static inline void cover_centres(const Frame *f, const Seen *s, int32_t number, 
                 const unsigned qx = (unsigned)(px + (j & 3)), qy = (unsigned)(py + (j >> 2)), lane = qx % LANES;
                 const unsigned column = qx / LANES, row = qy / BLOCK_ROWS, line = qy % BLOCK_ROWS;
                 const unsigned block = column * LANES + row;
-                if (!(z[j] > t->low[column][row])) continue;
+                if (z[j] < t->low[column][row]) continue;
                 expand(f, t, (int)column, (int)row);
                 t->high[column][row] = t->nearest;
-                if (!(z[j] > t->inverse[block][0][line][lane])) continue;
-                t->inverse[block][0][line][lane] = z[j], t->shown[block][0][line][lane] = number;
+                float *inverse = (float *)&t->inverse[block][0][line] + lane;
+                int32_t *shown = (int32_t *)&t->shown[block][0][line] + lane;
+                if (is_nearer(z[j], number, *inverse, *shown)) *inverse = z[j], *shown = number;
             }
         }
     }
@@ -127,7 +130,7 @@ static inline void cover_many(const Frame *f, const Seen *s, int32_t number, Box
         }
         const F8 least = w[0] * (w[0] > 0 ? x0 : x1) + (w[1] * (w[1] > 0 ? y0 : y1) + w[2]) - error;
         const F8 most = w[0] * (w[0] > 0 ? x1 : x0) + (w[1] * (w[1] > 0 ? y1 : y0) + w[2]) + error;
-        away |= ~bits_of(t->low[c] - most), out |= ~bits_of(most - t->nearest);
+        away |= bits_of(most - t->low[c]), out |= ~bits_of(most - t->nearest);
         if (holes || c * LANES < b.x0 || c * LANES + LANES - 1 > b.x1) out = splat_int(-1);
         const I8 front = (~(away | out) & bits_of(t->high[c] - least)) < 0;
         const unsigned inside = lanes_of(~out);
@@ -148,8 +151,9 @@ static inline void cover_many(const Frame *f, const Seen *s, int32_t number, Box
 static inline void cover(const Frame *f, const Camera *k, int32_t number, Tile *t) {
     const Seen *s = f->seen + number;
     const int holes = f->materials[s->material].flags & (MASKED | DITHERED), left = t->left, top = t->top;
-    const int x1 = s->x1 - left, y1 = s->y1 - top;
-    Box b = {s->x0 > left ? s->x0 - left : 0, s->y0 > top ? s->y0 - top : 0, x1 < TILE ? x1 : TILE - 1,
+    const Bounds *all = f->bounds + number;
+    const int x1 = all->x1 - left, y1 = all->y1 - top;
+    Box b = {all->x0 > left ? all->x0 - left : 0, all->y0 > top ? all->y0 - top : 0, x1 < TILE ? x1 : TILE - 1,
              y1 < TILE ? y1 : TILE - 1};
     const int few = !holes && b.x1 / LANES - b.x0 / LANES <= 1 && b.y1 / BLOCK_ROWS - b.y0 / BLOCK_ROWS <= 3;
     const int wide = b.x1 - b.x0, high = b.y1 - b.y0;
@@ -168,8 +172,8 @@ static inline void cover(const Frame *f, const Camera *k, int32_t number, Tile *
         return;
     }
     // pixels outside the image have no effect: with them, blocks at its edge can be inside
-    if (s->x1 == k->width - 1) b.x1 = TILE - 1;
-    if (s->y1 == k->height - 1) b.y1 = TILE - 1;
+    if (all->x1 == k->width - 1) b.x1 = TILE - 1;
+    if (all->y1 == k->height - 1) b.y1 = TILE - 1;
     if (holes)
         cover_many(f, s, number, b, t, t->samples, 1);
     else if (t->samples == 1)

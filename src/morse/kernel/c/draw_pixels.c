@@ -9,13 +9,10 @@
 #include "draw_surface.h"
 #include "draw_texture.h"
 #include "drawing.h"
-#include "export.h"
 #include "simd.h"
 
 // Number of triangles between a prefetch and its use.
 #define AHEAD 6
-
-MORSE_EXPORT void morse_draw_pixels(Frame *f);
 
 // Triangles of a material in a pixel are shaded together if the cosine of the angle between their normals is larger,
 // and the relative difference of their 1 / depth is smaller.
@@ -248,8 +245,8 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
     const int left = f->tiles[tile][1], top = f->tiles[tile][2], samples = k->color ? f->sample_count : 1;
     clear(f, t, left, top, samples, k->near, k->far);
     for (int64_t m = f->firsts[tile], end = f->firsts[tile + 1]; m < end; m++) {
-        const char *ahead = (const char *)(f->seen + f->members[m + AHEAD < end ? m + AHEAD : m]);
-        __builtin_prefetch(ahead), __builtin_prefetch(ahead + 64);
+        const int32_t ahead = f->members[m + AHEAD < end ? m + AHEAD : m];
+        __builtin_prefetch(f->seen + ahead), __builtin_prefetch(f->bounds + ahead);
         cover(f, k, f->members[m], t);
     }
     w->mixed_count = w->some_count = 0;
@@ -266,10 +263,12 @@ static void draw_tile(const Frame *f, const Camera *k, int64_t tile, Work *w) {
 }
 
 // All pixels of all tiles, shared by the threads.
-void morse_draw_pixels(Frame *f) {
+void draw_pixels(Frame *f) {
     Work w;
     // lanes without a texture are computed, too
     memset(&w.one, 0, sizeof w.one);
     EACH(i, MOST_PLANES) w.planes[i].who = -1;
-    for (int64_t t; (t = take(f)) < f->tile_count;) draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
+    int64_t *next = &f->stages[PIXELS].next;
+    for (int64_t t; (t = __atomic_fetch_add(next, 1, __ATOMIC_RELAXED)) < f->tile_count;)
+        draw_tile(f, f->cameras + f->tiles[t][0], t, &w);
 }

@@ -1,108 +1,81 @@
-// Finds the triangles that may be visible to each camera, and projects them.
+// Projects the triangles that may be visible to each camera.
 //
 // Edge functions in homogeneous coordinates (M. Olano and T. Greer, "Triangle scan conversion using 2D homogeneous
 // coordinates", 1997): no triangle is clipped, and the edge functions also give barycentric coordinates.
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
-#include "drawing.h"
-#include "export.h"
+#include "draw_bin.h"
+#include "draw_corners.h"
 #include "simd.h"
 
-// Maximum number of vertices of a cluster.
-#define MOST_VERTICES (3 * 256)
-// Clusters smaller than this many pixels are left out.
-#define SMALLEST 0.25f
+typedef float F4 __attribute__((vector_size(16)));
 
-// Limits of projected coordinates and of the coefficients of 1 / depth, so that the values at all pixels are finite.
-#define FARTHEST 1e15
+// Limit of the coefficients of 1 / depth, so that the values at all pixels are finite.
 #define LARGEST 1e30f
 
-MORSE_EXPORT int32_t morse_draw_find(Frame *f);
-MORSE_EXPORT void morse_draw_project(Frame *f);
+// What is the same for all triangles of a camera.
+typedef struct {
+    D4 reach, first;  // distance of samples from the corners of their pixels; the limits of bounds
+    F8 dx, dy;        // the positions of the samples of a pixel
+    int samples;
+} Grid;
 
-static int may_be_seen(const Camera *k, const float *m, const float *s) {
-    const float *r = k->axes, fx = k->fx, fy = k->fy;
-    const float side[4] = {k->cx, (float)k->width - k->cx, k->cy, (float)k->height - k->cy};
-    float x[3], q[3], scale = 0, length[4];
-    EACH(i, 4) length[i] = sqrtf((i < 2 ? fx * fx : fy * fy) + side[i] * side[i]);
-    EACH(i, 3) x[i] = m[4 * i] * s[0] + m[4 * i + 1] * s[1] + m[4 * i + 2] * s[2] + m[4 * i + 3] - k->eye[i];
-    // the Frobenius norm is an upper bound of the largest stretch, also for sheared parts
-    EACH(i, 3) scale += m[i] * m[i] + m[4 + i] * m[4 + i] + m[8 + i] * m[8 + i];
-    EACH(i, 3) q[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
-    const float size = s[3] * sqrtf(scale);
-    if (!(q[2] >= k->near - size && q[2] <= k->far + size)) return 0;
-    if (q[2] > size && (fx > fy ? fx : fy) * size < SMALLEST * q[2]) return 0;
-    if (side[0] * q[2] + fx * q[0] < -size * length[0] || side[1] * q[2] - fx * q[0] < -size * length[1]) return 0;
-    return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
-}
-
-// Pairs of camera and part that may be visible; returns their number.
-int32_t morse_draw_find(Frame *f) {
-    int32_t count = 0;
-    EACH(c, f->camera_count) EACH(p, f->part_count) {
-        const Part *part = f->parts + p;
-        if (!may_be_seen(f->cameras + c, f->models[part->instance], f->spheres[part->cluster])) continue;
-        f->jobs[count][0] = c, f->jobs[count++][1] = p;
+static Grid grid_of(const Frame *f, const Camera *k) {
+    // samples other than the centres of pixels are for colours only
+    const int samples = k->color ? f->sample_count : 1;
+    const double reach = samples > 1 ? 0.9 : 0.5;
+    Grid g = {.reach = {reach, reach, reach - 1, reach - 1},
+              .first = {0, 0, 1 - (double)k->width, 1 - (double)k->height},
+              .samples = samples};
+    EACH_LANE(j) {
+        const float *by = f->samples + (j < f->sample_count ? 2 * j : 0);
+        g.dx[j] = by[0], g.dy[j] = by[1];
     }
-    return count;
+    return g;
 }
 
-// Pixels whose samples may lie in a triangle with the corners (x w, y w, w, x, y); 0 if none. If the triangle reaches
-// behind the camera, all pixels: the tiles test it.
-static int bounds(const double *q[3], const Camera *k, double reach, Seen *s) {
-    double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
-    const int behind = (q[0][2] < k->near) + (q[1][2] < k->near) + (q[2][2] < k->near);
-    EACH(i, 3) {
-        const double x = q[i][3], y = q[i][4];
-        x0 = x < x0 ? x : x0, x1 = x > x1 ? x : x1, y0 = y < y0 ? y : y0, y1 = y > y1 ? y : y1;
-    }
-    x0 -= reach, y0 -= reach, x1 += reach - 1, y1 += reach - 1;
-    if (behind) x0 = y0 = 0, x1 = k->width, y1 = k->height;
-    if (behind == 3 || !(x1 >= 0 && y1 >= 0 && x0 < k->width && y0 < k->height)) return 0;
-    s->x0 = (int16_t)(x0 > 0 ? ceil(x0) : 0), s->y0 = (int16_t)(y0 > 0 ? ceil(y0) : 0);
-    s->x1 = (int16_t)(x1 < k->width - 1 ? x1 : k->width - 1),
-    s->y1 = (int16_t)(y1 < k->height - 1 ? y1 : k->height - 1);
-    return s->x0 <= s->x1 && s->y0 <= s->y1;
-}
-
-// Mesh to (x w, y w, w) of a camera. Differences of positions are computed first, in double precision.
-static void projection(const Camera *k, const float *m, double a[3][4]) {
-    const float *r = k->axes;
+// Pixels whose samples may lie in a triangle, from its lowest coordinates (x, y, -x, -y); 0 if none.
+static inline int bounds(const Grid *g, D4 low, Bounds *b) {
+    D4 r;
+    low -= g->reach;
     EACH(i, 4) {
-        double x[3];
-        EACH(n, 3) x[n] = m[4 * n + i] - (i == 3 ? (double)k->eye[n] : 0);
-        a[2][i] = r[6] * x[0] + r[7] * x[1] + r[8] * x[2];
-        a[0][i] = k->fx * (r[0] * x[0] + r[1] * x[1] + r[2] * x[2]) + k->cx * a[2][i];
-        a[1][i] = k->fy * (r[3] * x[0] + r[4] * x[1] + r[5] * x[2]) + k->cy * a[2][i];
+        const double whole = ceil(low[i]);
+        r[i] = whole > g->first[i] ? whole : g->first[i];
     }
+    if (r[0] + r[2] > 0 || r[1] + r[3] > 0) return 0;
+    *b = (Bounds){(int16_t)r[0], (int16_t)r[1], (int16_t)-r[2], (int16_t)-r[3]};
+    return 1;
 }
 
-// Whether the coordinates of all vertices in a sphere are finite.
-static int is_finite(double a[3][4], const float *s) {
-    int fine = 1;
-    EACH(i, 3) {
-        double most = fabs(a[i][3]);
-        EACH(n, 3) most += fabs(a[i][n]) * ((double)fabsf(s[n]) + (double)s[3]);
-        fine &= most < FARTHEST;
-    }
-    return fine;
+static inline D4 turned(D4 a) { return (D4){a[1], a[2], a[0], a[3]}; }
+
+static inline D4 cross(D4 a, D4 b) {
+    const D4 c = turned(a), d = turned(b);
+    return c * turned(d) - turned(c) * d;
+}
+
+static inline void store(float *to, D4 from) {
+    const F4 r = __builtin_convertvector(from, F4);
+    memcpy(to, &r, sizeof r);
 }
 
 // The planes of a triangle; 0 if it is not visible from this side.
-static int planes(const Frame *f, const Part *part, const double *q[3], Seen *s) {
-    double e[3][3];
-    EACH(i, 3) {
-        const double *b = q[(i + 1) % 3], *c = q[(i + 2) % 3];
-        e[i][0] = b[1] * c[2] - b[2] * c[1], e[i][1] = b[2] * c[0] - b[0] * c[2], e[i][2] = b[0] * c[1] - b[1] * c[0];
-    }
-    const double volume = q[0][0] * e[0][0] + q[0][1] * e[0][1] + q[0][2] * e[0][2];
+static inline int planes(const Frame *f, const Part *part, const Corner *const *q, int convex, Seen *s) {
+    const D4 e[3] = {cross(q[1]->at, q[2]->at), cross(q[2]->at, q[0]->at), cross(q[0]->at, q[1]->at)};
+    const D4 terms = q[0]->at * e[0];
+    const double volume = terms[0] + terms[1] + terms[2];
     if (!(volume > 0 || volume < 0)) return 0;
     // y points down: the volume of a front face is negative
-    s->back = (volume > 0) != ((part->flags & MIRRORED) != 0);
-    if (s->back && !(f->materials[s->material].flags & DOUBLE_SIDED)) return 0;
-    EACH(i, 3) EACH(n, 3) s->e[i][n] = (float)(volume > 0 ? e[i][n] : -e[i][n]);
-    EACH(n, 3) s->w[n] = (float)((e[0][n] + e[1][n] + e[2][n]) / volume);
+    const int back = (volume > 0) != ((part->flags & MIRRORED) != 0);
+    const int flags = f->materials[s->material].flags;
+    if (back && (!(flags & DOUBLE_SIDED) || (convex && !(flags & (MASKED | DITHERED))))) return 0;
+    const D4 sign = all_four(volume > 0 ? 1 : -1);
+    // each of them writes one number too many, which the next one replaces
+    EACH(i, 3) store(s->e[i], sign * e[i]);
+    store(s->w, (e[0] + e[1] + e[2]) / all_four(volume));
+    s->back = back;
     return fabsf(s->w[0]) + fabsf(s->w[1]) + fabsf(s->w[2]) < LARGEST;
 }
 
@@ -114,57 +87,64 @@ static inline int contains_some(const Seen *s, F8 x, F8 y) {
 }
 
 // Whether a triangle may cover a sample; decided only for the smallest, which are many and mostly between samples.
-static int reaches_samples(const Seen *s, F8 dx, F8 dy, int samples) {
-    const int wide = s->x1 - s->x0, high = s->y1 - s->y0;
-    if (samples == 1) {
+static int reaches_samples(const Seen *s, const Bounds *b, const Grid *g) {
+    const int wide = b->x1 - b->x0, high = b->y1 - b->y0;
+    if (g->samples == 1) {
         if (wide > 3 || high > 1) return 1;
         const I8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
-        return contains_some(s, to_float(lane & 3) + ((float)s->x0 + 0.5f),
-                             to_float(lane >> 2) + ((float)s->y0 + 0.5f));
+        return contains_some(s, to_float(lane & 3) + ((float)b->x0 + 0.5f),
+                             to_float(lane >> 2) + ((float)b->y0 + 0.5f));
     }
     if (wide + high > 1) return 1;
-    for (int y = s->y0; y <= s->y1; y++)
-        for (int x = s->x0; x <= s->x1; x++) {
+    for (int y = b->y0; y <= b->y1; y++)
+        for (int x = b->x0; x <= b->x1; x++) {
             const int lane = x % LANES;
-            if (contains_some(s, (float)lane + ((float)(x - lane) + 0.5f + dx), (float)y + 0.5f + dy)) return 1;
+            if (contains_some(s, (float)lane + ((float)(x - lane) + 0.5f + g->dx), (float)y + 0.5f + g->dy)) return 1;
         }
     return 0;
 }
 
-void morse_draw_project(Frame *f) {
-    double screen[MOST_VERTICES][5], a[3][4];
-    F8 dx, dy;
-    EACH_LANE(j) {
-        const float *by = f->samples + (j < f->sample_count ? 2 * j : 0);
-        dx[j] = by[0], dy[j] = by[1];
+// Whether the convex parts of a cluster are beyond the near plane.
+static int is_outside(const Frame *f, const Camera *k, const Part *part) {
+    const float *m = f->models[part->instance], *s = f->spheres[part->cluster], *r = k->axes;
+    float x[3];
+    EACH(i, 3) x[i] = m[4 * i] * s[0] + m[4 * i + 1] * s[1] + m[4 * i + 2] * s[2] + m[4 * i + 3] - k->eye[i];
+    return r[6] * x[0] + r[7] * x[1] + r[8] * x[2] - f->guards[part->cluster] * stretch_of(m) >= k->near;
+}
+
+// The triangles of a part; returns the end.
+static int64_t project_part(const Frame *f, const Camera *k, const Grid *g, int32_t number, int64_t to,
+                            int32_t *share) {
+    Corner corners[MOST_VERTICES];
+    double a[3][4];
+    const Part *part = f->parts + number;
+    const Cluster *cluster = f->clusters + part->cluster;
+    projection(k, f->models[part->instance], a);
+    if (!is_finite(a, f->spheres[part->cluster])) return to;
+    const float (*points)[3] = (const float (*)[3])(f->points + cluster->vertex);
+    const int outside = is_outside(f, k, part),
+              between = project_corners(k, a, points, f->point_counts[part->cluster], corners);
+    for (int t = cluster->triangle; t < cluster->triangle + cluster->triangles; t++) {
+        const uint16_t *c = f->corners[t];
+        const Corner *q[3] = {corners + c[0], corners + c[1], corners + c[2]};
+        Seen *s = f->seen + to;
+        if (!bounds(g, between ? lowest(q) : lowest_visible(q, k), f->bounds + to)) continue;
+        s->material = f->slots[part->slots + f->triangles[t][3]];
+        if (!planes(f, part, q, outside & f->convex[t], s) || !reaches_samples(s, f->bounds + to, g)) continue;
+        s->triangle = t, s->part = number;
+        add_to_tiles(f, k, to++, share, NULL);
     }
-    for (int64_t j; (j = take(f)) < f->job_count;) {
-        const Camera *k = f->cameras + f->jobs[j][0];
-        // samples other than the centres of pixels are for colours only
-        const int samples = k->color ? f->sample_count : 1;
-        const double reach = samples > 1 ? 0.9 : 0.5;
-        const Part *part = f->parts + f->jobs[j][1];
-        const Cluster *cluster = f->clusters + part->cluster;
-        projection(k, f->models[part->instance], a);
-        f->counts[j] = 0;
-        if (!is_finite(a, f->spheres[part->cluster])) continue;
-        EACH(v, cluster->vertices) {
-            const float *p = f->vertices[cluster->vertex + v].p;
-            double *to = screen[v];
-            EACH(i, 3) to[i] = a[i][0] * p[0] + a[i][1] * p[1] + a[i][2] * p[2] + a[i][3];
-            // triangles in the plane of the camera are bounded by the image, not by their corners
-            const double w = to[2] < k->near ? 1 : to[2];
-            to[3] = to[0] / w, to[4] = to[1] / w;
-        }
-        Seen *s = f->seen + f->starts[j];
-        for (int t = cluster->triangle; t < cluster->triangle + cluster->triangles; t++) {
-            const int32_t *c = f->triangles[t];
-            const double *q[3] = {screen[c[0]], screen[c[1]], screen[c[2]]};
-            if (q[0][2] > k->far && q[1][2] > k->far && q[2][2] > k->far) continue;
-            s->material = f->slots[part->slots + c[3]];
-            if (!bounds(q, k, reach, s) || !planes(f, part, q, s) || !reaches_samples(s, dx, dy, samples)) continue;
-            s->triangle = t, s->part = f->jobs[j][1], s++;
-        }
-        f->counts[j] = s - (f->seen + f->starts[j]);
+    return to;
+}
+
+// Projects the triangles of a chunk, and counts them in the tiles.
+void draw_project(Frame *f, int64_t piece) {
+    const Chunk *chunk = f->chunks + piece;
+    const Camera *k = f->cameras + chunk->camera;
+    const Grid g = grid_of(f, k);
+    int32_t *share = f->shares + chunk->row;
+    memset(share, 0, sizeof *share * (size_t)tiles_of(k));
+    for (int32_t j = chunk->first; j < chunk->end; j++) {
+        f->counts[j] = project_part(f, k, &g, f->jobs[j][1], f->starts[j], share) - f->starts[j];
     }
 }

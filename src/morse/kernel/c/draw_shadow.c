@@ -47,7 +47,7 @@ static void fill(const Frame *f, const float *q[3]) {
 void morse_draw_shadow(Frame *f, int32_t (*rectangles)[4]) {
     const float *s = f->sun, size[2] = {(float)f->shadow_width, (float)f->shadow_height};
     float seen[MOST_VERTICES][3], a[3][4];
-    for (int64_t j; (j = take(f)) < f->job_count;) {
+    EACH(j, f->job_count) {
         const Part *part = f->parts + f->jobs[j][1];
         const Cluster *c = f->clusters + part->cluster;
         const float *m = f->models[part->instance];

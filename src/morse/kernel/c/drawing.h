@@ -4,6 +4,8 @@
 
 #define TILE 32
 #define MOST_SAMPLES 5
+// Maximum number of vertices of a cluster.
+#define MOST_VERTICES (3 * 256)
 #define EACH(i, n) for (int i = 0; i < (n); i++)
 
 enum { SUN_LAMP, POINT_LAMP, SPOT_LAMP, HEMISPHERE_LAMP };
@@ -44,14 +46,34 @@ typedef struct {
     float p[3], n[3], uv[2];
 } Vertex;
 
-// A triangle in the image of a camera: three edges and 1 / depth, each as a plane (d/dx, d/dy, at pixel 0, 0).
+// A triangle in the image of a camera: three edges and 1 / depth, each as a plane (d/dx, d/dy, at pixel 0, 0). It fills
+// a line of the cache.
 typedef struct {
     float e[3][3], w[3];
-    int16_t x0, y0, x1, y1;
     int32_t triangle, part, material, back;
 } Seen;
 
-_Static_assert(sizeof(Seen) == 72, "SEEN_BYTES in morse/kernel/drawing/arrays.py");
+_Static_assert(sizeof(Seen) == 64, "SEEN in morse/kernel/drawing/arrays.py");
+
+// The pixels whose samples a triangle may contain, inclusive.
+typedef struct {
+    int16_t x0, y0, x1, y1;
+} Bounds;
+
+// Jobs of a camera that a thread takes at once: `first` to before `end`. `row` is its first number in Frame.shares.
+typedef struct {
+    int32_t camera, first, end, spare;
+    int64_t row;
+} Chunk;
+
+// Work that threads share: the next piece to take, and the number of pieces that are complete.
+typedef struct {
+    int64_t next, done;
+} Stage;
+
+enum { PROJECT, SUM, BIN, PIXELS, STAGES };
+
+_Static_assert(sizeof(Chunk) == 24, "CHUNK in morse/kernel/drawing/arrays.py");
 
 // Everything that is drawn, for all cameras of a tick.
 typedef struct {
@@ -67,6 +89,8 @@ typedef struct {
     const Lamp *lamps;
     const float *sky, *samples;
     const uint8_t *encoded;     // 4096 steps of linear light as sRGB
+    const uint8_t *convex;      // whether triangles belong to closed convex parts
+    const float *guards;        // radii of spheres around these parts, with the centres of `spheres`
     const float (*models)[12];  // mesh to world, of each instance
     const float (*turns)[9];    // the same for normals
     const Camera *cameras;
@@ -74,19 +98,31 @@ typedef struct {
     const float *sun;
     const float *near_shadow, *near_sun;    // a finer map of a part of the world
     const float *lamp_shadow, *lamp_frame;  // a perspective map of a spot lamp: minus the depths, m
-    int32_t (*jobs)[2];                     // pairs of camera and part
-    int64_t *starts, *counts;
+    float (*points)[3];      // the positions of the vertices of each cluster without repetitions, from its first vertex
+    uint16_t (*corners)[3];  // three of them for each triangle
+    int32_t *point_counts;   // of each cluster
+    int32_t (*jobs)[2];      // pairs of camera and part, the nearest parts of each camera first
+    int32_t (*found)[2];     // pairs of part and distance, for one camera
+    int64_t *starts, *counts;  // the triangles of each job in `seen` and `bounds`; in the order of parts
+    Chunk *chunks;
+    int32_t *shares;  // the triangles of each chunk in each tile: their number, then the place of the next one
     Seen *seen;
-    int64_t *firsts;
+    Bounds *bounds;
+    int64_t *firsts;  // the first triangle of each tile in `members`
     int32_t *members;
-    const int32_t (*tiles)[4];
+    int32_t (*tiles)[4];  // camera, left, top
     uint8_t (*rgba)[4];
     float *depth;
     int32_t *ids;
     float (*normals)[3];  // unit vectors along the axes of the camera; null if no camera measures them
     int32_t part_count, lamp_count, sample_count, camera_count, job_count, tile_count, shadow_width, shadow_height;
-    int32_t near_width, near_height, lamp_width, lamp_height;
-    int64_t next;  // index of the next piece of work
+    int32_t near_width, near_height, lamp_width, lamp_height, cluster_count, chunk_count;
+    int64_t seen_count, member_count, member_room;
+    Stage stages[STAGES];
 } Frame;
 
-static inline int64_t take(Frame *f) { return __atomic_fetch_add(&f->next, 1, __ATOMIC_RELAXED); }
+// The stages of an image; `piece` is a chunk or a tile.
+void draw_project(Frame *f, int64_t piece);
+void draw_sum(Frame *f, int64_t piece);
+void draw_bin(Frame *f, int64_t piece);
+void draw_pixels(Frame *f);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -68,8 +69,8 @@ CAMERA = np.dtype(
     ],
     align=True,
 )
-#: size of ``Seen`` in ``c/drawing.h``
-SEEN_BYTES = 72
+#: the bytes of ``Seen`` and ``Chunk`` in ``c/drawing.h``
+SEEN, CHUNK = np.dtype("V64"), np.dtype("V24")
 
 #: positions of the samples in a pixel, relative to its centre; the first sample, for depth and id, is the centre
 SAMPLES = {1: ((0.0, 0.0),), 5: ((0.0, 0.0), (-0.4, -0.2), (-0.2, 0.4), (0.2, -0.4), (0.4, 0.2))}
@@ -98,6 +99,9 @@ class Drawing(NamedTuple):
         materials: (M,) `MATERIAL`.
         texels: (N,) int32, all levels of all textures; each row ends with a copy of its first texel.
         textures: (X,) `TEXTURE`.
+        convex: (T,) uint8, 1 for triangles of closed convex parts of a mesh, of one material. Their back faces are not
+            visible from outside, and are left out unless the surface has holes.
+        guards: (C,) float32, radius of the sphere around the centre of the cluster that contains these parts.
     """
 
     vertices: NDArray[Any]
@@ -109,6 +113,8 @@ class Drawing(NamedTuple):
     materials: NDArray[Any]
     texels: NDArray[np.int32]
     textures: NDArray[Any]
+    convex: NDArray[np.uint8]
+    guards: NDArray[np.float32]
 
 
 class Poses(NamedTuple):
@@ -164,22 +170,16 @@ class Pictures(NamedTuple):
     normals: NDArray[np.float32]
 
 
-def tiles_of(cameras: NDArray[Any]) -> NDArray[np.int32]:
-    """(N, 4) int32, camera, left, top and 0 of all tiles; sets the first tile and pixel of each camera."""
+def number_tiles(cameras: NDArray[Any]) -> tuple[int, int]:
+    """Set the first tile and pixel of each camera; return the numbers of all tiles and pixels."""
     sizes = tuple(zip(cameras["width"].tolist(), cameras["height"].tolist(), strict=True))
-    tiles, cameras["tile"], cameras["pixel"] = _tiles_of_sizes(sizes)
-    return tiles
+    cameras["tile"], cameras["pixel"], tiles, pixels = _tiles_of_sizes(sizes)
+    return tiles, pixels
 
 
 @lru_cache(maxsize=16)
-def _tiles_of_sizes(sizes: tuple[tuple[int, int], ...]) -> tuple[NDArray[np.int32], list[int], list[int]]:
-    """The tiles, and the first tile and pixel of each image."""
-    found = [np.zeros((0, 4), dtype=np.int32)]
-    first_tiles, first_pixels, tile, pixel = [], [], 0, 0
-    for number, (width, height) in enumerate(sizes):
-        first_tiles.append(tile)
-        first_pixels.append(pixel)
-        y, x = np.mgrid[0:height:TILE, 0:width:TILE].reshape(2, -1)
-        found.append(np.column_stack([np.full(len(x), number), x, y, np.zeros_like(x)]).astype(np.int32))
-        tile, pixel = tile + len(x), pixel + width * height
-    return np.concatenate(found), first_tiles, first_pixels
+def _tiles_of_sizes(sizes: tuple[tuple[int, int], ...]) -> tuple[list[int], list[int], int, int]:
+    """The first tile and pixel of each image, and the numbers of all of them."""
+    tiles = [0, *accumulate(-(-width // TILE) * -(-height // TILE) for width, height in sizes)]
+    pixels = [0, *accumulate(width * height for width, height in sizes)]
+    return tiles[:-1], pixels[:-1], tiles[-1], pixels[-1]

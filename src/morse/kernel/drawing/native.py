@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.kernel import threads
-from morse.kernel.drawing.arrays import ENCODED, SAMPLES, SEEN_BYTES, Pictures, tiles_of
+from morse.kernel.drawing.arrays import CHUNK, ENCODED, SAMPLES, SEEN, Pictures, number_tiles
 from morse.kernel.drawing.structures import FrameStructure
-from morse.kernel.memory import pointer
+from morse.kernel.memory import aligned, pointer
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from morse.kernel.drawing.arrays import Drawing, Light, Poses
 
-_OF_ONE_CALL = ("cameras", "jobs", "tiles", "starts", "counts", "firsts", "members", "rgba", "depth", "ids", "normals")
-
-
+_OF_ONE_CALL = ("cameras", "jobs", "found", "tiles", "starts", "counts", "chunks", "shares", "firsts",
+                "rgba", "depth", "ids", "normals")  # fmt: skip
+#: the largest number of chunks of a camera; see ``c/draw_find.c``
+_CHUNKS = 33
 #: the positions of samples
 _SAMPLES = {count: np.array(positions, np.float32) for count, positions in SAMPLES.items()}
 
@@ -36,8 +37,14 @@ class NativeDrawer:
         self.drawing = drawing
         self._frame = frame = FrameStructure()
         frame.point(**drawing._asdict(), encoded=ENCODED)
-        frame.part_count = len(drawing.parts)
-        self._seen = np.empty((0, SEEN_BYTES), np.uint8)
+        frame.part_count, frame.cluster_count = len(drawing.parts), len(drawing.clusters)
+        frame.point(
+            points=np.empty((len(drawing.vertices) + 1, 3), np.float32),
+            corners=np.empty((len(drawing.triangles) + 1, 3), np.uint16),
+            point_counts=np.empty(len(drawing.clusters) + 1, np.int32),
+        )
+        library.morse_draw_points(ctypes.byref(frame))
+        self._seen = 0
 
     def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         """Render the images of cameras.
@@ -46,29 +53,45 @@ class NativeDrawer:
             cameras: (K,) `CAMERA`; their first tiles and pixels are set.
             samples: number of samples per pixel for the colour: 1 or 5.
         """
-        frame, drawing = self._frame, self.drawing
-        tiles = tiles_of(cameras)
+        frame, count = self._frame, len(cameras)
+        tiles, pixels = number_tiles(cameras)
         self._light(light, poses, samples)
         # one more than needed: an empty array has no address
-        jobs = np.empty((len(cameras) * len(drawing.parts) + 1, 2), np.int32)
-        frame.point(cameras=cameras, jobs=jobs, tiles=tiles)
-        frame.camera_count, frame.tile_count = len(cameras), len(tiles)
-        frame.job_count = count = self._library.morse_draw_find(ctypes.byref(frame))
-        ends = np.cumsum(drawing.clusters[drawing.parts[jobs[:count, 1], 0], 3], dtype=np.int64)
-        starts, counts = np.concatenate([np.zeros(1, np.int64), ends]), np.zeros(count + 1, np.int64)
-        if starts[-1] >= len(self._seen):
-            self._seen = np.empty((int(starts[-1]) * 5 // 4 + 1, SEEN_BYTES), np.uint8)
-        frame.point(starts=starts, counts=counts, seen=self._seen)
-        self._run("morse_draw_project", count)
-        self._bin(len(cameras), len(tiles))
-        pixels = int((cameras["width"].astype(np.int64) * cameras["height"]).sum())
+        jobs = count * len(self.drawing.parts) + 1
+        frame.point(
+            cameras=cameras,
+            jobs=np.empty((jobs, 2), np.int32),
+            starts=np.empty(jobs, np.int64),
+            counts=np.empty(jobs, np.int64),
+            found=np.empty((len(self.drawing.parts) + 1, 2), np.int32),
+            chunks=np.empty(_CHUNKS * count + 1, CHUNK),
+            shares=np.empty(_CHUNKS * tiles + 1, np.int32),
+            firsts=np.empty(tiles + 1, np.int64),
+            tiles=np.empty((tiles + 1, 4), np.int32),
+        )
+        frame.camera_count, frame.tile_count = count, tiles
+        frame.job_count = self._library.morse_draw_find(ctypes.byref(frame))
         colour = np.empty((pixels if cameras["color"].any() else 0, 4), np.uint8)
         normals = np.empty((pixels if cameras["normals"].any() else 0, 3), np.float32)
         made = Pictures(colour, np.empty(pixels, np.float32), np.empty(pixels, np.int32), normals)
         frame.point(**made._asdict())
-        self._run("morse_draw_pixels", len(tiles))
+        self._draw(tiles)
         frame.forget(*_OF_ONE_CALL)
         return made
+
+    def _draw(self, tiles: int) -> None:
+        """Run all stages in several threads."""
+        frame, function = self._frame, self._library.morse_draw_picture
+        if frame.seen_count > self._seen:
+            self._seen = frame.seen_count * 5 // 4
+            frame.point(seen=aligned(self._seen, SEEN), bounds=np.empty((self._seen, 4), np.int16))
+        frame.restart()
+        threads.together(lambda: function(ctypes.byref(frame)), tiles)
+        if frame.member_count > frame.member_room:
+            # the kernel goes on where it needed more memory
+            frame.member_room = frame.member_count * 5 // 4
+            frame.point(members=np.empty(frame.member_room, np.int32))
+            threads.together(lambda: function(ctypes.byref(frame)), tiles)
 
     def cast_shadows(self, parts: NDArray[np.integer], poses: Poses, light: Light) -> NDArray[np.int32]:
         """Draw parts into the shadow map.
@@ -81,7 +104,7 @@ class NativeDrawer:
         jobs = np.ascontiguousarray(np.column_stack([np.zeros_like(parts), parts]), dtype=np.int32)
         rectangles = np.zeros((len(parts), 4), np.int32)
         frame.point(jobs=jobs)
-        frame.job_count, frame.next = len(parts), 0
+        frame.job_count = len(parts)
         self._library.morse_draw_shadow(ctypes.byref(frame), pointer(rectangles))
         frame.forget("jobs")
         return rectangles
@@ -94,22 +117,3 @@ class NativeDrawer:
         frame.shadow_height, frame.shadow_width = (0, 0) if shadow is None else shadow.shape
         frame.near_height, frame.near_width = (0, 0) if near is None else near.shape
         frame.lamp_height, frame.lamp_width = (0, 0) if lamp is None else lamp.shape
-
-    def _bin(self, cameras: int, tiles: int) -> None:
-        """Sort the triangles into tiles: count them, allocate memory, store them."""
-        frame = self._frame
-        firsts = np.zeros(tiles + 1, np.int64)
-        frame.point(firsts=firsts, members=None)
-        self._run("morse_draw_bin", cameras)
-        ends = np.cumsum(firsts)
-        members, firsts = np.empty(int(ends[-1]) + 1, np.int32), ends - firsts
-        filled = firsts.copy()
-        frame.point(firsts=filled, members=members)
-        self._run("morse_draw_bin", cameras)
-        frame.point(firsts=firsts)
-
-    def _run(self, name: str, pieces: int) -> None:
-        """Distribute the pieces of a task over threads."""
-        self._frame.next = 0
-        function, frame = getattr(self._library, name), ctypes.byref(self._frame)
-        threads.together(lambda: function(frame), pieces)

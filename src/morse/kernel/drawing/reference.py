@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from morse.kernel.drawing import reference_colors, reference_normals, reference_shadows
-from morse.kernel.drawing.arrays import DITHERED, MASKED, SAMPLES, TILE, Pictures, tiles_of
+from morse.kernel.drawing.arrays import DITHERED, MASKED, SAMPLES, TILE, Pictures, number_tiles
 from morse.kernel.drawing.reference_project import Projected, project
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class ReferenceDrawer:
 
     def draw(self, cameras: NDArray[Any], poses: Poses, light: Light, samples: int) -> Pictures:
         """The images of cameras (K,) `CAMERA`."""
-        tiles_of(cameras)
+        number_tiles(cameras)
         with np.errstate(all="ignore"):
             made = [self._draw(camera, poses, light, samples) for camera in cameras]
         no_pixels = np.zeros(0, np.float32)

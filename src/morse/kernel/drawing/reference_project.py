@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from morse.kernel.drawing.arrays import DOUBLE_SIDED, MIRRORED
+from morse.kernel.drawing.arrays import DITHERED, DOUBLE_SIDED, MASKED, MIRRORED
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,6 +18,8 @@ _SMALLEST = np.float32(0.25)
 # limits of projected coordinates and of the coefficients of 1 / depth, so that the values at all pixels are finite
 _FARTHEST = 1e15
 _LARGEST = np.float32(1e30)
+# margin of clipped coordinates: pixels, and relative to their terms
+_CLIP_MARGIN, _CLIP_ROUNDING = 1.0, 1e-14
 
 
 @dataclass
@@ -79,11 +81,8 @@ def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> 
     side = [k["cx"], np.float32(k["width"]) - k["cx"], k["cy"], np.float32(k["height"]) - k["cy"]]
     length = [np.sqrt((fx * fx if i < 2 else fy * fy) + side[i] * side[i]) for i in range(4)]
     x = [m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i] for i in range(3)]
-    scale = np.float32(0)
-    for i in range(3):
-        scale += m[0, i] * m[0, i] + m[1, i] * m[1, i] + m[2, i] * m[2, i]
     q = [r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2] for i in range(3)]
-    size = s[3] * np.sqrt(scale)
+    size = s[3] * _stretch(m)
     if not (q[2] >= k["near"] - size and q[2] <= k["far"] + size):
         return False
     if q[2] > size and max(fx, fy) * size < _SMALLEST * q[2]:
@@ -97,14 +96,30 @@ def _may_be_seen(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> 
     return bool(side[2] * q[2] + fy * q[1] >= -size * length[2] and side[3] * q[2] - fy * q[1] >= -size * length[3])
 
 
+def _is_outside(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int) -> bool:
+    """Whether the convex parts of a cluster are beyond the near plane."""
+    cluster, instance = drawing.parts[part, :2]
+    s, m, r = drawing.spheres[cluster], poses.models[instance].reshape(3, 4), k["axes"]
+    x = [m[i, 0] * s[0] + m[i, 1] * s[1] + m[i, 2] * s[2] + m[i, 3] - k["eye"][i] for i in range(3)]
+    depth = r[6] * x[0] + r[7] * x[1] + r[8] * x[2]
+    return bool(depth - drawing.guards[cluster] * _stretch(m) >= k["near"])
+
+
+def _stretch(m: NDArray[np.float32]) -> np.float32:
+    """An upper bound of the largest stretch: the Frobenius norm, also for sheared parts."""
+    scale = np.float32(0)
+    for i in range(3):
+        scale += m[0, i] * m[0, i] + m[1, i] * m[1, i] + m[2, i] * m[2, i]
+    return np.float32(np.sqrt(scale))
+
+
 def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: float) -> Projected:
     cluster, instance, slots, flags = drawing.parts[part].tolist()
     first_vertex, vertices, first, count = drawing.clusters[cluster].tolist()
     a = _projection(k, poses.models[instance].reshape(3, 4))
     p = drawing.vertices["p"][first_vertex : first_vertex + vertices].astype(np.float64)
     screen = np.stack([a[i, 0] * p[:, 0] + a[i, 1] * p[:, 1] + a[i, 2] * p[:, 2] + a[i, 3] for i in range(3)], axis=1)
-    depth = np.where(screen[:, 2] < k["near"], 1.0, screen[:, 2])
-    flat = screen[:, :2] / depth[:, None]
+    flat = screen[:, :2] / np.where(screen[:, 2] < _cut(k), 1.0, screen[:, 2])[:, None]
     corners = drawing.triangles[first : first + count]
     q, at = screen[corners[:, :3]], flat[corners[:, :3]]
     material = drawing.slots[slots + corners[:, 3]].astype(np.int64)
@@ -115,6 +130,9 @@ def _part(drawing: Drawing, k: NDArray[Any], poses: Poses, part: int, reach: flo
     two_sided = drawing.materials["flags"][material] & DOUBLE_SIDED != 0
     near = ~(q[:, :, 2] > k["far"]).all(axis=1)
     chosen = near & inside & ((volume > 0) | (volume < 0)) & (two_sided | ~back)
+    if _is_outside(drawing, k, poses, part):
+        holes = drawing.materials["flags"][material] & (MASKED | DITHERED) != 0
+        chosen &= ~back | holes | (drawing.convex[first : first + count] == 0)
     edges = np.where((volume > 0)[:, None, None], e, -e).astype(np.float32)
     inverse = ((e[:, 0] + e[:, 1] + e[:, 2]) / volume[:, None]).astype(np.float32)
     sizes = np.abs(inverse)
@@ -145,16 +163,39 @@ def _is_finite(a: NDArray[np.float64], sphere: NDArray[np.float32]) -> bool:
     return bool((most < _FARTHEST).all())
 
 
+def _cut(k: NDArray[Any]) -> float:
+    """The depth in front of which triangles are clipped for their bounds: no sample is visible there."""
+    return float(k["near"]) / 2
+
+
 def _bounds(
     k: NDArray[Any], q: NDArray[np.float64], at: NDArray[np.float64], reach: float
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Pixels whose samples may lie in triangles, and whether there are any."""
-    width, height = int(k["width"]), int(k["height"])
-    behind = (q[:, :, 2] < k["near"]).sum(axis=1)
-    low, high = np.fmin(at.min(axis=1), 1e9) - reach, np.fmax(at.max(axis=1), -1e9) + (reach - 1)
-    low[behind > 0], high[behind > 0] = 0.0, (width, height)
-    fine = (behind < 3) & (high >= 0).all(axis=1) & (low[:, 0] < width) & (low[:, 1] < height)
-    size = np.array([width, height])
-    first = np.where(fine[:, None] & (low > 0), np.ceil(low), 0).astype(np.int64)
-    last = np.where(fine[:, None] & (high < size - 1), np.trunc(high), size - 1).astype(np.int64)
-    return np.concatenate([first, last], axis=1), fine & (first <= last).all(axis=1)
+    low, high = _visible(_cut(k), q, at)
+    last = np.array([int(k["width"]) - 1, int(k["height"]) - 1])
+    first = np.maximum(np.ceil(low - reach), 0.0)
+    end = np.minimum(np.floor(high + (reach - 1)), last)
+    fine = (q[:, :, 2] >= k["near"]).any(axis=1) & (first <= end).all(axis=1)
+    box = np.where(fine[:, None], np.concatenate([first, end], axis=1), 0.0)
+    return box.astype(np.int64), fine
+
+
+def _visible(
+    cut: float, q: NDArray[np.float64], at: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest coordinates (N, 2) of the parts of triangles beyond a depth."""
+    front = q[:, :, 2] >= cut
+    low = np.where(front[..., None], at, np.inf).min(axis=1)
+    high = np.where(front[..., None], at, -np.inf).max(axis=1)
+    for i in range(3):
+        n = (i + 1) % 3
+        crosses = front[:, i] != front[:, n]
+        # the same numbers in both directions
+        a, b = (np.where(front[:, [i]], q[:, u], q[:, v]) for u, v in ((n, i), (i, n)))
+        t = (cut - a[:, 2]) / (b[:, 2] - a[:, 2])
+        place = (a[:, :2] + t[:, None] * (b[:, :2] - a[:, :2])) / cut
+        margin = _CLIP_MARGIN + _CLIP_ROUNDING * (np.abs(a[:, :2]) + np.abs(b[:, :2])) / cut
+        low = np.where(crosses[:, None], np.minimum(low, place - margin), low)
+        high = np.where(crosses[:, None], np.maximum(high, place + margin), high)
+    return low, high

@@ -11,10 +11,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ADDRESSES = """vertices triangles clusters spheres parts slots materials texels textures lamps sky samples encoded
-    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame jobs starts counts
-    seen firsts members tiles rgba depth ids normals"""
+    convex guards
+    models turns cameras shadow sun near_shadow near_sun lamp_shadow lamp_frame points corners point_counts
+    jobs found starts counts chunks shares seen bounds firsts members tiles rgba depth ids normals"""
 _NUMBERS = """part_count lamp_count sample_count camera_count job_count tile_count shadow_width shadow_height
-    near_width near_height lamp_width lamp_height"""
+    near_width near_height lamp_width lamp_height cluster_count chunk_count"""
+_SIZES = "seen_count member_count member_room"
+#: four stages of an image, each with the next piece of work and the number of complete pieces
+_Stages = ctypes.c_int64 * 8
 
 
 class FrameStructure(ctypes.Structure):
@@ -23,7 +27,8 @@ class FrameStructure(ctypes.Structure):
     _fields_ = (
         *[(name, ctypes.c_void_p) for name in _ADDRESSES.split()],
         *[(name, ctypes.c_int32) for name in _NUMBERS.split()],
-        ("next", ctypes.c_int64),
+        *[(name, ctypes.c_int64) for name in _SIZES.split()],
+        ("stages", _Stages),
     )
 
     def __init__(self) -> None:
@@ -38,6 +43,10 @@ class FrameStructure(ctypes.Structure):
             if name not in kept or kept[name] is not array:
                 setattr(self, name, address(array))
                 kept[name] = array
+
+    def restart(self) -> None:
+        """Begin with the first piece of the first stage."""
+        self.stages = _Stages()
 
     def forget(self, *names: str) -> None:
         """Release arrays that the frame points to."""

@@ -1,0 +1,100 @@
+// Finds the parts that each camera may see.
+//
+// The nearest parts come first: they hide what is behind them before it takes time. The order has no other effect.
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "draw_corners.h"
+#include "drawing.h"
+#include "export.h"
+
+// Clusters smaller than this many pixels are left out.
+#define SMALLEST 0.25f
+// The distances of parts are sorted by their exponents and their first four binary digits.
+#define DISTANCE_SHIFT 19
+#define DISTANCES 4096
+// The number of chunks of a camera is at most one more; chunks are at least this many triangles.
+#define CHUNKS 32
+#define CHUNK_TRIANGLES 512
+
+MORSE_EXPORT int32_t morse_draw_find(Frame *f);
+
+// Whether a sphere may be visible. `nearest` receives the distance of the nearest point from the plane of the camera.
+static int may_be_seen(const Camera *k, const float *m, const float *s, float *nearest) {
+    const float *r = k->axes, fx = k->fx, fy = k->fy;
+    const float side[4] = {k->cx, (float)k->width - k->cx, k->cy, (float)k->height - k->cy};
+    float x[3], q[3], length[4];
+    EACH(i, 3) x[i] = m[4 * i] * s[0] + m[4 * i + 1] * s[1] + m[4 * i + 2] * s[2] + m[4 * i + 3] - k->eye[i];
+    EACH(i, 3) q[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
+    const float size = s[3] * stretch_of(m);
+    *nearest = q[2] - size;
+    if (!(q[2] >= k->near - size && q[2] <= k->far + size)) return 0;
+    if (q[2] > size && (fx > fy ? fx : fy) * size < SMALLEST * q[2]) return 0;
+    EACH(i, 4) length[i] = sqrtf((i < 2 ? fx * fx : fy * fy) + side[i] * side[i]);
+    if (side[0] * q[2] + fx * q[0] < -size * length[0] || side[1] * q[2] - fx * q[0] < -size * length[1]) return 0;
+    return side[2] * q[2] + fy * q[1] >= -size * length[2] && side[3] * q[2] - fy * q[1] >= -size * length[3];
+}
+
+static int32_t rank_of(float nearest) {
+    int32_t bits;
+    // false for NaN
+    if (!(nearest > 0)) return 0;
+    memcpy(&bits, &nearest, sizeof bits);
+    return bits >> DISTANCE_SHIFT;
+}
+
+static int32_t triangles_of(const Frame *f, int32_t part) { return f->clusters[f->parts[part].cluster].triangles; }
+
+// Sets the jobs of a camera, from `first`; returns the end. `size` receives the number of triangles.
+static int32_t find(Frame *f, int32_t camera, int32_t first, int64_t *size) {
+    int32_t places[DISTANCES + 1] = {0}, count = 0, end = first;
+    *size = 0;
+    EACH(p, f->part_count) {
+        const Part *part = f->parts + p;
+        float nearest;
+        if (!may_be_seen(f->cameras + camera, f->models[part->instance], f->spheres[part->cluster], &nearest)) continue;
+        f->found[count][0] = p, f->found[count][1] = rank_of(nearest);
+        places[f->found[count++][1] + 1]++;
+        *size += triangles_of(f, p);
+    }
+    EACH(d, DISTANCES) places[d + 1] += places[d];
+    EACH(i, count) {
+        const int32_t p = f->found[i][0], at = first + places[f->found[i][1]]++;
+        f->jobs[at][0] = camera, f->jobs[at][1] = p, f->starts[at] = f->seen_count;
+        f->seen_count += triangles_of(f, p), end++;
+    }
+    return end;
+}
+
+// Divides the jobs of a camera into chunks of about the same number of triangles.
+static void divide(Frame *f, int32_t camera, int32_t first, int32_t end, int64_t size, int32_t tiles, int64_t *row) {
+    const int64_t wanted = size / CHUNKS > CHUNK_TRIANGLES ? size / CHUNKS : CHUNK_TRIANGLES;
+    for (int32_t j = first; j < end;) {
+        Chunk *chunk = f->chunks + f->chunk_count++;
+        *chunk = (Chunk){camera, j, j, 0, *row};
+        *row += tiles;
+        for (int64_t taken = 0; j < end && taken < wanted; j++) taken += triangles_of(f, f->jobs[j][1]);
+        chunk->end = j;
+    }
+}
+
+// Sets the tiles of the cameras, and the jobs in which each of them may see a part; returns the number of jobs. There
+// is memory for a job for each camera and part, and for CHUNKS + 1 chunks for each camera.
+int32_t morse_draw_find(Frame *f) {
+    int32_t count = 0;
+    int64_t row = 0;
+    f->seen_count = f->chunk_count = 0;
+    EACH(c, f->camera_count) {
+        const Camera *k = f->cameras + c;
+        int64_t size;
+        int32_t tile = k->tile;
+        for (int32_t y = 0; y < k->height; y += TILE)
+            for (int32_t x = 0; x < k->width; x += TILE, tile++)
+                f->tiles[tile][0] = c, f->tiles[tile][1] = x, f->tiles[tile][2] = y;
+        const int32_t end = find(f, c, count, &size);
+        divide(f, c, count, end, size, tile - k->tile, &row);
+        count = end;
+    }
+    return count;
+}

@@ -1,0 +1,86 @@
+"""Closed convex parts of meshes, whose back faces are left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from studio import Studio, Tripod, body, triangles
+
+from morse.builder.assembly import shapes
+from morse.rendering import Lens
+from morse.rendering.convex import convex_parts
+
+POINTS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], np.float32)
+FACES = np.array(
+    [
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]
+)  # fmt: skip
+NO_SLOTS = np.zeros(len(FACES), int)
+
+
+def parts(points, faces, slots=None):
+    return convex_parts(points, faces, np.zeros(len(faces), int) if slots is None else slots)
+
+
+def test_a_cube():
+    found = parts(POINTS, FACES)
+    assert (found.part == 0).all()
+    np.testing.assert_allclose(found.spheres, [[0, 0, 0, np.sqrt(3)]])
+
+
+def test_corners_of_flat_faces_are_welded():
+    """Every triangle has its own vertices, as with normals of its own."""
+    found = parts(POINTS[FACES].reshape(-1, 3), np.arange(36).reshape(12, 3))
+    assert (found.part == 0).all()
+
+
+def test_a_ball_far_from_the_origin():
+    ball = shapes.ico_sphere(3)
+    points = np.asarray(ball.vertices, np.float32).reshape(-1, 3) * np.float32(0.1) + np.float32(20)
+    assert (parts(points, np.asarray(ball.triangles).reshape(-1, 3)).part == 0).all()
+
+
+def dented():
+    points = np.concatenate([POINTS, [(0, 0, 0.5)]]).astype(np.float32)
+    roof = [(1, 5, 8), (5, 7, 8), (7, 3, 8), (3, 1, 8)]
+    return points, np.concatenate([FACES[:10], roof])
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "slots"),
+    [
+        (POINTS, FACES[1:], NO_SLOTS[1:]),
+        (POINTS, FACES[:, ::-1], NO_SLOTS),
+        (POINTS, np.concatenate([FACES[:1, ::-1], FACES[1:]]), NO_SLOTS),
+        (POINTS, np.concatenate([FACES, FACES[:1]]), np.zeros(13, int)),
+        (*dented(), np.zeros(14, int)),
+        (POINTS, FACES, np.arange(12) // 6),
+        (POINTS[:0], FACES[:0], NO_SLOTS[:0]),
+    ],
+    ids=["open", "inside out", "one face inside out", "a face twice", "dented", "two materials", "nothing"],
+)
+def test_parts_that_are_not_closed_and_convex(points, faces, slots):
+    found = parts(points, faces, slots)
+    assert (found.part == -1).all()
+    assert len(found.spheres) == 0
+
+
+def test_parts_are_told_apart():
+    points, dent = dented()
+    both = np.concatenate([POINTS, points + np.float32(0.5), POINTS * 2 + np.float32(7)])
+    found = parts(both, np.concatenate([FACES, dent + 8, FACES + 8 + len(points)]))
+    assert found.part.tolist() == [0] * 12 + [-1] * 14 + [1] * 12
+    np.testing.assert_allclose(found.spheres, [[0, 0, 0, np.sqrt(3)], [7, 7, 7, 2 * np.sqrt(3)]], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("place", "seen"), [(0.0, 1.0), (0.85, 1.0), (5.0, 0.0)], ids=["in", "by the wall", "away"])
+def test_walls_are_visible_from_inside(place, seen):
+    """A camera in a closed room, at its wall, and one that looks away from it."""
+    studio = Studio(body("Room", triangles(POINTS, FACES)))
+    picture = studio.look(Tripod((place, 0, 0), (place + 1, 0, 0.1)), Lens.of_focal_length(40, 30, 32.0, 0.1, 50.0))
+    assert (picture.ids >= 0).mean() == seen
+    if seen:
+        # the wall is at 1 m, and the axis of the camera is inclined
+        assert picture.depth.max() < 1.2 * (1 - place)
