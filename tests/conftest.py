@@ -89,6 +89,20 @@ def pytest_configure(config: pytest.Config) -> None:
         folder = tempfile.TemporaryDirectory(prefix="morse-tests-cache-", ignore_cleanup_errors=True)
         os.environ["MORSE_CACHE"] = folder.name
         config.add_cleanup(folder.cleanup)
+    elif config.args == config.getini("testpaths"):
+        config.args = _folders_of_this_worker(config)
+
+
+def _folders_of_this_worker(config: pytest.Config) -> list[str]:
+    """All folders of tests; each worker begins with another one.
+
+    pytest compiles each file of tests when it is first imported, and keeps the result for the other workers: in a clean
+    checkout, workers that begin with the same file would all compile all files.
+    """
+    folders = sorted(path for path in Path(__file__).parent.iterdir() if any(path.glob("**/test_*.py")))
+    worker, count = int(_worker.removeprefix("gw")), int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
+    begin = len(folders) * worker // count
+    return [str(path.relative_to(config.invocation_params.dir)) for path in folders[begin:] + folders[:begin]]
 
 
 def pytest_xdist_auto_num_workers() -> int | None:
@@ -99,9 +113,12 @@ def pytest_xdist_auto_num_workers() -> int | None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark quick tests, and put long files first: no worker begins one when the others have ended."""
+    """Mark quick tests, and put long files first: no worker begins one when the others have ended.
+
+    The order is the same in each worker, whichever folder it has collected first.
+    """
     place = {name: number for number, name in enumerate(_LONG)}
-    items.sort(key=lambda item: place.get(item.path.stem, len(place)))
+    items.sort(key=lambda item: (place.get(item.path.stem, len(place)), item.path))
     quick: dict[Path, bool] = {}
     for item in items:
         if item.path not in quick:

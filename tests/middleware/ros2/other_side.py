@@ -40,7 +40,10 @@ def _own_domain() -> int:
     if given:
         return int(given)
     for domain in _DOMAINS:
-        file = open(Path(tempfile.gettempdir()) / f"morse-test-ros-domain-{domain}", "w")  # noqa: SIM115
+        try:
+            file = open(Path(tempfile.gettempdir()) / f"morse-test-ros-domain-{domain}", "w")  # noqa: SIM115
+        except OSError:
+            continue  # it belongs to another user
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -73,6 +76,8 @@ def lent() -> dict[str, str]:
 @cache
 def has(python: str, module: str) -> bool:
     """Whether a Python can import a module."""
+    if python == sys.executable and importlib.util.find_spec(module) is None:
+        return False
     run = subprocess.run([python, "-c", f"import {module}"], capture_output=True, env=environment(python), check=False)
     return run.returncode == 0
 
