@@ -34,11 +34,15 @@ class KindStream(AbstractDatastream):
 
     def initialize(self) -> None:
         """Find the message kinds of the component, and the method of the manager for each."""
-        self.kinds: tuple[BoundKind, ...] = bind(self.component_instance)
+        self.kinds: tuple[BoundKind, ...] = self.find_kinds()
         self._outgoing = [(bound, self.manager.mapping(bound.kind.name)) for bound in self.kinds]
         self._arrived: deque[tuple[BoundKind, Mapping[str, Any], str]] = deque(maxlen=_MOST_WAITING)
         self.complaints = Complaints(logger)
         self._commands = Commands(self.component_instance) if self.direction == "IN" else None
+
+    def find_kinds(self) -> tuple[BoundKind, ...]:
+        """Return the message kinds of the component that the stream carries."""
+        return bind(self.component_instance)
 
     def default(self, ci: Object | None = None) -> bool:
         """Publish the messages; or read the received messages and return True if there were any."""

@@ -58,6 +58,13 @@ def main() -> None:
     end = time.monotonic() + _LIMIT
     while time.monotonic() < end and drive.get_state() not in ended:
         time.sleep(0.01)
+    shipped = actionlib.SimpleActionClient("/robot/goal/move_base", MoveBaseAction)
+    while not shipped.wait_for_server(rospy.Duration(1.0)):
+        pass
+    shipped.send_goal(there)
+    end = time.monotonic() + _LIMIT
+    while time.monotonic() < end and shipped.get_state() not in ended:
+        time.sleep(0.01)
     halt = rospy.ServiceProxy("/driver/halt", SetBool)(True)
     try:
         rospy.ServiceProxy("/driver/fail", Trigger)()
@@ -69,6 +76,7 @@ def main() -> None:
             {
                 "reached": [reached, result],
                 "cancelled": cancelled,
+                "move_base": shipped.get_state(),
                 "refused": [refused, text],
                 "halt": [halt.success, halt.message],
                 "failure": failure,

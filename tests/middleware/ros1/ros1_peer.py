@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+import struct
 import time
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Pose, PoseStamped, Twist, Vector3
+from geometry_msgs.msg import Pose, PoseStamped, Twist, TwistStamped, Vector3
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan, PointCloud2
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 _LIMIT = 60.0
+
+
+def _xyz(vector: Any) -> list[float]:
+    return [vector.x, vector.y, vector.z]
 
 
 def main() -> None:
@@ -30,6 +35,8 @@ def main() -> None:
         ("/robot/pose", PoseStamped), ("/robot/odometry", Odometry), ("/robot/scan", LaserScan), ("/clock", Clock),
         ("/robot/imu", Imu), ("/robot/near", String), ("/robot/eye/image", Image),
         ("/robot/eye/camera_info", CameraInfo), ("/robot/ptu/posture", JointState), ("/tf", TFMessage),
+        ("/tf_static", TFMessage), ("/where", Pose), ("/other/fan", PointCloud2), ("/other/pull", TwistStamped),
+        ("/other/lens/image_raw", Image), ("/other/odom", Odometry),
     ):  # fmt: skip
         listen(topic, kind)
     drive = rospy.Publisher("/robot/motion", Twist, queue_size=1)
@@ -45,7 +52,9 @@ def main() -> None:
         turned = got["/robot/ptu/posture"]
         return bool(seen) and seen[-1].pose.pose.position.x > 0.3 and turned[-1].position[0] > 0.35
 
-    while time.monotonic() < end and not (all(len(m) > 3 for m in got.values()) and moved()):
+    while time.monotonic() < end and not (
+        all(len(m) > 3 for topic, m in got.items() if topic != "/tf_static") and moved()
+    ):
         drive.publish(forward)
         jump.publish(place)
         head.publish(Vector3(0.0, 0.4, -0.2))
@@ -56,6 +65,11 @@ def main() -> None:
     scan, image, info = last["/robot/scan"], last["/robot/eye/image"], last["/robot/eye/camera_info"]
     odometry = last["/robot/odometry"]
     transforms = [t for m in got["/tf"] for t in m.transforms]
+    fixed = [t for m in got["/tf_static"] for t in m.transforms]
+    moved_to = [
+        t.transform.translation for t in transforms if (t.header.frame_id, t.child_frame_id) == ("/world", "/other")
+    ]
+    fan, pull = last["/other/fan"], last["/other/pull"]
     print(
         json.dumps(
             {
@@ -72,6 +86,12 @@ def main() -> None:
                 "gravity": last["/robot/imu"].linear_acceleration.z,
                 "joints": [list(last["/robot/ptu/posture"].name), list(last["/robot/ptu/posture"].position)],
                 "tf": sorted({(t.header.frame_id, t.child_frame_id) for t in transforms}),
+                "where": _xyz(last["/where"].position),
+                "world to other": _xyz(moved_to[-1]),
+                "mast": [fixed[0].header.frame_id, _xyz(fixed[0].transform.translation)],
+                "points": [struct.unpack_from("<fff", fan.data, i * fan.point_step) for i in range(fan.width)],
+                "pull": _xyz(pull.twist.linear),
+                "recognised": sorted({t.child_frame_id for t in transforms if t.header.frame_id == "/map"}),
                 "robots": [robots.success, robots.message],
             }
         )

@@ -34,6 +34,22 @@ robot.add_default_interface("ros")
 other = ATRV(); other.translate(0.0, 8.0, 0.0)
 other.append(Teleport("jump"))
 other.append(Pose("pose"))
+truth = Pose("truth"); other.append(truth)
+truth.add_stream("ros", "morse.middleware.ros.pose.TFPublisher", frame_id="/world", child_frame_id="/other")
+bare = Pose("bare"); other.append(bare)
+bare.add_stream("ros", "morse.middleware.ros.pose.PosePublisher", topic="/where")
+mast = Gyroscope("mast"); mast.translate(0.1, 0.2, 1.0); other.append(mast)
+mast.add_stream("ros", method="morse.middleware.ros.static_tf.StaticTF2Publisher", frame_id="/mast")
+fan = Sick("fan"); fan.translate(0.0, 0.0, 0.3); fan.rotate(y=0.4); other.append(fan)
+fan.add_stream("ros", classpath="morse.middleware.ros.laserscanner.PointCloud2Publisher")
+pull = Accelerometer("pull"); other.append(pull)
+pull.add_stream("ros", method="TwistPublisher", path="morse.middleware.ros.accelerometer")
+look = SemanticCamera("look"); look.properties(cam_width=32, cam_height=32, tag="Robot_Tag"); look.rotate(x=-1.57)
+other.append(look)
+lens = VideoCamera("lens"); lens.properties(cam_width=32, cam_height=24); other.append(lens)
+lens.add_stream("ros", topic_suffix="/image_raw")
+dist = Odometry("odom"); other.append(dist)
+dist.add_stream("ros", "morse.middleware.ros.odometry.OdometryPublisher")
 other.add_default_interface("ros")
 env = Environment("empty")
 env.add_service("ros")
@@ -83,6 +99,26 @@ def test_names_of_frames_are_those_of_1_4(said: Any) -> None:
     assert frames["/robot/eye/image"] == frames["/robot/eye/camera_info"] == "/robot/eye"
     assert ["/odom", "/base_footprint"] in said["tf"]
     assert ["/base_link", "/robot/eye"] in said["tf"]
+
+
+def test_streams_with_the_class_names_of_1_4(said: Any) -> None:
+    # 1.4 chose other messages by the class of the stream
+    assert said["where"] == pytest.approx([7.0, 8.0, 1.0], abs=1e-3)
+    assert said["world to other"] == pytest.approx([7.0, 8.0, 1.0], abs=1e-3)
+    assert said["mast"] == ["/base_link", [pytest.approx(0.1), pytest.approx(0.2), pytest.approx(1.0)]]
+    assert said["pull"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)
+    assert "/other/lens/image_raw" not in said["missing"]
+
+
+def test_points_of_a_scanner_are_those_that_it_hits(said: Any) -> None:
+    # a fan that is tilted down meets the ground at height 0, from 1.3 m
+    x, _, _ = said["points"][len(said["points"]) // 2]
+    assert x == pytest.approx(1.3 / math.sin(0.4), rel=1e-3)
+    assert len(said["points"]) < 181
+
+
+def test_recognised_objects_have_frames(said: Any) -> None:
+    assert "robot" in said["recognised"]
 
 
 def test_messages_keep_their_definitions(said: Any) -> None:

@@ -62,6 +62,7 @@ from morse.builder import *
 robot = ATRV()
 goal = Waypoint("goal")
 goal.add_overlay("ros", "driver_overlay.Driver")
+goal.add_overlay("ros", "morse.middleware.ros.overlays.waypoints.WayPoint")
 robot.append(goal)
 env = Environment("empty", fastmode=True)
 """
@@ -81,6 +82,11 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 def test_a_goal_is_reached_and_has_a_result(said: Any) -> None:
     succeeded = 3
     assert said["reached"] == [succeeded, 42]
+
+
+def test_the_overlay_of_1_4_takes_goals_of_the_navigation_stack(said: Any) -> None:
+    succeeded = 3
+    assert said["move_base"] == succeeded
 
 
 def test_a_goal_that_is_cancelled_ends_as_preempted(said: Any) -> None:

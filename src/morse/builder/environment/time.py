@@ -30,8 +30,8 @@ class TimeMethods(EnvironmentDescription):
     """The part of `Environment` for time and physics."""
 
     def set_gravity(self, gravity: float = 9.81) -> None:
-        """Set the gravity along -Z, m/s^2."""
-        self.settings.gravity = checks.number(gravity, "env.set_gravity(gravity)", above=0.0)
+        """Set the gravity along -Z, m/s^2; 0 for weightlessness."""
+        self.settings.gravity = checks.number(gravity, "env.set_gravity(gravity)", minimum=0.0)
         self._gravity_given = True
 
     def set_physics_step_sub(self, step_sub: int = 2) -> None:

@@ -2,8 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from morse.middleware.ros.mapping import STREAM_OPTIONS
+from morse.middleware.ros2.poses import pose_of
 from morse.middleware.ros2.stream import Ros2Stream
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from morse.core.kinds import BoundKind
+    from morse.helpers.transformation import Transformation3d
+
+    #: parent frame, child frame, pose
+    Frame = tuple[str, str, Transformation3d]
 
 #: frames of the messages of 1.4 by kind; the frames of all other messages have the names of their topics
 _OF_1_4 = {"pose": "/map", "odometry": "/odom", "imu": "/imu", "scan": "/base_laser_link", "twist": "/base_link"}
@@ -29,3 +41,29 @@ class RosStream(Ros2Stream):
     def child_frame_id(self) -> str:
         """See `Ros2Stream.child_frame_id`."""
         return str(self.kwargs["child_frame_id"] or _CHILD) if self._is_of_1_4() else super().child_frame_id()
+
+    def ports(self, bound: BoundKind) -> list[Any]:
+        """See `Ros2Stream.ports`; the option ``topic_suffix`` replaces ``image``."""
+        suffix = self.kwargs["topic_suffix"]
+        found = super().ports(bound)
+        if suffix is None or bound.kind.name != "image":
+            return found
+        name = suffix.strip("/")
+        return [port._replace(topic=name + port.topic.removeprefix("image")) for port in found]
+
+    # -- transforms of 1.4 -------------------------------------------------------------------
+
+    def transforms(self) -> Iterator[Frame]:
+        """The transforms on ``/tf`` in each tick: of a camera on its robot, of the objects that a camera recognises."""
+        component: Any = self.component_instance
+        if hasattr(component, "lens") and self.kwargs["pub_tf"]:
+            yield self.kwargs["parent_frame_id"], self.own_frame(), component.sensor_to_robot_position_3d()
+        for bound in self.kinds:
+            if bound.kind.name == "detections" and component.active:
+                parent = self.own_frame() if getattr(component, "relative", False) else "/map"
+                for record in bound.gather().records:
+                    yield parent, str(record["id"]), pose_of(record["position"], record["orientation"])
+
+    def fixed_transforms(self) -> Iterator[Frame]:
+        """The transforms on ``/tf_static``."""
+        yield from ()

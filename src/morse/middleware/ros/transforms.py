@@ -1,33 +1,38 @@
-"""The transforms of MORSE 1.4: of odometry, and of cameras."""
+"""The transforms of MORSE 1.4."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from morse.middleware.ros2.transforms import Transforms
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from morse.helpers.transformation import Transformation3d
+    from morse.middleware.ros.stream import Frame, RosStream
+    from morse.middleware.ros2.transforms import RobotFrames
 
 
 class TransformsOf14(Transforms):
-    """From ``/odom`` to ``/base_footprint`` for each odometry sensor, from ``/base_link`` to each camera."""
+    """From ``/odom`` to ``/base_footprint`` for each odometry sensor, and those of `RosStream.transforms`."""
 
     def add(self, stream: Any, *, lenient: bool = False) -> None:
         """See `Transforms.add`: the frames of 1.4 do not contain the robot, and several sensors may publish them."""
         super().add(stream, lenient=True)
 
-    def _static(self) -> Iterator[tuple[str, str, Transformation3d]]:
-        yield from ()
+    def _static(self) -> Iterator[Frame]:
+        for frames in self._robots.values():
+            for stream in _streams(frames):
+                yield from stream.fixed_transforms()
 
-    def _with_base(self) -> Iterator[Any]:
+    def _with_base(self) -> Iterator[RobotFrames]:
         return (frames for frames in self._robots.values() if frames.source is not None)
 
-    def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
+    def _moving(self) -> Iterator[Frame]:
         for frames in self._robots.values():
-            for stream in frames.streams:
-                if hasattr(stream.component_instance, "lens") and stream.kwargs["pub_tf"]:
-                    pose = stream.component_instance.sensor_to_robot_position_3d()
-                    yield stream.kwargs["parent_frame_id"], stream.own_frame(), pose
+            for stream in _streams(frames):
+                yield from stream.transforms()
+
+
+def _streams(frames: RobotFrames) -> list[RosStream]:
+    return cast("list[RosStream]", frames.streams)

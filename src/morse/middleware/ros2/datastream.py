@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-_TF = "tf2_msgs/msg/TFMessage"
+TF = "tf2_msgs/msg/TFMessage"
 _CLOCK = "rosgraph_msgs/msg/Clock"
 _SECOND = 10**9
 
@@ -76,19 +76,19 @@ class Ros2DatastreamManager(SpatialKinds, SensingKinds, VisionKinds, DetectingKi
         self._subscriptions: dict[tuple[str, str, Qos], Subscription] = {}
         self._aliases: dict[str, str] = {}
         self._clock = self._own("/clock", _CLOCK, Qos(1, reliable=False)) if self.options["clock"] else None
-        self._tf = self._own("/tf", _TF, Qos(100)) if self.options["tf"] else None
-        self._tf_static = self._own("/tf_static", _TF, Qos(1, latched=True)) if self.options["tf"] else None
+        self._tf = self._own("/tf", TF, Qos(100)) if self.options["tf"] else None
+        self._tf_static = self._own("/tf_static", TF, Qos(1, latched=True)) if self.options["tf"] else None
         self._tf_period = -1
         self.robots = Robots(self)
         self._log = LogTopic(self) if self.options["rosout"] else None
         self.transforms = Transforms(
             self.options["localization"],
             self._send_tf,
-            lambda message: self._publish(self._tf_static, _TF, message),
+            lambda message: self._publish(self._tf_static, TF, message),
         )
 
     def _send_tf(self, message: dict[str, Any]) -> None:
-        self._publish(self._tf, _TF, message)
+        self._publish(self._tf, TF, message)
 
     def _make_backend(self) -> Backend:
         """The backend."""

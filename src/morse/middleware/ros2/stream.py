@@ -85,10 +85,9 @@ class Ros2Stream(KindStream):
         self.sending: list[tuple[BoundKind, list[Sending]]] = []
         self._hearing: list[_Hearing] = []
         for bound in self.kinds:
-            method = self.manager.mapping(bound.kind.name, self.direction)
-            if method is None:
+            ports = self.ports(bound)
+            if not ports:
                 continue
-            ports = method(self, bound)
             if self.direction == "IN":
                 self._hearing += [
                     _Hearing(topic, bound, inlet, subscription)
@@ -109,6 +108,11 @@ class Ros2Stream(KindStream):
         self._together: Together | None = (
             together if together is not None and together.takes(self, self.sending) else None
         )
+
+    def ports(self, bound: BoundKind) -> list[Any]:
+        """The topics of a kind: instances of `Outlet`, or of `Inlet` if the stream receives messages."""
+        method = self.manager.mapping(bound.kind.name, self.direction)
+        return [] if method is None else list(method(self, bound))
 
     def _offer_fields(self) -> None:
         if self.kwargs["fields"] and self.kinds:

@@ -28,7 +28,7 @@ _DOWN = (0.7071067811865476, 0.0, 0.7071067811865476, 0.0)
 _NED = (0.0, 0.7071067811865476, 0.7071067811865476, 0.0)
 
 
-class _RobotFrames:
+class RobotFrames:
     """The frames of one robot.
 
     Attributes:
@@ -68,7 +68,7 @@ class Transforms:
 
     def __init__(self, localization: bool, send: _Send, send_static: _Send) -> None:
         self._localization, self._send, self._send_static = localization, send, send_static
-        self._robots: dict[str, _RobotFrames] = {}
+        self._robots: dict[str, RobotFrames] = {}
         self.changed = False
 
     def add(self, stream: Ros2Stream, *, lenient: bool = False) -> None:
@@ -84,7 +84,7 @@ class Transforms:
         names = stream.manager.names
         frames = self._robots.get(robot.name())
         if frames is None or frames.robot is not robot:
-            frames = self._robots[robot.name()] = _RobotFrames(robot, names.odom(robot), names.base(robot))
+            frames = self._robots[robot.name()] = RobotFrames(robot, names.odom(robot), names.base(robot))
         if stream.gives_transform and not (lenient and frames.source is not None):
             if frames.source is not None:
                 raise MorseMiddlewareError(
@@ -152,14 +152,14 @@ class Transforms:
         bases = [(frames, frames.true_pose()) for frames in self._with_base()]
         return partial(self._send_moving, stamp, bases, list(self._moving()))
 
-    def _with_base(self) -> Iterator[_RobotFrames]:
+    def _with_base(self) -> Iterator[RobotFrames]:
         """The robots whose base is a frame that moves."""
         yield from self._robots.values()
 
     def _send_moving(
         self,
         stamp: int,
-        bases: Sequence[tuple[_RobotFrames, tuple[Transformation3d, Transformation3d] | None]],
+        bases: Sequence[tuple[RobotFrames, tuple[Transformation3d, Transformation3d] | None]],
         others: Sequence[tuple[str, str, Transformation3d]],
     ) -> None:
         made = []

@@ -43,14 +43,14 @@ class SpatialKinds:
                     "geometry_msgs/msg/PoseWithCovarianceStamped",
                     lambda m, f: {
                         "header": header(m, f),
-                        "pose": {"pose": _pose(m), "covariance": covariance(m.covariance)},
+                        "pose": {"pose": pose_message(m), "covariance": covariance(m.covariance)},
                     },
                 )
             ]
         return [
             Outlet(
                 "geometry_msgs/msg/PoseStamped",
-                lambda m, f: {"header": header(m, f), "pose": _pose(m)},
+                lambda m, f: {"header": header(m, f), "pose": pose_message(m)},
                 numbers=lambda m: (*three(m.position), *xyzw(m.orientation)),
                 is_detached=True,
             )
@@ -168,7 +168,8 @@ def _number(slot: str) -> Inlet:
     return Inlet(_FLOAT, lambda message: {slot: message["data"]}, slot)
 
 
-def _pose(message: Message) -> dict[str, Any]:
+def pose_message(message: Message) -> dict[str, Any]:
+    """``geometry_msgs/Pose``."""
     return {"position": xyz(message.position), "orientation": quaternion(message.orientation)}
 
 

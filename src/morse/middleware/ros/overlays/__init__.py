@@ -1,0 +1,25 @@
+"""Actions of ROS 1 for components, at the class paths of MORSE 1.4."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from morse.core.exceptions import MorseMiddlewareError
+
+
+def action_type(name: str, *packages: str) -> Any:
+    """The class of an action, from the first of some packages of messages that is installed.
+
+    Raises:
+        MorseMiddlewareError: none of them is installed.
+    """
+    for package in packages:
+        try:
+            return getattr(import_module(f"{package}.msg"), name)
+        except (ImportError, AttributeError):
+            continue
+    raise MorseMiddlewareError(
+        f"ros: the action {name} is in {' and in '.join(packages)}, which cannot be imported. Install one of them: "
+        + " or ".join(f"sudo apt install python3-{package.replace('_', '-')}" for package in packages)
+    )

@@ -1,0 +1,40 @@
+"""Trajectories of joints from messages."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from morse.core.exceptions import MorseRPCInvokationError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def in_order_of(joints: Sequence[str], trajectory: Any) -> dict[str, Any]:
+    """The argument of the service ``trajectory`` of an armature, from ``trajectory_msgs/JointTrajectory``.
+
+    Args:
+        joints: the joints of the armature, in their order.
+
+    Raises:
+        MorseRPCInvokationError: the message is for other joints.
+    """
+    given = list(trajectory.joint_names)
+    if sorted(given) != sorted(joints):
+        raise MorseRPCInvokationError(
+            f"the trajectory is for the joints {', '.join(given) or 'none'}, the armature has {', '.join(joints)}"
+        )
+    order = [given.index(joint) for joint in joints]
+    points = []
+    for point in trajectory.points:
+        made: dict[str, Any] = {"time_from_start": point.time_from_start.to_sec()}
+        for name in ("positions", "velocities", "accelerations"):
+            values = list(getattr(point, name))
+            if values and len(values) != len(order):
+                raise MorseRPCInvokationError(f"a point has {len(values)} {name}, the armature {len(order)} joints")
+            if values:
+                made[name] = [values[index] for index in order]
+        points.append(made)
+    start = trajectory.header.stamp.to_sec()
+    # time 0 means now
+    return {"starttime": start, "points": points} if start else {"points": points}
