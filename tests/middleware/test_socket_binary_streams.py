@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from typing import TYPE_CHECKING, Any
 
@@ -266,16 +267,28 @@ def test_a_client_that_asks_without_reading_is_disconnected(
 ) -> None:
     caplog.set_level(logging.WARNING)
     monkeypatch.setattr(frame_client, "MAX_NOTICES", 1000)
+    bench.sensor(port=0)
     deaf = Reader(binary_port(bench))
     wait_until(lambda: bench.streams._binary.connected == 1)
     (client,) = bench.streams._binary.clients
     client.transport.high_water = 1000
     deaf.socket.settimeout(60.0)
     with pytest.raises(ConnectionError):
-        deaf.socket.sendall(b"subscribe nothing.at.all\n" * 1_000_000)
+        deaf.socket.sendall(b"subscribe robot1.pose\n" * 1_000_000)
     wait_until(lambda: bench.streams._binary.connected == 0)
     assert "makes requests without reading" in caplog.text
     deaf.close()
+
+
+def test_a_client_that_only_sends_wrong_requests_is_disconnected(
+    bench: Bench, reader: Reader, caplog: pytest.LogCaptureFixture
+) -> None:
+    bench.sensor(port=0)
+    reader.ask("subscribe robot1.pose " + "x " * 5000)
+    wait_until(lambda: "at most 4096 bytes" in json.dumps(reader.notices()))
+    reader.send(b"subscribe nothing.at.all\n" * 1000)
+    wait_until(lambda: bench.streams._binary.connected == 0)
+    assert "has sent 1000 wrong requests: disconnected" in caplog.text
 
 
 def test_messages_count_for_clients_that_step(bench: Bench, reader: Reader) -> None:

@@ -241,13 +241,13 @@ def test_a_long_id_is_refused(bench: Bench, client: Peer) -> None:
 @pytest.mark.parametrize(
     "request_line",
     [
-        b"1 nobody " + b"x" * 3_000_000,
-        b"1 " + b"x" * 3_000_000 + b" nothing",
-        b"1 robot1.motion " + b"x" * 3_000_000,
-        b'1 robot1.motion add ["' + b"x" * 3_000_000 + b'"]',
-        b"1 robot1.motion add [" + b"[1]," * 700_000 + b"1]",
-        b'1 simulation get_stream_port ["' + b"x" * 3_000_000 + b'"]',
-        b"1 robot1.motion echo {" + b"x" * 3_000_000,
+        b"1 nobody " + b"x" * 900_000,
+        b"1 " + b"x" * 900_000 + b" nothing",
+        b"1 robot1.motion " + b"x" * 900_000,
+        b'1 robot1.motion add ["' + b"x" * 900_000 + b'"]',
+        b"1 robot1.motion add [" + b"[1]," * 220_000 + b"1]",
+        b'1 simulation get_stream_port ["' + b"x" * 900_000 + b'"]',
+        b"1 robot1.motion echo {" + b"x" * 900_000,
     ],
 )
 def test_a_name_of_megabytes_is_refused_in_few_words(bench: Bench, client: Peer, request_line: bytes) -> None:
@@ -436,3 +436,21 @@ def test_requests_with_half_characters_are_answered(bench: Bench, client: Peer) 
     ):
         assert bench.call(client, request + b"\n").startswith(b"1 ")
     assert lines.MAX_LINE < 1 << 24
+
+
+@pytest.mark.parametrize(
+    "text",
+    [b"[" + b"[]," * 120_000 + b"1]", b"[" + b"{}," * 120_000 + b"NaN]", b'{"x": [' + b"[1],[2]," * 60_000 + b"1]}"],
+)
+def test_a_text_with_very_many_parts_is_refused_before_they_are_made(text: bytes) -> None:
+    with pytest.raises(ValueError, match="more than 100000 lists and objects"):
+        from_json(text)
+    assert len(from_json(b"[" + b"1," * 400_000 + b"1]")) == 400_001
+
+
+def test_of_a_flood_of_messages_only_the_last_ones_are_looked_at() -> None:
+    inbox = Inbox()
+    inbox.put_all([b"%d" % number for number in range(50_000)])
+    assert inbox.take() == ([b"%d" % number for number in range(49_936, 50_000)], 49_936)
+    inbox.put_all([b"a", b"b"])
+    assert inbox.take() == ([b"a", b"b"], 0)

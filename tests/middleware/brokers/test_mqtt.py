@@ -205,6 +205,7 @@ def test_commands_that_do_not_fit_change_nothing(
     assert "robot.motion" not in sim.context.failed
     assert "robot.motion: this message cannot be read" in caplog.text
     assert "'v' is 'fast'" in caplog.text
+    assert "2097152 bytes are more than 1048576" in caplog.text
     client.disconnect()
     client.loop_stop()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import re
-from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from morse.core.complaints import Complaints
@@ -15,6 +14,7 @@ from morse.core.quoting import shown
 from morse.core.validation import CommandError, Commands
 from morse.middleware.mqtt.mapping import STREAM_OPTIONS
 from morse.middleware.socket.encoding import from_json
+from morse.middleware.socket.inbox import Inbox
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: limits of the messages that wait for the next action of an actuator: number, and size of one
-_MOST_WAITING, _LONGEST = 64, 1 << 20
+#: maximum size of a message, bytes
+_LONGEST = 1 << 20
 #: maximum size of the name of a topic, bytes
 _LONGEST_TOPIC = 1024
 
@@ -82,12 +82,20 @@ class MqttReader(MqttStream):
     def initialize(self) -> None:
         """Listen."""
         super().initialize()
-        self._arrived: deque[bytes] = deque(maxlen=_MOST_WAITING)
+        self._inbox = Inbox()
         self._commands = Commands(self.component_instance)
         self._complaints = Complaints(logger)
         self.topic = f"{self.topic}/set" if self.kwargs["topic"] is None else self.topic
         self.manager.claim(self.topic, self.component_name)
-        self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived.append)
+        self.manager.broker.listen(self.topic, self.kwargs["qos"], self._arrived)
+
+    def _arrived(self, data: bytes) -> None:
+        """A message has arrived; in the thread of the connection."""
+        if len(data) > _LONGEST:
+            text = f"{self.component_name}: a message is refused: {len(data)} bytes are more than {_LONGEST}"
+            self._complaints.warn("large", text)
+        else:
+            self._inbox.put(data)
 
     def finalize(self) -> None:
         """End the subscription."""
@@ -95,20 +103,24 @@ class MqttReader(MqttStream):
 
     @property
     def waiting(self) -> Collection[Any]:
-        """Take a received message."""
-        return self._arrived
+        """Messages that have arrived."""
+        return self._inbox.arrived
 
     def default(self, ci: Object | None = None) -> bool:
         """Process received messages; True if there were any."""
+        if not self._inbox:
+            return False
+        messages, dropped = self._inbox.take()
+        if dropped:
+            text = f"{dropped} messages arrived too fast: newer messages replace them"
+            self._complaints.warn("dropped", f"{self.component_name}: {text}")
         taken = False
-        while self._arrived:
-            taken = self._take(self._arrived.popleft()) or taken
+        for data in messages:
+            taken = self._take(data) or taken
         return taken
 
     def _take(self, data: bytes) -> bool:
         try:
-            if len(data) > _LONGEST:
-                raise ValueError(f"{len(data)} bytes are more than {_LONGEST}")
             remark = self._commands.take(from_json(data))
         except CommandError as error:
             self._complaints.warn(f"field {error.field}", f"{self.component_name}: a message is refused: {error}")

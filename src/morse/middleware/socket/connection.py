@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from morse.core.network import Network
 
 #: bytes that are read at once: large pieces only where many bytes arrive, because their memory has to be mapped
-_CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 18
+_CHUNK, _LARGE_CHUNK = 1 << 14, 1 << 16
 #: default number of unsent bytes above which a peer counts as slow
 _HIGH_WATER = 1 << 16
 

@@ -102,14 +102,20 @@ def _slowly(value: Any) -> bytes:
         raise ValueError("the value is nested too deeply, or contains itself") from None
 
 
+#: maximum number of lists and objects of a text: to create more takes longer than a tick
+_MOST_PARTS = 100_000
+
+
 def from_json(text: bytes) -> Any:
     """Decode a JSON text; ``NaN`` and ``Infinity`` are accepted.
 
     A lone surrogate, which is not a character and cannot be encoded, is replaced by U+FFFD.
 
     Raises:
-        ValueError: it is not JSON, or nested too deeply.
+        ValueError: it is not JSON, nested too deeply, or has more than 100000 lists and objects.
     """
+    if len(text) > _MOST_PARTS and text.count(b"[") + text.count(b"{") > _MOST_PARTS:
+        raise ValueError(f"more than {_MOST_PARTS} lists and objects")
     try:
         return msgspec.json.decode(text)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError):

@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
 MAX_NOTICES = 1 << 20
 """Number of unsent bytes above which a client that sends further requests is disconnected."""
-#: maximum number of error messages with the most similar name
-_HINTS = 8
+#: maximum number of error messages with the most similar name, and of errors before a client is disconnected
+_HINTS, _MOST_ERRORS = 8, 1000
+#: maximum length of a request, bytes
+_LONGEST = 4096
 _EXPECTED = "expected: subscribe NAME [latest], next NAME, or unsubscribe NAME"
 
 
@@ -109,6 +111,9 @@ class FrameClient(LineClient):
 
     def line(self, line: bytes) -> None:
         """A request has arrived."""
+        if len(line) > _LONGEST:
+            self._refuse(f"a request has at most {_LONGEST} bytes: {_EXPECTED}")
+            return
         words = line.decode("utf-8", "replace").split()
         match words:
             case []:
@@ -127,9 +132,8 @@ class FrameClient(LineClient):
     def _subscribe(self, name: str, *, latest: bool) -> None:
         channel = self.server.channels.get(name)
         if channel is None:
-            self._refused += 1
             # a client that sends further requests does not read them, and each takes time
-            hint = self.server.hint(name) if self._refused <= _HINTS else ""
+            hint = self.server.hint(name) if self._refused < _HINTS else ""
             self._refuse(f"no stream {short(name)}{hint}", name)
             return
         self.unsubscribe(channel)
@@ -150,6 +154,12 @@ class FrameClient(LineClient):
         return found
 
     def _refuse(self, text: str, name: str | None = None) -> None:
+        self._refused += 1
+        if self._refused > _MOST_ERRORS:
+            self._complain("errors", f"the client {self.peer} has sent {_MOST_ERRORS} wrong requests: disconnected")
+            self._shut_out = True
+            self.transport.abort()
+            return
         self.notify(notice_frame({"error": text, "subject": name or ""}))
 
     def unfinished(self, rest: bytes) -> None:

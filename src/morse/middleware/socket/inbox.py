@@ -48,6 +48,14 @@ class Inbox:
                 self._forget(len(self._lines.popleft()))
                 self._dropped += 1
 
+    def put_all(self, lines: list[bytes]) -> None:
+        """Add messages, oldest first; of a flood, only the last ones are looked at."""
+        if len(lines) > _MAX_LINES:
+            with self._lock:
+                self._dropped += len(lines) - _MAX_LINES
+        for line in lines[-_MAX_LINES:]:
+            self.put(line)
+
     def take(self) -> tuple[list[bytes], int]:
         """The messages since the last call, oldest first, and the number of dropped messages."""
         with self._lock:

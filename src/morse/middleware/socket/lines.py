@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from morse.middleware.socket.connection import Connection
     from morse.middleware.socket.server import LineServer
 
-MAX_LINE = 4 << 20
+MAX_LINE = 1 << 20
 """Maximum bytes of a line. A client that sends more without a line end gets an error and is disconnected."""
 #: maximum number of bytes of a line that a message quotes
 _SHOWN = 80
@@ -95,10 +95,7 @@ class LineClient:
             self._partial.clear()
             self.release(self._size)
             self._size = 0
-            for line in (whole, *others[:-1]):
-                if self._shut_out:
-                    return
-                self.line(line)
+            self.lines([whole, *others[:-1]])
             first = others[-1]
         if not first or self._shut_out:
             return
@@ -152,6 +149,13 @@ class LineClient:
     def resume_writing(self) -> None:
         """The client has caught up."""
         self.congested = False
+
+    def lines(self, lines: list[bytes]) -> None:
+        """Several lines have arrived at once, without their line ends."""
+        for line in lines:
+            if self._shut_out:
+                return
+            self.line(line)
 
     def line(self, line: bytes) -> None:
         """A line has arrived, without its line end."""

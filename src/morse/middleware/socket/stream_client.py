@@ -89,6 +89,10 @@ class StreamClient(LineClient):
         if line.strip():
             self.server.inbox.put(line)
 
+    def lines(self, lines: list[bytes]) -> None:
+        """Several messages have arrived at once."""
+        self.server.inbox.put_all([line for line in lines if line.strip()])
+
     def unfinished(self, rest: bytes) -> None:
         """The client disconnected in the middle of a message."""
         text = f"the client {self.peer} left in the middle of a message, which is ignored: {beginning(rest)}"
