@@ -240,3 +240,36 @@ def test_mass_is_the_body_s():
     assert w.game_object("Ground").mass == 0
     # a solid sphere: 2/5 m r^2
     assert tuple(w.game_object("Ball").localInertia) == pytest.approx([0.4 * 2.5 * 0.01] * 3)
+
+
+def test_the_view_gets_the_pose_of_a_static_object_that_was_moved():
+    shelf = node("Shelf", box(0.5, 0.5, 0.5), at=(4, 0, 0.5))
+    w = world(ground(), shelf, rigid("Ball", sphere(0.5), at=(0, 0, 4)))
+    assert [n.name for n, _ in w.moving_nodes()] == ["Ball"]
+    layout = w.layout
+    w.game_object("Shelf").worldPosition = [1, 2, 0.5]
+    assert [(n.name, f) for n, f in w.moving_nodes()] == [("Ball", "world"), ("Shelf", "world")]
+    assert w.layout != layout
+    assert w.poses()[1] == pytest.approx([1, 2, 0.5, 1, 0, 0, 0], abs=1e-6)
+    moved = w.get_state()
+    layout = w.layout
+    w.game_object("Shelf").worldPosition = [2, 2, 0.5]
+    assert w.layout == layout
+    w.reset()
+    assert [n.name for n, _ in w.moving_nodes()] == ["Ball"]
+    w.set_state(moved)
+    assert w.poses()[1] == pytest.approx([1, 2, 0.5, 1, 0, 0, 0], abs=1e-6)
+
+
+def test_a_static_object_without_a_shape_stays_where_it_was_moved():
+    sign = Node("Sign", location=[4, 0, 0.5])
+    w = world(ground(), sign, rigid("Ball", sphere(0.5), at=(0, 0, 4)))
+    w.game_object("Sign").worldPosition = [1, 2, 0.5]
+    run(w, 0.1)
+    moved = w.get_state()
+    w.add([rigid("Other", sphere(0.5), at=(3, 3, 4))])
+    assert tuple(w.game_object("Sign").worldPosition) == (1, 2, 0.5)
+    w.remove([w.game_object("Other")])
+    w.reset()
+    w.set_state(moved)
+    assert tuple(w.game_object("Sign").worldPosition) == (1, 2, 0.5)

@@ -80,6 +80,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[dict[str, 
             sim.world.game_object("box").worldPosition = (5.0, 5.0, 1.0)
             step(5)
             sim.delete("guest")
+            assert tuple(sim.world.game_object("box").worldPosition) == (5.0, 5.0, 1.0)
             step(4)
     return path, found
 
@@ -154,3 +155,13 @@ def test_a_recording_without_poses_is_simulated_again(tmp_path: Path) -> None:
         assert not RecordedWorld.is_in(recording)
         with playing(recording, port=0, browser=False) as view:
             assert isinstance(view._timeline, Timeline)
+
+
+def test_the_page_gets_the_pose_of_a_static_object_that_was_moved(shown: Any) -> None:
+    sim, timeline = shown
+    for position, wanted in ((40, (5.0, 5.0, 1.0)), (31, None), (39, (5.0, 5.0, 1.0))):
+        timeline.approach(position)
+        rows = {node.name: row for (node, _), row in zip(sim.world.moving_nodes(), timeline.poses(), strict=True)}
+        assert ("box" in rows) == (wanted is not None), position
+        if wanted is not None:
+            assert rows["box"][:3] == pytest.approx(wanted)

@@ -77,14 +77,14 @@ def film(recording: Recording, path: Path, what: Filmed, scene: str, *, trust: b
     from morse.simulation.recorded_timeline import RecordedTimeline
     from morse.simulation.timeline import Timeline
 
-    inputs = inputs_of(recording)
+    inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
         options = options_of(recording, scene, trust, stack, say)
         simulation = stack.enter_context(start(described(options.script, options), options))
         if RecordedTimeline.is_possible(recording, inputs):
             timeline: RecordedTimeline | Timeline = RecordedTimeline(simulation, recording, inputs)
         else:
-            timeline = Timeline(simulation, inputs, recording.length())
+            timeline = Timeline(simulation, inputs_of(recording), recording.length())
         frequency = simulation.clock.frequency
         first = round(what.begin * frequency)
         last = timeline.length if what.length is None else first + round(what.length * frequency)

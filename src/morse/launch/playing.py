@@ -50,7 +50,7 @@ def playing(
         MorseError: the scene cannot be loaded, or does not match the inputs.
         OSError: the server of the page cannot be started.
     """
-    inputs = inputs_of(recording)
+    inputs = inputs_of(recording, lenient=True)
     with contextlib.ExitStack() as stack:
         options = options_of(recording, scene, trust, stack, told)
         options = replace(options, view="web", view_port=port, open_browser=browser, speed=1.0)
@@ -72,10 +72,14 @@ def _timeline(
 ) -> Timeline | RecordedTimeline:
     if RecordedTimeline.is_possible(recording, inputs):
         try:
-            return RecordedTimeline(simulation, recording, inputs)
+            timeline = RecordedTimeline(simulation, recording, inputs)
+            for name in timeline.lost:
+                told(f"'{name}' was spawned by a function of a program, and is not shown.")
+            return timeline
         except RecordingError as error:
             told(f"{error}. The run is simulated again.")
-    return Timeline(simulation, inputs, recording.length())
+    # simulating needs every input
+    return Timeline(simulation, inputs_of(recording), recording.length())
 
 
 def play(view: ReplayView) -> None:

@@ -7,7 +7,9 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.core.journal import Entry
 from morse.recording.errors import RecordingError
+from morse.recording.inputs import LostInput
 from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
 from morse.simulation.options import RunOptions
 from morse.simulation.recorders import MODULES, SCRIPT, STATE
@@ -22,8 +24,11 @@ if TYPE_CHECKING:
 _MOST_SEED = 2**63
 
 
-def inputs_of(recording: Recording) -> InputRecording:
+def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
     """The inputs, and the initial state.
+
+    Args:
+        lenient: whether robots that were spawned by functions of a program are entries without content.
 
     Raises:
         MorseError: the inputs or the state are damaged.
@@ -36,9 +41,13 @@ def inputs_of(recording: Recording) -> InputRecording:
         recording.number("seed"),
         None if state is None else State.from_bytes(state),
         recording.last_tick(),
-        [entry_from_bytes(one) for one in recording.inputs()],
+        [_entry(one) for one in recording.inputs(lenient=lenient)],
         {} if waiting is None else waiting_from_bytes(waiting),
     )
+
+
+def _entry(one: bytes | LostInput) -> Entry:
+    return Entry(one.tick, one.kind, one.name, None) if isinstance(one, LostInput) else entry_from_bytes(one)
 
 
 def options_of(

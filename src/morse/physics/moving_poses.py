@@ -30,33 +30,48 @@ class Part(Protocol):
 
 
 class MovingPoses:
-    """The poses of the moving slots, and of parts that moved within them.
+    """The poses of the moving slots, of static slots that calls have moved, and of parts that moved within slots.
 
     Attributes:
         displaced: the parts that moved relative to their parents.
-        layout: changes whenever a moving node is added or removed.
     """
 
     def __init__(self, state: EngineState) -> None:
         self._state = state
         self.displaced: list[Part] = []
-        self.layout = 0
+        self._layout = 0
+        self._relocated: tuple[int, ...] = ()
+
+    @property
+    def layout(self) -> int:
+        """A number that changes whenever a moving node is added or removed."""
+        relocated = self._state.relocated
+        if len(relocated) != len(self._relocated) or not relocated.issuperset(self._relocated):
+            self._relocated = tuple(sorted(relocated))
+            self._layout += 1
+        return self._layout
+
+    def follow(self, before: MovingPoses) -> None:
+        """Replace the poses of another world, which has other nodes."""
+        self._layout = before.layout + 1
 
     def note_displaced(self, part: Part) -> None:
         """Record that a node has moved relative to its parent."""
         if part not in self.displaced and self._state.slots[part.slot].frame.node is not part.node:
             self.displaced.append(part)
-            self.layout += 1
+            self._layout += 1
 
     def nodes(self) -> list[tuple[Node, str]]:
         """Return the nodes in the order of `read`, each with its frame, ``world`` or ``parent``."""
-        slots = self._state.slots
+        slots, _ = self._state.slots, self.layout
         nodes = [(slot.frame.node, "world") for slot in slots if slot.frame.motion is not Motion.FIXED]
+        nodes += [(slots[index].frame.node, "world") for index in self._relocated]
         return nodes + [(part.node, "parent") for part in self.displaced]
 
     def read(self) -> NDArray[np.float32]:
         """Return (M, 7) x, y, z, qw, qx, qy, qz of the moving nodes, in the order of `nodes`."""
-        state, rest = self._state, self._state.by_hand
+        state, _ = self._state, self.layout
+        rest = [*state.by_hand, *self._relocated] if self._relocated else state.by_hand
         count = state.moving
         end = count + len(rest)
         result = np.empty((end + len(self.displaced), 7), dtype=np.float32)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from morse.physics import engine_values, kinematics, saved
+from morse.physics.layout import Motion
 from morse.physics.properties import keep_unsaved
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class Saving:
         """See `World.get_state`; the structure is that of `morse.physics.saved.SavedWorld`."""
         world = self._world
         names = world.names
-        by_hand = sorted({*world.by_hand, *world.touched, *world.loose})
+        by_hand = sorted({*world.by_hand, *world.touched, *world.loose, *world.relocated})
         data = world.data
         return {
             "version": saved.VERSION,
@@ -112,6 +113,8 @@ class Saving:
             index = named[pose.slot]
             world.positions[index], world.rotations[index] = pose.position, pose.rotation
             world.quaternions[index] = pose.quaternion
+            if world.slots[index].frame.motion is Motion.FIXED:
+                world.relocated.add(index)
         for stale in state.stale:
             index = named[stale.slot]
             world.touched.add(index)

@@ -181,7 +181,7 @@ class World(ObjectWorld):
         self._release_from_what_goes()
         before = saved.checked(self.get_state())
         old, floors = copy.copy(self), self.gliding.floor_bits()
-        stamp, layout = self.stamp, self._moving_poses.layout
+        stamp, poses_before = self.stamp, self._moving_poses
         self.take(compiled, self.period)
         self._build()
         bits = {
@@ -195,7 +195,7 @@ class World(ObjectWorld):
         self._saving.set_state(transfer.state(before, self._names))
         self.gliding.lift_all()
         self.stamp = stamp + 1
-        self._moving_poses.layout = layout + 1
+        self._moving_poses.follow(poses_before)
         self.arrangement += 1
         rays = self.__dict__.get("rays")
         if rays is not None:

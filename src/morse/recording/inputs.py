@@ -35,7 +35,12 @@ def as_message(entry: Entry, pack: Callable[[Entry], bytes]) -> bytes:
     try:
         exact = base64.b64encode(pack(entry)).decode()
     except ValueError as error:
-        logger.warning("the recording cannot be simulated again: %s", error)
+        logger.warning(
+            "%s: the recording cannot be simulated again, and its replay does not show '%s'. Spawn it by the name of a "
+            "robot or by a file instead",
+            error,
+            entry.name[:80],
+        )
     shown = repr(entry.content)
     said = {
         "tick": entry.tick,
@@ -70,19 +75,30 @@ class Inputs:
             self._journal.sinks.remove(self._take)
 
 
+class LostInput(RecordingError):
+    """An input that cannot be written to a file: a robot was spawned by a function.
+
+    Attributes:
+        tick, kind, name: see `morse.core.journal.Entry`.
+    """
+
+    def __init__(self, tick: int, kind: str, name: str) -> None:
+        super().__init__(f"the recording cannot be simulated again: '{name[:80]}' was made by a function of a program")
+        self.tick, self.kind, self.name = tick, kind, name
+
+
 def exact_entry(data: bytes) -> bytes:
     """The bytes of an entry in a message of the topic.
 
     Raises:
-        RecordingError: the message is damaged, or was not exact.
+        LostInput: the message is not exact.
+        RecordingError: the message is damaged.
     """
     try:
         said: Any = json.loads(decode(TYPE, data)["data"])
         exact = said["exact"]
         if exact is None:
-            raise RecordingError(
-                f"the recording cannot be simulated again: '{said['name']}' was made by a function of a program"
-            )
+            raise LostInput(int(said["tick"]), str(said["kind"]), str(said["name"]))
         return base64.b64decode(exact, validate=True)
     except (CdrError, ValueError, LookupError, TypeError, RecursionError) as error:
         raise RecordingError(f"an input of the recording is damaged: {error}") from None

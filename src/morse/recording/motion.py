@@ -104,7 +104,6 @@ class Motion:
     def _name_nodes(self) -> None:
         world = self._world
         nodes = [node for node, _ in world.moving_nodes()]
-        nodes += [world.slots[slot].frame.node for slot in sorted(world.relocated)]
         self._snapshots = world.snapshots([world.object_of(node) for node in nodes])
         self._displacements = -1
         self._template: Template | None = None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import TOPIC as INPUTS
-from morse.recording.inputs import exact_entry
+from morse.recording.inputs import LostInput, exact_entry
 from morse.recording.mcap.reader import McapFile
 from morse.recording.recorder import BEGINNING, END
 
@@ -88,13 +88,24 @@ class Recording(McapFile):
         """The channels of some topics."""
         return {channel.number for channel in self.channels.values() if channel.topic in topics}
 
-    def inputs(self) -> list[bytes]:
+    def inputs(self, *, lenient: bool = False) -> list[bytes | LostInput]:
         """The entries of the journal, as bytes.
 
+        Args:
+            lenient: whether entries that could not be written are in the list, as errors.
+
         Raises:
-            RecordingError: an entry is damaged.
+            RecordingError: an entry is damaged, or could not be written.
         """
-        return [exact_entry(one.data) for one in self.messages(self.topic_numbers(INPUTS))]
+        found: list[bytes | LostInput] = []
+        for one in self.messages(self.topic_numbers(INPUTS)):
+            try:
+                found.append(exact_entry(one.data))
+            except LostInput as error:
+                if not lenient:
+                    raise
+                found.append(error)
+        return found
 
     def last_tick(self) -> int:
         """Number of the last tick, counted since the last reset; for an incomplete recording, the last tick in it.

@@ -183,7 +183,9 @@ def _packed(entry: Entry) -> list[Any]:
     if entry.kind == RESTORE:
         content = content.to_bytes()
     elif entry.kind == SPAWN and not isinstance(content[0], str):
-        raise ValueError(f"'{entry.name}' was created by a function of this program, which cannot be written to a file")
+        made = content[0]
+        function = f"{getattr(made, '__module__', '')}.{getattr(made, '__qualname__', type(made).__name__)}".lstrip(".")
+        raise ValueError(f"'{entry.name}' was spawned by the function {function}, which cannot be written to a file")
     return [entry.tick, entry.kind, entry.name, Writer(_NoReferences()).value(content)]
 
 

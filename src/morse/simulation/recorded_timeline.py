@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from bisect import bisect_right
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from morse.core.journal import DELETE, EDIT, RESET, RESTORE, SPAWN
 from morse.mathutils import Quaternion
 from morse.physics import rigid
+from morse.physics.layout import Motion
 from morse.recording.inputs import TOPIC as INPUTS
 from morse.recording.shown import Moment, RecordedWorld
 from morse.simulation.faults import describe
@@ -49,6 +51,7 @@ class RecordedTimeline:
         position: ticks since the beginning.
         length: the last position.
         moment: the poses.
+        lost: names of the robots that were spawned by functions of a program; they are not shown.
 
     Raises:
         StateError: the recording belongs to another scene.
@@ -64,9 +67,14 @@ class RecordedTimeline:
         self._start = simulation.clock.stamp_of(recording.number("tick"))
         (channel,) = recording.topic_numbers(INPUTS) or (-1,)
         times = [one.log_time for one in self.recorded.history.every(channel)]
-        self._events: list[tuple[int, Entry]] = [
-            (time, entry) for time, entry in zip(times, inputs.entries, strict=True) if entry.kind in _POPULATION
-        ]
+        timed = list(zip(times, inputs.entries, strict=True))
+        self._events: list[tuple[int, Entry]] = [(time, entry) for time, entry in timed if entry.kind in _POPULATION]
+        self.lost = [entry.name for _, entry in self._events if entry.content is None and entry.kind == SPAWN]
+        self._inputs_of: dict[tuple[str, str], tuple[list[int], list[Entry]]] = {}
+        for time, entry in timed:
+            known = self._inputs_of.setdefault((entry.kind, entry.name), ([], []))
+            known[0].append(time)
+            known[1].append(entry)
         self._apply: dict[str, Callable[[Entry], object]] = {
             RESET: lambda entry: simulation.restart(entry.content),
             RESTORE: lambda entry: simulation.restore(entry.content),
@@ -77,6 +85,7 @@ class RecordedTimeline:
         self._looks_until = -1
         self._placed: set[str] = set()
         self._rows: tuple[Any, list[tuple[int, int]], list[tuple[int, Any]]] = (None, [], [])
+        self._static: list[int] = []
         self._begin()
         self.show()
 
@@ -94,6 +103,17 @@ class RecordedTimeline:
     def log_time(self) -> int:
         """The log time of the messages of the present position, ns."""
         return self._start + round(self.position / self._simulation.clock.frequency * 1e9)
+
+    def last_input(self, kind: str, name: str) -> Any:
+        """Return the content of the last input of a component up to the present position; None if there is none.
+
+        Args:
+            kind: of the input, see `morse.core.journal.Entry`.
+            name: of the component.
+        """
+        times, entries = self._inputs_of.get((kind, name), ([], []))
+        count = bisect_right(times, self.log_time + 1000)
+        return entries[count - 1].content if count else None
 
     def forward(self) -> None:
         """One tick."""
@@ -150,6 +170,8 @@ class RecordedTimeline:
         if wanted < self._applied:
             self._begin()
         for _, entry in self._events[self._applied : wanted]:
+            if entry.kind == SPAWN and entry.content is None:
+                continue
             try:
                 self._apply[entry.kind](entry)
             except Exception as error:  # what was refused during the recording is refused again
@@ -173,16 +195,22 @@ class RecordedTimeline:
         world = self._world
         objects = world.objects_by_name
         if self._rows[0] != (moment.names, world.arrangement):
-            leading, parts = [], []
+            leading, parts, self._static = [], [], []
             for row, name in enumerate(moment.names):
                 obj = objects.get(name)
+                if obj is None and name.partition(".")[0] in self.lost:
+                    continue
                 if obj is None:
                     logger.warning("the recorded object '%s' is not in the scene, and is not shown", name[:80])
                 elif world.slots[obj.slot].frame.node is obj.node:
                     leading.append((row, obj.slot))
+                    if world.slots[obj.slot].frame.motion is Motion.FIXED:
+                        self._static.append(obj.slot)
                 else:
                     parts.append((row, obj))
             self._rows = ((moment.names, world.arrangement), leading, parts)
+        # the page gets the poses of static objects that calls have moved
+        world.relocated.update(self._static)
         poses = moment.poses.tolist()
         for row, slot in self._rows[1]:
             x, y, z, *turn = poses[row]

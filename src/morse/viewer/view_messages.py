@@ -242,11 +242,12 @@ class Listening(ServerMessage, frozen=True):
 
 
 class Values(ServerMessage, frozen=True):
-    """Data of a component at a simulated time (s)."""
+    """Data of a component at a simulated time (s); ``note`` says why they are incomplete, or what they are."""
 
     component: str
     time: float
     data: dict[str, Any]
+    note: str = ""
 
     _about: ClassVar[tuple[str, ...] | None] = ("component",)
     _lasting: ClassVar[bool] = False

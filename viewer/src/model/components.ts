@@ -6,6 +6,8 @@ import { colorOf } from "../ui/colors";
 export interface Live {
   time: number;
   data: Record<string, unknown>;
+  /** why the data are incomplete, or what they are */
+  note: string;
 }
 
 /** The last problem of a component. */
@@ -32,8 +34,8 @@ export class Components {
       if (this.all.value.length > 0) this.complaints.clear();
       this.all.set(components);
     });
-    connection.on("values", ({ component, time, data }) => {
-      const live = { time, data };
+    connection.on("values", ({ component, time, data, note }) => {
+      const live = { time, data, note };
       this.live.set(component, live);
       for (const listener of this.listeners) listener(component, live);
     });

@@ -21,6 +21,7 @@ export class Inspector {
   private readonly commands = new Map<string, Field>();
   private active: HTMLInputElement | null = null;
   private complaint: HTMLElement | null = null;
+  private note: HTMLElement | null = null;
   private scan: Scan | null = null;
   private shown: string | null = null;
 
@@ -88,12 +89,18 @@ export class Inspector {
       return h("tr", {}, name, cell, h("td", { class: "unit" }, field.unit));
     });
     this.scan = Scan.of(component);
+    this.note = h("p", { class: "quiet", hidden: true });
     const drawn = this.scan ? [this.scan.element] : [];
-    return section("data", h("table", { class: component.kind === "actuator" ? "data commands" : "data" }, ...rows), ...drawn);
+    return section("data", this.note, h("table", { class: component.kind === "actuator" ? "data commands" : "data" }, ...rows), ...drawn);
   }
 
-  private update({ data }: Live): void {
+  private update({ data, note }: Live): void {
     const component = this.components.find(this.shown);
+    if (this.note) {
+      this.note.hidden = note === "";
+      this.note.textContent = note;
+    }
+    this.addRows(data);
     for (const [name, cell] of this.cells) {
       const value = data[name];
       cell.parentElement?.classList.toggle("numeric", numbersIn(value).length > 0);
@@ -104,6 +111,18 @@ export class Inspector {
       }
     }
     this.scan?.draw(data);
+  }
+
+  /** Values of a recording may have names that the component does not declare: those of ROS. */
+  private addRows(data: Record<string, unknown>): void {
+    const table = this.cells.values().next().value?.closest("table");
+    if (!table) return;
+    for (const name of Object.keys(data)) {
+      if (name === "timestamp" || this.cells.has(name)) continue;
+      const cell = h("td", { class: "value" }, "–");
+      this.cells.set(name, cell);
+      table.append(h("tr", {}, h("th", { scope: "row" }, ...breakable(name)), cell, h("td", { class: "unit" })));
+    }
   }
 
   /** Data of an actuator can be set by a command, as clients do. */

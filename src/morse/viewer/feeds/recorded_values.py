@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from morse.core.exceptions import MorseError
-from morse.core.kinds import bind
-from morse.middleware.ros2.cdr import CdrError, decode
+from morse.core.actuator import Actuator
+from morse.core.journal import COMMAND
+from morse.middleware.ros2.cdr import decode
+from morse.viewer.feeds.recorded_fields import DAMAGED, fields_of
 from morse.viewer.feeds.values import shown
 from morse.viewer.view_messages import Values
 
@@ -20,16 +19,15 @@ if TYPE_CHECKING:
     from morse.simulation.recorded_timeline import RecordedTimeline
     from morse.viewer.server import ViewServer
 
-_POSES = ("geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped")
-_SCAN = "sensor_msgs/msg/LaserScan"
 #: images have panels of their own
 _WITHOUT = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2")
 
 
 class RecordedValuesFeed:
-    """Sends the last recorded message of each sensor that pages show.
+    """Sends the last recorded message of each sensor, and the last command of each actuator, that pages show.
 
-    Poses and scans have the names of the fields of the sensor; the values of other messages have the names of ROS.
+    Values have the names of the fields of the sensor if the message has such fields, else the names of ROS. A sensor
+    that was not recorded has a note.
 
     Args:
         context: of the simulation.
@@ -53,12 +51,32 @@ class RecordedValuesFeed:
         """Send the data that pages show."""
         for name in sorted(self._server.wishes.values):
             component = self._context.components.get(name)
-            data: dict[str, Any] = {}
-            for channel in self._channels.get(name, ()) if component is not None else ():
-                data |= self._of(channel, component)
-            if data:
+            if isinstance(component, Actuator):
+                data, note = self._commanded(component)
+            elif component is not None:
+                data, note = self._measured(name, component)
+            else:
+                data, note = {}, "not recorded" if name in self._context.robots else ""
+            if data or note:
                 time = float(data.get("timestamp", self._context.clock.time))
-                self._server.send(Values(name, time, {field: shown(value) for field, value in data.items()}))
+                self._server.send(Values(name, time, {field: shown(value) for field, value in data.items()}, note))
+
+    def _measured(self, name: str, component: Any) -> tuple[dict[str, Any], str]:
+        channels = self._channels.get(name, ())
+        if not channels:
+            return {}, "not recorded"
+        data: dict[str, Any] = {}
+        for channel in channels:
+            data |= self._of(channel, component)
+        if data:
+            return data, ""
+        # images and clouds are not shown as numbers
+        return {}, "" if any(channel.type in _WITHOUT for channel in channels) else "no message recorded until here"
+
+    def _commanded(self, component: Any) -> tuple[dict[str, Any], str]:
+        """The last command; an actuator that was not commanded has the values of its declaration."""
+        command = self._timeline.last_input(COMMAND, component.name())
+        return (dict(component.local_data), "") if command is None else (dict(command), "the last recorded command")
 
     def _of(self, channel: Channel, component: Any) -> dict[str, Any]:
         if channel.type in _WITHOUT:
@@ -67,27 +85,8 @@ class RecordedValuesFeed:
             message = self._timeline.recorded.history.last(channel.number, self._timeline.log_time + 1000)
             if message is None:
                 return {}
-            data = fields_of(decode(channel.type, message.data), channel.type, component)
-        except (CdrError, MorseError, ValueError, LookupError, TypeError):  # a damaged message is not shown
+            topic = channel.topic.rpartition("/")[2]
+            data = fields_of(decode(channel.type, message.data), channel.type, component, topic)
+        except DAMAGED:  # a damaged message is not shown
             return {}
         return {"timestamp": message.publish_time / 1e9, **data}
-
-
-def fields_of(message: dict[str, Any], type_name: str, component: Any) -> dict[str, Any]:
-    """The fields of a component in a message, or the fields of the message, without its header.
-
-    Args:
-        message: decoded.
-        type_name: its type.
-        component: the sensor that sent it.
-    """
-    if type_name in _POSES:
-        pose = message["pose"].get("pose", message["pose"])
-        place, turn = pose["position"], pose["orientation"]
-        slots = {"position": [place[axis] for axis in "xyz"], "orientation": [turn[axis] for axis in "wxyz"]}
-        kinds = [kind for kind in bind(component) if kind.kind.name == "pose"]
-        return kinds[0].scatter(slots)[0] if kinds else slots
-    if type_name == _SCAN:
-        ranges = np.asarray(message["ranges"], dtype=np.float64)
-        return {"range_list": np.where(np.isfinite(ranges), ranges, message["range_max"])}
-    return {name: value for name, value in message.items() if name != "header"}

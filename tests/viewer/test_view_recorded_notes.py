@@ -1,0 +1,122 @@
+"""Panels of a recorded run: fields from messages of ROS, commands, and notes about what is not in the recording."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from view_pages import Client
+
+import morse
+from morse.builder import ATRV
+from morse.launch.playing import playing
+from morse.recording.recording import Recording
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from morse.viewer.replay_view import ReplayView
+
+SCENE = """
+from morse.builder import *
+
+robot = ATRV()
+motion, gps, contact = MotionVW(), GPS(), Collision()
+odometry, imu = Odometry(), IMU()
+odometry.translate(0.3, 0.2, 0.5)
+odometry.rotate(z=1.0)
+for part in (motion, gps, odometry, imu, contact):
+    robot.append(part)
+Environment("empty")
+"""
+RECORDED = ("robot.odometry", "robot.imu", "robot.contact")
+
+
+def visitor() -> ATRV:
+    return ATRV()
+
+
+class Run:
+    """A recorded run that is shown: the true data at its end, the log, and what the page receives."""
+
+    def __init__(self) -> None:
+        self.truth: dict[str, dict[str, Any]] = {}
+        self.told: list[str] = []
+        self.values: dict[str, dict[str, Any]] = {}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    folder = tmp_path_factory.mktemp("notes")
+    script, path = folder / "scene.py", folder / "run.mcap"
+    script.write_text(SCENE)
+    found = Run()
+    with morse.load(script) as sim, sim.record(path, sensors=RECORDED):
+        sim.step(3)
+        sim.robot.motion.publish({"v": 1.0, "w": 0.5})
+        sim.spawn("visitor", visitor, (5.0, 0.0, 0.0))
+        sim.step(30)
+        found.truth = {name: dict(sim.context.components[name].local_data) for name in RECORDED}
+    with Recording(path) as recording, playing(recording, told=found.told.append, port=0, browser=False) as view:
+        view.announce()
+        names = [*RECORDED, "robot.gps", "robot.motion", "robot"]
+        with Client(view.url, close_timeout=0.2) as client:
+            client.send("pause")
+            client.send("rewind", time=1e3)
+            client.send("watch", values=names)
+            _turn(view, client, names)
+        values = [one for one in client.messages if one["type"] == "values"]
+        found.values = {one["component"]: one for one in values}
+    return found
+
+
+def _turn(view: ReplayView, client: Client, names: list[str]) -> None:
+    for _ in range(20_000):
+        view.turn()
+        with contextlib.suppress(TimeoutError):
+            client.receive(timeout=0.02)
+        if view._timeline.at_end and len(
+            {m["component"] for m in client.messages[-30:] if m["type"] == "values"}
+        ) == len(names):
+            return
+    raise AssertionError("the values never come")
+
+
+def test_odometry_is_that_of_the_sensor_not_of_the_robot(run: Run) -> None:
+    data = run.values["robot.odometry"]["data"]
+    for field in ("x", "y", "z", "yaw", "vx", "vy", "vz"):
+        assert data[field] == pytest.approx(run.truth["robot.odometry"][field], abs=1e-9), field
+    assert run.truth["robot.odometry"]["x"] != 0.0
+
+
+def test_other_messages_have_the_fields_of_the_sensor(run: Run) -> None:
+    imu = run.values["robot.imu"]["data"]
+    assert imu["angular_velocity"] == pytest.approx(run.truth["robot.imu"]["angular_velocity"], abs=1e-9)
+    assert imu["linear_acceleration"][2] == pytest.approx(9.8, abs=0.5)
+
+
+def test_an_actuator_shows_the_last_command(run: Run) -> None:
+    assert run.values["robot.motion"]["data"] | {"v": 1.0, "w": 0.5} == run.values["robot.motion"]["data"]
+    assert run.values["robot.motion"]["note"] == "the last recorded command"
+
+
+def test_what_is_not_in_the_recording_is_said(run: Run) -> None:
+    for name in ("robot.gps", "robot"):
+        assert run.values[name]["note"] == "not recorded"
+        assert run.values[name]["data"] == {}
+    assert run.values["robot.imu"]["note"] == ""
+
+
+def test_a_robot_from_a_function_is_left_out_and_the_rest_is_shown(run: Run) -> None:
+    assert run.told == ["'visitor' was spawned by a function of a program, and is not shown."]
+
+
+def test_the_recorder_names_the_function(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    script = tmp_path / "scene.py"
+    script.write_text(SCENE)
+    with morse.load(script) as sim, sim.record(tmp_path / "run.mcap", sensors=[]):
+        sim.spawn("visitor", visitor)
+    (line,) = [one.getMessage() for one in caplog.records if "visitor" in one.getMessage()]
+    assert f"{visitor.__module__}.visitor" in line
+    assert "Spawn it by the name of a robot or by a file" in line
