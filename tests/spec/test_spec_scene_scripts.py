@@ -43,3 +43,23 @@ def test_the_colour_camera_of_a_kinect_is_at_its_left(load: Callable[[str], Scen
     places = {part.name: part.node.location for part in scene.components}
     assert places["robot.Kinect.rgb"] == pytest.approx([0.06, 0.08, 0.04])
     assert places["robot.Kinect.depth"] == pytest.approx([0.06, -0.08, 0.04])
+
+
+@pytest.mark.parametrize(
+    ("middleware", "method", "used"),
+    [
+        ("yarp", "morse.middleware.yarp_datastream.YarpPublisher", "morse.middleware.yarp.streams.YarpPublisher"),
+        ("moos", "morse.middleware.moos.PoseNotifier", "morse.middleware.moos.streams.MoosPublisher"),
+        ("text", "morse.middleware.text_datastream.CSVPublisher", "morse.middleware.text_datastream.CSVPublisher"),
+        ("ros", "morse.middleware.ros.pose.TFPublisher", "morse.middleware.ros.pose.TFPublisher"),
+        ("socket", "my_lab.streams.Sender", "my_lab.streams.Sender"),
+    ],
+)
+def test_a_stream_class_of_1_4_stands_for_the_stream_of_its_middleware(load, caplog, middleware, method, used):
+    scene = load(
+        f"robot = ATRV()\npose = Pose()\nrobot.append(pose)\npose.add_stream('{middleware}', '{method}')\n"
+        "env = Environment('empty')\n"
+    )
+    (stream,) = next(part.streams for part in scene.components if part.name == "robot.pose")
+    assert stream.stream == used
+    assert ("there is no class" in caplog.text) == (used != method)

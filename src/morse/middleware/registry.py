@@ -44,6 +44,7 @@ _OTHER_NAMES = {
     "pprzlink": "mavlink",
 }
 _GROUP = "morse.middlewares"
+_PACKAGE = "morse.middleware."
 _KIND_STREAM = "morse.core.kind_stream.KindStream"
 
 
@@ -62,6 +63,7 @@ class Middleware:
         default_reader: the same for actuators; None if actuators cannot be commanded.
         needs_network: whether it opens connections; if not, it is used in every simulation.
         not_carried: names of component classes without streams.
+        takes_old_names: whether its streams can be given by class paths of MORSE 1.4 that are not classes any more.
     """
 
     name: str
@@ -73,6 +75,17 @@ class Middleware:
     default_reader: str | None = _KIND_STREAM
     needs_network: bool = True
     not_carried: tuple[str, ...] = ()
+    takes_old_names: bool = False
+
+    def has_stream(self, classpath: str) -> bool:
+        """Whether there is a stream class with that path; those outside MORSE are not looked up."""
+        if self.takes_old_names or not classpath.startswith(_PACKAGE):
+            return True
+        module, _, name = classpath.rpartition(".")
+        try:
+            return hasattr(import_module(module), name)
+        except ImportError:
+            return False
 
     def stream_of(self, component: type, direction: str) -> str | None:
         """The default stream class of a component; None if the middleware does not support the component.

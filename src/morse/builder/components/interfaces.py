@@ -72,8 +72,15 @@ class Interfaces:
         way = self._direction(direction)
         chosen = classpath or (f"{path}.{method}" if path and method else method)
         options = dict(kwargs)
-        if chosen is None:
-            chosen = self._default_stream(manager, datastream, way)
+        middleware = registry.middleware_of_stream_manager(manager) if chosen is not None else None
+        if chosen is None or (middleware is not None and not middleware.has_stream(chosen)):
+            usual = self._default_stream(manager, datastream, way)
+            if chosen is not None:
+                logger.warning(
+                    "%s: there is no class %s: %s uses the usual stream of '%s'",
+                    frames.source_line(), chosen, self.name, datastream,
+                )  # fmt: skip
+            chosen = usual
         if chosen.startswith("morse."):
             # a class of the user may have options of its own
             options = stream_options(manager, kwargs)

@@ -33,4 +33,5 @@ MIDDLEWARE = Middleware(
     default_publisher="morse.middleware.ros.stream.RosStream",
     default_reader="morse.middleware.ros.stream.RosStream",
     not_carried=("StereoUnit", "MocapControl"),
+    takes_old_names=True,
 )
