@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from playwright.sync_api import Error
+from shared_views import SharedScenes, SharedView
 from view_pages import until
 from view_simulation import CircleDriver
 from view_worlds import playground
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, BrowserContext, Page
 
 
+#: size of a page whose size does not matter
+NARROW = {"width": 640, "height": 420}
 #: a processor draws slowly, and a page that draws all the time leaves little of it to the test: 5 frames a second do
 FEW_FRAMES = """
 (() => {
@@ -80,6 +83,52 @@ def running(served: tuple[ViewServer, str]) -> Iterator[tuple[CircleDriver, str]
         yield driver, url
 
 
+@pytest.fixture(scope="module")
+def shared_view(request: pytest.FixtureRequest, open_shared_page: Callable[..., Page]) -> Iterator[SharedView]:
+    """Robots that drive in circles, and a page for all tests of the file, `SIZE` large if the file says so."""
+    with contextlib.closing(_Serving()) as serving:
+        made = SharedView(*serving.open(), open_shared_page, getattr(request.module, "SIZE", NARROW))
+        with made.driver:
+            yield made
+
+
+@pytest.fixture
+def shown(request: pytest.FixtureRequest, shared_view: SharedView) -> Iterator[tuple[CircleDriver, Page]]:
+    """As `running`, with an open page: both are put back to the beginning, and shared with the tests of the file."""
+    driver, page = shared_view.fresh(request.session.testsfailed)
+    yield driver, page
+    driver.shown = False
+
+
+@pytest.fixture(scope="module")
+def shared_scenes(request: pytest.FixtureRequest, open_shared_page: Callable[..., Page]) -> Iterator[SharedScenes]:
+    """A page for the scenes of all tests of the file."""
+    with contextlib.closing(_Serving()) as serving:
+        yield SharedScenes(*serving.open(), open_shared_page, NARROW)
+
+
+@pytest.fixture
+def scenes(request: pytest.FixtureRequest, shared_scenes: SharedScenes) -> SharedScenes:
+    """A server without a world, and a page: both are shared with the tests of the file."""
+    shared_scenes.fresh(request.session.testsfailed)
+    return shared_scenes
+
+
+class _Serving:
+    """A server of the live view, with a network thread of its own."""
+
+    def __init__(self) -> None:
+        self._network = Network()
+        self._server = ViewServer(self._network, port=0)
+
+    def open(self) -> tuple[ViewServer, str]:
+        return self._server, self._server.start()
+
+    def close(self) -> None:
+        self._server.stop()
+        self._network.stop()
+
+
 @pytest.fixture(scope="session")
 def profile(browser: Browser) -> Iterator[BrowserContext]:
     """A window that stays open: a page in a new window takes twice the processor time of a page in a new tab."""
@@ -117,6 +166,7 @@ def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[...,
         url: str, *, wait: bool = True, width: int = 640, height: int = 420, few_frames: bool = True, **options: Any
     ) -> Page:
         size: Any = {"width": width, "height": height}
+        scheme = options.pop("color_scheme", "light")
         if options or tabs:
             contexts.append(browser.new_context(viewport=size, **options))
             page = contexts[-1].new_page()
@@ -124,6 +174,7 @@ def opening(browser: Browser, profile: BrowserContext) -> Iterator[Callable[...,
             page = profile.new_page()
             page.set_viewport_size(size)
             tabs.append(page)
+        page.emulate_media(color_scheme=scheme)
         page.set_default_timeout(60_000)  # other programs may take most of the processor
         page.add_init_script(KEPT_TOASTS)
         if few_frames:

@@ -27,9 +27,8 @@ from morse.viewer.view_messages import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from playwright.sync_api import Page
+    from shared_views import SharedScenes
 
     from morse.viewer.server import ViewServer
 
@@ -48,17 +47,17 @@ def camera(name: str) -> ComponentDescription:
     )
 
 
+ROBOTS = Tree([*(ComponentDescription(f"robot{i}", "robot", f"robot{i}") for i in range(2)), *map(camera, EYES)])
+
+
 @pytest.fixture
-def cameras(served: tuple[ViewServer, str], open_page: Callable[..., Page]) -> tuple[ViewServer, Page]:
+def cameras(scenes: SharedScenes) -> tuple[ViewServer, Page]:
     """A server with two robots that have two cameras each, and a page."""
-    server, url = served
-    scene, moving = playground()
-    server.set_scene(scene, moving)
-    robots = [ComponentDescription(f"robot{i}", "robot", f"robot{i}") for i in range(2)]
-    server.send(Tree([*robots, *map(camera, EYES)]))
-    page = open_page(url, **WIDE)
+    page = scenes.show(*playground())
+    scenes.server.send(ROBOTS)
+    page.set_viewport_size(WIDE)  # type: ignore[arg-type]
     until(lambda: page.evaluate("morse.components.all.value.length") == 6)
-    return server, page
+    return scenes.server, page
 
 
 def shown(page: Page) -> list[str]:
@@ -76,8 +75,12 @@ def pixels(page: Page, name: str) -> np.ndarray:
     return np.array(found[2], int).reshape(found[0], found[1], 4)[..., :3]
 
 
-def test_what_the_cameras_of_the_selected_robot_see(cameras) -> None:
-    server, page = cameras
+def test_what_the_cameras_of_the_selected_robot_see(served, open_page) -> None:
+    server, url = served
+    server.set_scene(*playground())
+    server.send(ROBOTS)
+    page = open_page(url, **WIDE)
+    until(lambda: page.evaluate("morse.components.all.value.length") == 6)
     page.evaluate("morse.components.selected.set('robot0')")
     until(lambda: shown(page) == EYES[:2])
     until(lambda: server.wishes.images == set(EYES[:2]))

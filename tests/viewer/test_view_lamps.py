@@ -39,29 +39,25 @@ def brightness(page: Page, folder: Path) -> float:
 
 
 @pytest.mark.parametrize(("kind", "one_sided"), [("AREA", True), ("POINT", False)])
-def test_an_area_lamp_lights_what_is_before_it(served, open_page, tmp_path, kind, one_sided) -> None:
-    server, url = served
+def test_an_area_lamp_lights_what_is_before_it(scenes, tmp_path, kind, one_sided) -> None:
     seen = []
     for turn in (0.0, math.pi):  # down, up
         scene = Scene("room", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
         scene.roots.append(lamp("lamp", kind, (0.0, 0.0, 2.0), turn, energy=1.5))
         scene.settings.view.camera_location = (0.0, -4.0, 4.0)
         scene.settings.view.camera_rotation = (math.pi / 4, 0.0, 0.0)
-        server.set_scene(scene, [])
-        seen.append(brightness(open_page(url), tmp_path))
+        seen.append(brightness(scenes.show(scene), tmp_path))
     down, up = seen
     assert (down > up + 20) is one_sided
 
 
-def test_of_too_many_lamps_those_that_light_the_view_are_kept(served, open_page) -> None:
-    server, url = served
+def test_of_too_many_lamps_those_that_light_the_view_are_kept(scenes) -> None:
     scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
     scene.roots += [lamp(f"far{i}", "POINT", (300.0, 0.0, 3.0), energy=1.0, distance=10.0) for i in range(9)]
     scene.roots.append(lamp("near", "POINT", (2.0, 0.0, 3.0), energy=0.2, distance=10.0))
     scene.roots.append(lamp("sky", "HEMI", (300.0, 0.0, 3.0), energy=0.1))
     scene.settings.view.camera_location = (0.0, -4.0, 4.0)
-    server.set_scene(scene, [])
-    page = open_page(url)
+    page = scenes.show(scene)
     until(lambda: toasts(page))
     (toast,) = toasts(page)
     assert toast.startswith("3 lamps are not shown: far")
@@ -85,8 +81,7 @@ def test_a_lamp_changes_on_the_page(served, open_page, tmp_path) -> None:
     assert brightness(open_page(url), tmp_path) > dim + 20
 
 
-def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(served, open_page, tmp_path) -> None:
-    server, url = served
+def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(scenes, tmp_path) -> None:
     seen = []
     for height in (3.0, -3.0):  # a board above the floor, or below it
         scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 20.0))])
@@ -95,19 +90,16 @@ def test_beside_lamps_a_sun_still_casts_shadows_that_are_seen(served, open_page,
         scene.roots += [lamp(f"lamp{i}", "POINT", (x, 0.0, 7.0), energy=0.5) for i, x in enumerate((-10.0, 0.0, 10.0))]
         scene.settings.view.camera_location = (0.0, -4.0, 1.5)
         scene.settings.view.camera_rotation = (math.atan2(4.0, 1.5), 0.0, 0.0)
-        server.set_scene(scene, [])
-        seen.append(brightness(open_page(url, color_scheme="light"), tmp_path))
+        seen.append(brightness(scenes.show(scene), tmp_path))
     shade, light = seen
     assert shade < 0.88 * light
 
 
-def test_a_floor_hides_the_lines_on_the_ground(served, open_page, tmp_path) -> None:
-    server, url = served
+def test_a_floor_hides_the_lines_on_the_ground(scenes, tmp_path) -> None:
     scene = Scene("hall", roots=[mesh_node("floor", plane("floor", GREY, 60.0))])
     scene.settings.view.camera_location = (1.3, -1.7, 1.4)
     scene.settings.view.camera_rotation = (1.0, 0.0, 0.4)
-    server.set_scene(scene, [])
-    page = open_page(url)
+    page = scenes.show(scene)
 
     def lines(on: bool) -> np.ndarray:
         drawn = page.evaluate("morse.stage.frames")
@@ -117,4 +109,5 @@ def test_a_floor_hides_the_lines_on_the_ground(served, open_page, tmp_path) -> N
         return np.asarray(Image.open(tmp_path / "view.png").convert("RGB"), int)
 
     floor = slice(200, None)  # above it is the horizon
-    assert np.abs(lines(True)[floor] - lines(False)[floor]).max() < 6
+    without = lines(False)
+    assert np.abs(lines(True)[floor] - without[floor]).max() < 6

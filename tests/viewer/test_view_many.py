@@ -28,24 +28,23 @@ PLACE = """name => { const { levels } = morse.stage.world.batches[0];
 STAND = "place => { morse.stage.view.position.set(...place); morse.stage.invalidate(); }"
 
 
-@pytest.fixture
-def page(served, open_page) -> Page:
+@pytest.fixture(scope="module")
+def page(shared_scenes) -> Page:
     """A field of balls on the ground, viewed from its corner."""
-    server, url = served
     ball = sphere("ball", Material("red", (0.7, 0.1, 0.1, 1.0)), 0.3)
     nodes = [mesh_node(f"ball{i}", ball, (i % SIDE, i // SIDE, 0.3)) for i in range(SIDE * SIDE)]
     scene = Scene("field", roots=nodes)
     scene.settings.view.camera_location = (-3.0, -3.0, 2.0)
     scene.settings.view.camera_rotation = (1.4, 0.0, -0.785)
-    server.set_scene(scene, [MovingNode(node, "world") for node in nodes])
     poses = np.zeros((len(nodes), 7), np.float32)
     poses[:, :3] = [node.location for node in nodes]
     poses[:, 3] = 1.0
-    page: Page = open_page(url)
+    shared_scenes.fresh(failures=0)
+    page: Page = shared_scenes.show(scene, [MovingNode(node, "world") for node in nodes])
     poses[0, 2] = 2.3
 
     def newest_is_drawn() -> bool:
-        server.publish(Snapshot(1, 1 / 60, 1, poses, "running", 1.0, 1.0))
+        shared_scenes.server.publish(Snapshot(1, 1 / 60, shared_scenes.revision, poses, "running", 1.0, 1.0))
         return abs((page.evaluate(PLACE, "ball0") or [0, 0, 0])[2] - 2.3) < 1e-4
 
     until(newest_is_drawn)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.browser
 
 WIDE = {"width": 1200, "height": 700}
+SIZE = WIDE  # of the page that tests share
 
 
 def select(page: Page, robot: str = "robot0", part: str = "lidar") -> None:
@@ -46,9 +47,8 @@ def place_of(page: Page, name: str) -> tuple[float, float]:
 # tree and inspector --------------------------------------------------------------------------------------
 
 
-def test_the_tree_lists_robots_components_and_objects(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE)
+def test_the_tree_lists_robots_components_and_objects(shown) -> None:
+    _, page = shown
     items = page.get_by_role("treeitem")
     assert [item.strip() for item in items.all_inner_texts()] == [
         "robot0",
@@ -67,9 +67,8 @@ def test_the_tree_lists_robots_components_and_objects(running, open_page) -> Non
     assert page.get_by_text("Nothing of that name.").is_visible()
 
 
-def test_the_tree_is_walked_by_keyboard(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_the_tree_is_walked_by_keyboard(shown) -> None:
+    driver, page = shown
     page.get_by_role("tree").focus()
     page.keyboard.press("ArrowDown")
     page.keyboard.press("ArrowDown")
@@ -82,9 +81,8 @@ def test_the_tree_is_walked_by_keyboard(running, open_page) -> None:
     assert not any(driver.keys)  # no key drove a robot
 
 
-def test_values_are_shown_live_with_their_units(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_values_are_shown_live_with_their_units(shown) -> None:
+    driver, page = shown
     select(page)
     assert "Measures distances" in page.get_by_label("inspector").inner_text()
     until(lambda: driver.server.wishes.values == {"robot0.lidar"})
@@ -101,9 +99,8 @@ def test_values_are_shown_live_with_their_units(running, open_page) -> None:
     until(lambda: driver.server.wishes.values == frozenset())
 
 
-def test_a_click_in_the_view_selects(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_a_click_in_the_view_selects(shown) -> None:
+    driver, page = shown
     driver.running, driver.time = False, 0.0
     until(lambda: page.evaluate("morse.poses.value?.running === false"))
     until(lambda: page.evaluate("morse.navigation.velocity.length()") == 0)
@@ -119,9 +116,8 @@ def test_a_click_in_the_view_selects(running, open_page) -> None:
         until(hit)
 
 
-def test_properties_are_edited_and_wrong_ones_refused(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_properties_are_edited_and_wrong_ones_refused(shown) -> None:
+    driver, page = shown
     select(page)
     field = page.get_by_label("scan_window")
     field.fill("90.5")
@@ -142,9 +138,8 @@ def test_properties_are_edited_and_wrong_ones_refused(running, open_page) -> Non
     assert not any(driver.keys)  # typing does not drive
 
 
-def test_what_is_true_or_not_is_ticked(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_what_is_true_or_not_is_ticked(shown) -> None:
+    driver, page = shown
     select(page)
     box = page.get_by_role("checkbox", name="upside_down")
     assert not box.is_checked()
@@ -157,9 +152,8 @@ def test_what_is_true_or_not_is_ticked(running, open_page) -> None:
     until(lambda: near.locator(".value").inner_text() == "none")
 
 
-def test_services_are_called_with_arguments_and_their_results_shown(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_services_are_called_with_arguments_and_their_results_shown(shown) -> None:
+    driver, page = shown
     select(page)
     add = page.get_by_role("form", name="add", exact=True)
     add.get_by_label("a", exact=True).fill("2")
@@ -185,9 +179,8 @@ def test_services_are_called_with_arguments_and_their_results_shown(running, ope
 # plots ---------------------------------------------------------------------------------------------------
 
 
-def test_fields_are_dragged_into_plots_and_kept_as_files(running, open_page, tmp_path) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_fields_are_dragged_into_plots_and_kept_as_files(shown, tmp_path) -> None:
+    driver, page = shown
     select(page)
     page.get_by_role("button", name="Plots and messages").click()
     until(lambda: page.evaluate("morse.components.valuesOf('robot0.lidar') !== null"))
@@ -216,10 +209,9 @@ def test_fields_are_dragged_into_plots_and_kept_as_files(running, open_page, tmp
     until(lambda: driver.server.wishes.values == {"robot1.lidar"})
 
 
-def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_page) -> None:
-    driver, url = running
+def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(shown) -> None:
+    driver, page = shown
     driver.measures = False
-    page = open_page(url, **WIDE)
     select(page)
     for name in ("x", "note", "points"):
         page.get_by_role("rowheader", name=name, exact=True).last.press("Enter")
@@ -240,9 +232,8 @@ def test_a_field_without_a_value_is_plotted_as_soon_as_it_has_one(running, open_
     assert page.locator(".legend").last.inner_text() == "robot0.lidar.image has no value yet…"
 
 
-def test_plots_take_the_colours_of_the_theme(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE, color_scheme="light")
+def test_plots_take_the_colours_of_the_theme(shown) -> None:
+    _, page = shown
     select(page)
     page.get_by_role("rowheader", name="x", exact=True).last.press("Enter")
     until(lambda: page.evaluate("morse.panels.plots.plots[0]?.times.length > 3"))
@@ -254,6 +245,8 @@ def test_plots_take_the_colours_of_the_theme(running, open_page) -> None:
     assert page.evaluate(stroke) == page.evaluate(line) != light
     kept = page.evaluate("morse.panels.plots.plots[0].times.length")
     until(lambda: page.evaluate("morse.panels.plots.plots[0].times.length") > kept)
+    page.get_by_role("button", name="Light or dark").click()
+    assert page.evaluate(stroke) == light
 
 
 # overlays of sensors -------------------------------------------------------------------------------------
@@ -263,9 +256,8 @@ def layer(page: Page, name: str) -> None:
     page.evaluate("name => morse.panels.layers.switch(name, true)", name)
 
 
-def test_rays_are_asked_for_and_drawn_where_they_are(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_rays_are_asked_for_and_drawn_where_they_are(shown) -> None:
+    driver, page = shown
     assert driver.server.wishes.overlays == frozenset()
     page.locator("summary[title=view]").click()
     page.get_by_label("rays and points").check()
@@ -343,9 +335,8 @@ def test_collision_shapes_are_shown_when_the_script_says_so(served, open_page) -
     assert sizes[5] == pytest.approx([5, 0, 0, 6, 1, 1], abs=0.01)
 
 
-def test_what_a_camera_sees(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_what_a_camera_sees(shown) -> None:
+    driver, page = shown
     select(page)
     until(lambda: driver.server.wishes.images == {"robot0.lidar"})
     page.keyboard.press("v")
@@ -371,9 +362,8 @@ def test_what_a_camera_sees(running, open_page) -> None:
 # the viewpoint -------------------------------------------------------------------------------------------
 
 
-def test_following_a_robot(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE)
+def test_following_a_robot(shown) -> None:
+    _, page = shown
     page.locator('[data-name="robot1"]').click()
     apart = "morse.stage.view.position.distanceTo(morse.world.value.find('robot1').frame.position)"
     ahead = """(() => { const n = morse.world.value.find('robot1').frame; const v = n.position.clone().set(1, 0, 0);

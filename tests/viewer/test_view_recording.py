@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from view_pages import toasts, until
@@ -12,10 +12,8 @@ from morse.recording.recording import Recording
 from morse.viewer.page_messages import CallService
 from morse.viewer.view_messages import Answer, RecordingDescription, Recordings
 
-if TYPE_CHECKING:
-    from playwright.sync_api import Page
-
 WIDE = {"width": 1200, "height": 700}
+SIZE = WIDE  # of the page that tests share
 
 
 @pytest.mark.browser
@@ -33,11 +31,10 @@ class TestPage:
         assert last.component == "simulation"
         return last
 
-    def test_the_button_starts_and_stops_a_recording(self, running, open_page) -> None:
-        driver, url = running
+    def test_the_button_starts_and_stops_a_recording(self, shown) -> None:
+        driver, page = shown
         server = driver.server
         server.send(Recordings([]))
-        page: Page = open_page(url, **WIDE)
         page.get_by_role("button", name="Record the run").click()
         call = self.call(driver, 1)
         assert call.service == "start_recording"
@@ -59,24 +56,24 @@ class TestPage:
         page.locator(".recordings").get_by_role("button", name="Close").click()
         assert page.locator(".recording").count() == 0
 
-    def test_a_refusal_is_shown(self, running, open_page) -> None:
-        driver, url = running
+    def test_a_refusal_is_shown(self, shown) -> None:
+        driver, page = shown
         driver.server.send(Recordings([]))
-        page: Page = open_page(url, **WIDE)
         page.get_by_role("button", name="Record the run").click()
         refusal = "/full/recording.mcap cannot be written: No space left on device"
         driver.server.send(Answer(self.call(driver, 1).request, False, error=refusal))
         until(lambda: refusal in "".join(toasts(page, "error")))
 
-    def test_a_recording_of_the_command_line_has_no_button_to_stop_it(self, running, open_page) -> None:
-        driver, url = running
+    def test_a_recording_of_the_command_line_has_no_button_to_stop_it(self, shown) -> None:
+        driver, page = shown
         driver.server.send(Recordings([RecordingDescription("/a/run.mcap", 1.0, 500, stoppable=False)]))
-        page: Page = open_page(url, **WIDE)
         until(lambda: "run.mcap" in page.locator(".recording.on").inner_text())
         assert "500 B" in page.locator(".recording.on").inner_text()
         assert not page.get_by_role("button", name="Stop recording").is_visible()
         driver.server.send(Recordings([], possible=False))  # a replay
         until(lambda: not page.get_by_role("button", name="Record the run").is_visible())
+        driver.server.send(Recordings([]))
+        page.locator(".recordings").get_by_role("button", name="Close").click()
 
 
 def test_pages_are_told_of_a_recording(tmp_path, monkeypatch) -> None:

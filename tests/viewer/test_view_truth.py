@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.browser
 
 WIDE = {"width": 1100, "height": 700}
+SIZE = WIDE  # of the page that tests share
 
 
 def events(driver: Any, kind: type) -> list[Any]:
@@ -79,9 +80,8 @@ def test_the_last_page_that_is_left_takes_the_wheel(running, open_page) -> None:
     until(lambda: second.evaluate("morse.seat.drives.value"))
 
 
-def test_quit_asks(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_quit_asks(shown) -> None:
+    driver, page = shown
     page.get_by_role("button", name="End the simulation").click()
     page.keyboard.press("Escape")
     until(lambda: page.get_by_role("dialog").count() == 0)
@@ -99,9 +99,8 @@ def leave(page: Page) -> bool:
     return page.evaluate("!dispatchEvent(new Event('beforeunload', { cancelable: true }))")
 
 
-def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url)
+def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(shown) -> None:
+    driver, page = shown
     assert not leave(page)
     page.keyboard.down("w")
     assert leave(page)
@@ -133,8 +132,7 @@ def test_a_page_is_not_left_by_accident_while_its_user_flies_or_looks_around(run
     assert driver.running
 
 
-def test_a_click_on_the_ground_selects_nothing(served, open_page) -> None:
-    server, url = served
+def test_a_click_on_the_ground_selects_nothing(scenes) -> None:
     ground = mesh_node("ground", box("g"), (0, 0, -1))
     ground.scale = (40.0, 40.0, 1.0)
     wall = mesh_node("wall", box("w"), (0, 4, 0))
@@ -142,8 +140,7 @@ def test_a_click_on_the_ground_selects_nothing(served, open_page) -> None:
     scene = Scene("s", roots=[ground, mesh_node("crate", box("c"), (0, 0, 0)), wall])
     scene.settings.view.camera_location = (0.0, -9.0, 7.0)
     scene.settings.view.camera_rotation = (math.radians(52), 0.0, 0.0)
-    server.set_scene(scene, [])
-    page = open_page(url)
+    page = scenes.show(scene)
     selected = "morse.components.selected.value"
 
     def click(x: float, y: float, z: float) -> Any:
@@ -180,9 +177,8 @@ def test_a_reload_keeps_selection_and_plots(running, open_page) -> None:
 # plots ---------------------------------------------------------------------------------------------------
 
 
-def test_plots_say_whose_field_it_is_and_show_a_window_of_time(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE)
+def test_plots_say_whose_field_it_is_and_show_a_window_of_time(shown) -> None:
+    _, page = shown
     for robot in ("robot0", "robot1"):
         select(page, f"{robot}.lidar")
         until(lambda name=robot: page.evaluate(f"morse.components.valuesOf('{name}.lidar') !== null"))
@@ -215,10 +211,9 @@ def test_plots_say_whose_field_it_is_and_show_a_window_of_time(running, open_pag
             assert place["y"] + place["height"] <= room["y"] + room["height"]
 
 
-def test_a_plot_forgets_what_is_no_longer_to_come(running, open_page) -> None:
-    driver, url = running
+def test_a_plot_forgets_what_is_no_longer_to_come(shown) -> None:
+    driver, page = shown
     driver.measures = False
-    page = open_page(url, **WIDE)
     select(page, "robot0.lidar")
     send = driver.server.send
     send(Values("robot0.lidar", 1.0, {"x": 1.0}))
@@ -233,8 +228,8 @@ def test_a_plot_forgets_what_is_no_longer_to_come(running, open_page) -> None:
 # what is drawn -------------------------------------------------------------------------------------------
 
 
-def many_robots(server: Any, count: int) -> None:
-    """Robots in a row, half a metre apart, each with a sensor."""
+def many_robots(scenes: Any, count: int) -> Page:
+    """A page of robots in a row, half a metre apart, each with a sensor."""
     nodes = [mesh_node(f"robot{i}", box(f"b{i}"), (0.5 * i, 0, 0.5)) for i in range(count)]
     scene = Scene("s", roots=nodes)
     for node in nodes:
@@ -242,22 +237,23 @@ def many_robots(server: Any, count: int) -> None:
         scene.components.append(_declaration(node))
     scene.settings.view.camera_location = (0.0, -6.0, 2.0)
     scene.settings.view.camera_rotation = (math.radians(75), 0.0, 0.0)
-    server.set_scene(scene, [])
+    page: Page = scenes.show(scene)
     components = []
     for i in range(count):
         components.append(ComponentDescription(f"robot{i}", "robot", f"robot{i}"))
         components.append(ComponentDescription(f"robot{i}.eye", "sensor", f"robot{i}"))
-    server.send(Tree(components))
+    scenes.server.send(Tree(components))
+    until(lambda: page.evaluate("morse.components.all.value.length") == 2 * count)
+    return page
 
 
 def _declaration(node: Any) -> Any:
     return ComponentDeclaration(node, "robot", "test.Robot", node)
 
 
-def test_names_of_robots_do_not_pile_up(served, open_page) -> None:
-    server, url = served
-    many_robots(server, 20)
-    page = open_page(url, **WIDE)
+def test_names_of_robots_do_not_pile_up(scenes) -> None:
+    page = many_robots(scenes, 20)
+    page.set_viewport_size(WIDE)
     page.evaluate("morse.panels.layers.switch('names', true)")
     # all boxes of one frame: the visible names change while the camera moves
     shown = """[...document.querySelectorAll(".names span:not([hidden])")].map(label => {
@@ -272,10 +268,9 @@ def test_names_of_robots_do_not_pile_up(served, open_page) -> None:
             assert apart, (a, b)
 
 
-def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(served, open_page) -> None:
-    server, url = served
-    many_robots(server, 20)
-    page = open_page(url, **WIDE)
+def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(scenes) -> None:
+    page, server = many_robots(scenes, 20), scenes.server
+    page.set_viewport_size(WIDE)
     page.locator("summary[title=view]").click()
     page.get_by_label("rays and points").check()
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in range(8)})
@@ -284,22 +279,21 @@ def test_of_many_robots_the_nearest_show_rays_and_the_page_says_so(served, open_
     until(lambda: server.wishes.overlays == {f"robot{i}.eye" for i in (*range(7), 19)})
 
 
-def test_a_ray_that_meets_nothing_is_drawn_short(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_a_ray_that_meets_nothing_is_drawn_short(shown) -> None:
+    driver, page = shown
     page.evaluate("morse.panels.layers.switch('rays', true)")
     rays = np.array([[0, 0, 1, 30, 0, 1, 0], [0, 0, 1, 0, 5, 1, 1], [0, 0, 1, 0.1, 0, 1, 0]], "<f4")
-    page.evaluate("morse.panels.layers.rays.keep = () => {}")
+    page.evaluate("morse.panels.layers.rays.keep = () => {}")  # of sensors that the page does not know
     driver.server.send(Rays(component="other", payload=rays.tobytes()))
     drawn = "morse.panels.layers.rays.drawn.get('other')"
     until(lambda: page.evaluate(f"!!{drawn}"))
     ends = np.array(page.evaluate(f"[...{drawn}.beams.geometry.attributes.position.array]")).reshape(3, 2, 3)
     assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx([0.6, 5.0, 0.1], abs=1e-5)
     assert page.evaluate(f"{drawn}.hits.geometry.attributes.position.count") == 1
+    page.evaluate("delete morse.panels.layers.rays.keep")
 
 
-def test_f7_does_not_end_behind_furniture(served, open_page) -> None:
-    server, url = served
+def test_f7_does_not_end_behind_furniture(scenes) -> None:
     many_robots_scene = Scene("s", roots=[mesh_node("robot0", box("r"), (0, 0, 0.5))])
     (robot,) = many_robots_scene.roots
     robot.scale = (0.4, 0.4, 0.4)
@@ -310,8 +304,7 @@ def test_f7_does_not_end_behind_furniture(served, open_page) -> None:
         wall = mesh_node(name, box(name), place)
         wall.scale = scale
         many_robots_scene.roots.append(wall)
-    server.set_scene(many_robots_scene, [])
-    page = open_page(url)
+    page = scenes.show(many_robots_scene)
     page.keyboard.press("F7")
     place = page.evaluate("morse.stage.view.position.toArray()")
     # in the open quarter, under the roof
@@ -374,11 +367,10 @@ def inspected(driver: Any) -> None:
     )  # fmt: skip
 
 
-def test_choices_are_offered_and_bounds_are_said(running, open_page) -> None:
-    driver, url = running
+def test_choices_are_offered_and_bounds_are_said(shown) -> None:
+    driver, page = shown
     driver.measures = False
     inspected(driver)
-    page = open_page(url, **WIDE)
     select(page, "robot0.motion")
     box_of_choices = page.get_by_role("combobox", name="ControlType")
     assert box_of_choices.locator("option").all_inner_texts() == ["Velocity", "Position"]
@@ -387,11 +379,10 @@ def test_choices_are_offered_and_bounds_are_said(running, open_page) -> None:
     assert "at least 0, at most 5" in page.get_by_role("textbox", name="Speed").get_attribute("title")
 
 
-def test_data_of_actuators_are_set_and_those_of_sensors_are_not(running, open_page) -> None:
-    driver, url = running
+def test_data_of_actuators_are_set_and_those_of_sensors_are_not(shown) -> None:
+    driver, page = shown
     driver.measures = False
     inspected(driver)
-    page = open_page(url, **WIDE)
     select(page, "robot0.motion")
     driver.server.send(Values("robot0.motion", 1.0, {"v": 0.0, "on": False}))
     field = page.get_by_role("textbox", name="v", exact=True)
@@ -408,11 +399,10 @@ def test_data_of_actuators_are_set_and_those_of_sensors_are_not(running, open_pa
     assert page.locator("table.data input").count() == 0
 
 
-def test_a_scan_is_drawn_from_above(running, open_page) -> None:
-    driver, url = running
+def test_a_scan_is_drawn_from_above(shown) -> None:
+    driver, page = shown
     driver.measures = False
     inspected(driver)
-    page = open_page(url, **WIDE)
     select(page, "robot0.scan")
     # an obstacle 4 m ahead and 2 m to the left, nothing elsewhere
     ranges = [None] * 181
@@ -430,9 +420,8 @@ def test_a_scan_is_drawn_from_above(running, open_page) -> None:
     assert right[:3] != pytest.approx(rgb, abs=30)
 
 
-def test_icons_of_the_inspector_have_captions(running, open_page) -> None:
-    _, url = running
-    page = open_page(url, **WIDE)
+def test_icons_of_the_inspector_have_captions(shown) -> None:
+    _, page = shown
     select(page, "robot0")
     captions = page.locator(".object .tools .caption")
     assert captions.all_inner_texts() == ["focus", "follow", "move", "copy"]
@@ -441,9 +430,9 @@ def test_icons_of_the_inspector_have_captions(running, open_page) -> None:
 # going back ----------------------------------------------------------------------------------------------
 
 
-def test_a_slider_goes_back_in_time_while_time_stands_still(running, open_page) -> None:
-    driver, url = running
-    page = open_page(url, **WIDE)
+def test_a_slider_goes_back_in_time_while_time_stands_still(shown) -> None:
+    driver, page = shown
+    driver.time = 2.0  # the slider moves if it is not at the beginning
     driver.server.send(History([0.5, 1.0, 1.5, 2.0]))
     slider = page.get_by_role("slider", name="go back in time")
     assert not slider.is_visible()
@@ -456,6 +445,7 @@ def test_a_slider_goes_back_in_time_while_time_stands_still(running, open_page) 
     until(lambda: len(events(driver, StepBack)) == 1)
     page.get_by_role("button", name="Play").click()
     until(lambda: not slider.is_visible())
+    driver.server.send(History([]))
 
 
 # by touch ------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from view_pages import until
 
 from morse.viewer.page_messages import (
     Activate,
@@ -39,13 +40,8 @@ from morse.viewer.view_messages import (
 )
 
 if TYPE_CHECKING:
+    from morse.viewer.server import ViewServer
     from morse.viewer.snapshot import MovingNode
-
-if TYPE_CHECKING:
-    from morse.viewer.server import ViewServer
-
-if TYPE_CHECKING:
-    from morse.viewer.server import ViewServer
 
 TICK = 1.0 / 60.0
 
@@ -82,12 +78,19 @@ class CircleDriver:
         self.moving = moving
         self.events: list[object] = []
         self.keys: list[frozenset[str]] = []
-        self.x, self.time, self.tick = 0.0, 0.0, 0
+        self.tick = 0
+        self._set_out()
+        self._again = threading.Event()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+
+    def _set_out(self) -> None:
+        self.x, self.time = 0.0, 0.0
         self.running, self.steps, self.speed = True, 0, 1.0
         #: whether components have values
         self.measures = True
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
+        #: whether pages are told what happens
+        self.shown = True
 
     def __enter__(self) -> CircleDriver:
         self._thread.start()
@@ -96,6 +99,13 @@ class CircleDriver:
     def __exit__(self, *_: object) -> None:
         self._stop.set()
         self._thread.join(60)
+
+    def begin(self) -> int:
+        """Go back to the beginning, as if no page had done anything; ticks are numbered on, from the returned one."""
+        self._again.set()
+        until(lambda: not self._again.is_set(), "a new beginning")
+        self.server.send(self.tree())
+        return self.tick
 
     def poses(self) -> np.ndarray:
         """Robots on circles around the origin, with rotating heads."""
@@ -204,17 +214,24 @@ class CircleDriver:
     def _run(self) -> None:
         due = time.monotonic()
         while not self._stop.is_set():
+            again = self._again.is_set()
+            if again:
+                self._set_out()
+                self.events.clear()
+                self.keys.clear()
             for event in self.server.take_events():
                 self.events.append(event)
                 self._handle(event)
             keys = self.server.held_keys()
             if not self.keys or self.keys[-1] != keys:
                 self.keys.append(keys)
+            if again:
+                self._again.clear()
             if self.running or self.steps:
                 self.steps = max(0, self.steps - 1) if not self.running else 0
                 self.tick, self.time = self.tick + 1, self.time + TICK
                 self.x += 0.05 * (("ArrowUp" in keys) - ("ArrowDown" in keys))
-            if self.server.watched:
+            if self.server.watched and self.shown:
                 status = "running" if self.running else "paused"
                 self._tell()
                 self.server.publish(Snapshot(self.tick, self.time, 1, self.poses(), status, self.speed, 1.0))
