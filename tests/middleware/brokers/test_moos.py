@@ -131,6 +131,20 @@ def test_an_actuator_that_1_4_does_not_know_has_variables_of_its_own(
         assert not before > 1.01
 
 
+def test_a_stream_may_have_a_database_of_its_own(load: Callable[..., Any], database: Database) -> None:
+    # 1.4 takes the address from the options of the stream
+    own = Database()
+    options = f"moos_host='127.0.0.1', moos_port={own.port}, moos_name='second'"
+    try:
+        with load(POSE + f"pose.add_stream('moos', {options})\n") as sim:
+            step_until(sim, lambda: "MORSE_SIM_X" in own.values)
+            step_until(sim, lambda: any("MORSE_ROBOT_MOTION_X" in client.registered for client in database.clients))
+            assert own.values["MORSE_SIM_X"].source == "second"
+            assert "MORSE_SIM_X" not in database.values
+    finally:
+        own.close()
+
+
 def test_a_database_that_sends_nonsense_is_left_and_found_again(
     load: Callable[..., Any], database: Database, caplog: pytest.LogCaptureFixture
 ) -> None:

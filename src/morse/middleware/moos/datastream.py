@@ -11,7 +11,7 @@ from morse.middleware.moos.database import Database
 from morse.middleware.moos.mapping import MANAGER_OPTIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from morse.core.context import Context
     from morse.middleware.moos.streams import MoosPublisher
@@ -19,11 +19,15 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 
+#: options that tell databases apart
+_PLACE = ("moos_host", "moos_port", "moos_name")
+
+
 class MOOSDatastreamManager(DatastreamManager):
     """Variables of sensors are published, and variables of actuators are registered.
 
-    Attributes:
-        database: the connection.
+    Streams with the same ``moos_host``, ``moos_port`` and ``moos_name`` share a connection. A stream that does not set
+    them uses the options of the manager.
     """
 
     classpath = "morse.middleware.moos_datastream.MOOSDatastreamManager"
@@ -31,38 +35,47 @@ class MOOSDatastreamManager(DatastreamManager):
 
     def __init__(self, options: dict[str, Any], context: Context) -> None:
         super().__init__(options, context)
-        self.database = Database(self.options)
-        logger.info("moos: the database is expected at %s", self.database.place)
-        self._takers: dict[str, list[Callable[[str, float | str], object]]] = {}
-        self._owners: dict[str, str] = {}
+        self._databases: dict[tuple[Any, ...], Database] = {}
+        self._takers: dict[tuple[Database, str], list[Callable[[str, float | str], object]]] = {}
+        self._owners: dict[tuple[Database, str], str] = {}
+
+    def database_of(self, options: Mapping[str, Any]) -> Database:
+        """The connection of a stream with these options."""
+        given = {name: options[name] for name in _PLACE if options[name] is not None}
+        chosen = {**self.options, **given}
+        place = tuple(chosen[name] for name in _PLACE)
+        if place not in self._databases:
+            made = self._databases[place] = Database(chosen)
+            logger.info("moos: the database is expected at %s", made.place)
+        return self._databases[place]
 
     @maps("general")
     def general(self, stream: MoosPublisher) -> None:
         """The variables of a sensor."""
         stream.publish()
 
-    def claim(self, variable: str, name: str) -> None:
+    def claim(self, database: Database, variable: str, name: str) -> None:
         """Log if two components publish the same variable: 1.4 has no names of robots in some variables."""
-        owner = self._owners.setdefault(variable, name)
+        owner = self._owners.setdefault((database, variable), name)
         if owner != name:
             logger.warning(
                 "moos: %s and %s publish the same variable %s; set prefix='...' for one of them", owner, name, variable
             )
 
-    def listen(self, variable: str, take: Callable[[str, float | str], object]) -> None:
+    def listen(self, database: Database, variable: str, take: Callable[[str, float | str], object]) -> None:
         """Call ``take`` before each tick with the variables that have arrived."""
-        takers = self._takers.setdefault(variable, [])
+        takers = self._takers.setdefault((database, variable), [])
         takers.append(take)
         if len(takers) == 1:
-            self.database.register(variable)
+            database.register(variable)
 
-    def ignore(self, variable: str, take: Callable[[str, float | str], object]) -> None:
+    def ignore(self, database: Database, variable: str, take: Callable[[str, float | str], object]) -> None:
         """End `listen`."""
-        takers = self._takers.get(variable, [])
+        takers = self._takers.get((database, variable), [])
         if take in takers:
             takers.remove(take)
-        if not takers and self._takers.pop(variable, None) is not None:
-            self.database.unregister(variable)
+        if not takers and self._takers.pop((database, variable), None) is not None:
+            database.unregister(variable)
 
     def closed(self, stream: Any) -> None:
         """Release the variables of a component."""
@@ -70,9 +83,10 @@ class MOOSDatastreamManager(DatastreamManager):
 
     def action(self) -> None:
         """Pass on the variables that have arrived."""
-        for variable, value in self.database.received():
-            for take in self._takers.get(variable, ()):
-                take(variable, value)
+        for database in self._databases.values():
+            for variable, value in database.received():
+                for take in self._takers.get((database, variable), ()):
+                    take(variable, value)
 
     def drain(self) -> None:
         """See `DatastreamManager.drain`."""
@@ -81,4 +95,5 @@ class MOOSDatastreamManager(DatastreamManager):
     def finalize(self) -> None:
         """Disconnect."""
         super().finalize()
-        self.database.close()
+        for database in self._databases.values():
+            database.close()

@@ -16,6 +16,9 @@ MANAGER_OPTIONS = {
 }
 STREAM_OPTIONS = {
     "prefix": Option(str, "MORSE", "begin of the names of the variables"),
+    "moos_host": Option(str, None, "name or address of the database of this stream"),
+    "moos_port": Option(int, None, "port of the database of this stream", low=1, high=65535),
+    "moos_name": Option(str, None, "name of the simulation in the community of this stream"),
 }
 
 MIDDLEWARE = Middleware(

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from morse.core.object import Object
+    from morse.middleware.moos.database import Database
 
 logger = logging.getLogger(__name__)
 
@@ -28,12 +29,16 @@ _LONGEST = 1 << 16
 
 
 class MoosStream(AbstractDatastream):
-    """A stream with variables."""
+    """A stream with variables.
+
+    Attributes:
+        database: the connection.
+    """
 
     options = STREAM_OPTIONS
 
     def initialize(self) -> None:
-        """Check the prefix.
+        """Check the prefix, and find the database.
 
         Raises:
             MorseMiddlewareError: it is no part of a name of MOOS.
@@ -43,6 +48,7 @@ class MoosStream(AbstractDatastream):
             raise MorseMiddlewareError(
                 f"{self.component_name}: the prefix is {shown(self.prefix)}, expected a part of a name, such as 'MORSE'"
             )
+        self.database: Database = self.manager.database_of(self.kwargs)
 
 
 class MoosPublisher(MoosStream):
@@ -57,7 +63,7 @@ class MoosPublisher(MoosStream):
 
     def default(self, ci: Object | None = None) -> bool:
         """Publish the data if a database is connected."""
-        if self.manager.database.connected:
+        if self.database.connected:
             self.publish()
         else:
             self._has_constants = False
@@ -65,7 +71,7 @@ class MoosPublisher(MoosStream):
 
     def publish(self) -> None:
         """Publish the variables; constants after each connection."""
-        publish = self.manager.database.publish
+        publish = self.database.publish
         if not self._has_constants:
             self._has_constants = True
             for name, value in constants_of(self.component_instance):
@@ -74,7 +80,7 @@ class MoosPublisher(MoosStream):
         if not self._claimed:
             self._claimed = True
             for name, _ in variables[:1]:
-                self.manager.claim(name, self.component_name)
+                self.manager.claim(self.database, name, self.component_name)
         for name, value in variables:
             publish(name, value)
 
@@ -90,12 +96,12 @@ class MoosReader(MoosStream):
         self._complaints = Complaints(logger)
         self._fields = {f"{self.prefix}_{name}": field for name, field in commands_of(self.component_instance).items()}
         for variable in self._fields:
-            self.manager.listen(variable, self._take)
+            self.manager.listen(self.database, variable, self._take)
 
     def finalize(self) -> None:
         """End the registrations."""
         for variable in self._fields:
-            self.manager.ignore(variable, self._take)
+            self.manager.ignore(self.database, variable, self._take)
 
     @property
     def waiting(self) -> Collection[Any]:
