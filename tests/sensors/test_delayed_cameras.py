@@ -20,7 +20,8 @@ lamp.translate(x=0.2)
 robot.append(lamp)
 for name, make in (("color", VideoCamera), ("cloud", DepthCamera), ("depth", DepthVideoCamera),
                    ("normals", NormalCamera), ("flow", OpticalFlowCamera),
-                   ("semantic", SemanticCamera), ("heat", ThermalCamera)):
+                   ("semantic", SemanticCamera), ("heat", ThermalCamera),
+                   ("things", SegmentationCamera)):
     camera = make(name)
     camera.properties(cam_width=32, cam_height=24, cam_focal=20.0, cam_near=0.1)
     camera.frequency(20)
@@ -34,7 +35,7 @@ ball = Sphere("Ball")
 ball.scale, ball.location = (0.3, 0.3, 0.3), (3, 0.8, 2.0)
 env = Environment("empty")
 """
-CAMERAS = ("color", "cloud", "depth", "normals", "flow", "semantic", "heat")
+CAMERAS = ("color", "cloud", "depth", "normals", "flow", "semantic", "heat", "things")
 NOISY = """
     if name == 'color':
         camera.properties(full_well=2000, auto_exposure=True, stuck_pixels=0.01)
@@ -80,9 +81,9 @@ def test_images_are_those_of_a_camera_without_delay(load):
     direct, delayed = listen(at_once), listen(later)
     at_once.step(60)
     later.step(60)
-    assert len(direct) == 140
+    assert len(direct) == 160
     # 0.12 s are 8 ticks at most, and two or three images of each camera
-    assert 119 <= len(delayed) <= 126
+    assert 136 <= len(delayed) <= 144
     assert set(delayed) <= set(direct)
     assert len({content for _, _, content in delayed}) > 60
 

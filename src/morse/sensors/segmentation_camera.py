@@ -106,6 +106,7 @@ class SegmentationCamera(Camera):
     add_kind("detections", topic="detections", records=_records)
 
     color = False
+    uses = ("ids",)
     #: PNG files have no quality setting
     quality = 100
     not_state: ClassVar[tuple[str, ...]] = ("_things", "_of_nodes", "_table")
@@ -132,18 +133,31 @@ class SegmentationCamera(Camera):
         super().set_state(state)
         self._of_nodes = None
 
+    def note(self) -> dict[str, list[Any]] | None:
+        """Return all objects, for an image with a delay: it is not complete, so that the visible ones are not known."""
+        if not self.request.beside:
+            return None
+        things = self._known(self.request.server.contents.nodes)
+        return {
+            "numbers": things.numbers.tolist(),
+            "table": [dict(row) for row in self._table],
+            "spaces": [self._in_space(number) for number in range(len(self._table))],
+        }
+
     def take(self, picture: Picture) -> None:
         """Determine the objects in the pixels."""
         from morse.rendering.things import patches
 
-        things = self._known(picture.nodes)
-        ids = np.array([row["id"] for row in self._table], np.uint16)
+        noted = self.noted
+        numbers = self._known(picture.nodes).numbers if noted is None else np.array(noted["numbers"], np.int32)
+        table = self._table if noted is None else noted["table"]
+        ids = np.array([row["id"] for row in table], np.uint16)
         classes = np.zeros(int(ids.max(initial=0)) + 1, np.uint16)
-        classes[ids] = [row["class_id"] for row in self._table]
+        classes[ids] = [row["class_id"] for row in table]
         classes[0] = 0
         # one more entry, because -1 stands for no object
-        image = np.append(ids[things.numbers], np.uint16(0))[picture.ids]
-        rows = {row["id"]: (number, row) for number, row in enumerate(self._table) if row["id"]}
+        image = np.append(ids[numbers], np.uint16(0))[picture.ids]
+        rows = {row["id"]: (number, row) for number, row in enumerate(table) if row["id"]}
         self.local_data["objects"] = [
             {
                 "id": patch.number,
@@ -151,13 +165,13 @@ class SegmentationCamera(Camera):
                 "class": rows[patch.number][1]["class"],
                 "pixels": patch.pixels,
                 "box": list(patch.box),
-                **self._in_space(rows[patch.number][0]),
+                **(self._in_space(rows[patch.number][0]) if noted is None else noted["spaces"][rows[patch.number][0]]),
             }
             for patch in patches(image)
             if patch.pixels >= self.fewest_pixels
         ]
         self.local_data["image"], self.local_data["classes"] = self.ordered(image), self.ordered(classes[image])
-        self.local_data["labels"] = [dict(row) for row in self._table]
+        self.local_data["labels"] = [dict(row) for row in table]
 
     def _known(self, nodes: list[Node]) -> Things:
         """Return the objects of the scene."""
