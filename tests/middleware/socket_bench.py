@@ -210,8 +210,10 @@ class Peer:
 
     def __init__(self, port: int) -> None:
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
-        self.received = b""
+        self.received = bytearray()
         self.ended = False
+        self._lines: list[bytes] = []
+        self._parsed = 0
 
     def send(self, data: bytes) -> None:
         self.socket.setblocking(True)
@@ -228,7 +230,10 @@ class Peer:
             pass
         except OSError:
             self.ended = True
-        return self.received.split(b"\n")[:-1]
+        *lines, rest = self.received[self._parsed :].split(b"\n")
+        self._lines += map(bytes, lines)
+        self._parsed = len(self.received) - len(rest)
+        return self._lines.copy()
 
     def has_ended(self) -> bool:
         self.lines()

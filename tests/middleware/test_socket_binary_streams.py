@@ -29,9 +29,9 @@ class Reader(Peer):
     def frames(self) -> list[tuple[int, Any]]:
         """Kind and contents of the whole frames that have arrived so far."""
         self.lines()
-        found, offset = [], 0
-        while (head := frames.read_head(self.received, offset)) and offset + head.size <= len(self.received):
-            found.append((head.kind, frames.decode(self.received[offset : offset + head.size])))
+        found, offset, received = [], 0, bytes(self.received)
+        while (head := frames.read_head(received, offset)) and offset + head.size <= len(received):
+            found.append((head.kind, frames.decode(received[offset : offset + head.size])))
             offset += head.size
         return found
 

@@ -271,7 +271,8 @@ def test_a_client_that_does_not_read_its_replies_is_disconnected(
     bench.requests.register_service("robot1.motion", lambda text: answered.append(text) or text, "repeat")
     deaf = bench.connect()
     request = b'1 robot1.motion repeat ["%b"]\n' % (b"x" * 100_000)
-    for sent in range(1, 201):
+    # the system itself takes an amount that is not known in advance
+    for sent in range(1, 10_000):
         try:
             deaf.send(request)
         except OSError:

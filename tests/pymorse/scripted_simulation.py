@@ -50,16 +50,12 @@ class Endpoint:
             threading.Thread(target=self._read, args=(connection,), daemon=True).start()
 
     def _read(self, connection: socket.socket) -> None:
-        pending = b""
-        try:
-            while data := connection.recv(65536):
-                *lines, pending = (pending + data).split(b"\n")
-                for line in lines:
-                    self.lines.append(line + b"\n")
+        with contextlib.suppress(OSError), connection.makefile("rb") as received:
+            for line in received:
+                if line.endswith(b"\n"):
+                    self.lines.append(line)
                     if self._on_line is not None:
-                        self._on_line(connection, line + b"\n")
-        except OSError:
-            pass
+                        self._on_line(connection, line)
         self.finished += 1
 
     def send(self, data: bytes) -> None:

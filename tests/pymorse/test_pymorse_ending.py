@@ -102,7 +102,10 @@ def test_closing_waits_for_services(simulation: ScriptedSimulation) -> None:
     assert going.result(0) == "Arrived"
 
 
-def test_an_error_in_the_script_cancels_services(simulation: ScriptedSimulation) -> None:
+def test_an_error_in_the_script_cancels_services(
+    simulation: ScriptedSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_PARTING_TIMEOUT", 60.0)
     simulation.replies |= {"robot1.motion goto": None, "cancel": "PREEMPTED"}
     started: list[MorseFuture] = []
 
@@ -149,7 +152,10 @@ def test_what_was_published_last_arrives(simulation: ScriptedSimulation) -> None
         simulation.streams["robot1.motion"].lines.clear()
 
 
-def test_a_large_message_arrives_before_closing(simulation: ScriptedSimulation) -> None:
+def test_a_large_message_arrives_before_closing(
+    simulation: ScriptedSimulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "TIMEOUT", 60.0)
     with Morse("127.0.0.1", simulation.port) as simu:
         simu.robot1.motion.publish({"points": [0.5] * 2_000_000})
     (line,) = wait_until(lambda: simulation.streams["robot1.motion"].lines)

@@ -37,7 +37,9 @@ def process(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 @pytest.fixture(scope="module")
 def connection(process: SimulationProcess) -> Iterator[Morse]:
-    with Morse("127.0.0.1", process.port) as simu:
+    # on a busy machine, the messages of a step may come later than a client usually waits for them
+    with pytest.MonkeyPatch.context() as patch, Morse("127.0.0.1", process.port) as simu:
+        patch.setattr("pymorse.pymorse.TIMEOUT", 60.0)
         yield simu
 
 

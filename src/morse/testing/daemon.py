@@ -14,7 +14,7 @@ from morse.testing.exceptions import MorseTestingError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_START_TIMEOUT = 20.0
+_START_TIMEOUT = 60.0
 _END_TIMEOUT = 5.0
 _PERIOD = 0.05
 

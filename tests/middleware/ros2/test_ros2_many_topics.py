@@ -89,7 +89,8 @@ def test_a_hundred_topics(seconds: int, monkeypatch: pytest.MonkeyPatch) -> None
         f"99 % {ordered[len(ordered) * 99 // 100] * 1e3:.2f} ms, largest {ordered[-1] * 1e3:.2f} ms; "
         f"{costs.late} late ticks; {min(counts.values())} to {max(counts.values())} messages a topic"
     )
-    # processor time: what else the machine does is not the subject
-    assert ordered[len(ordered) * 99 // 100] < 1 / HZ
+    if seconds > 1:
+        # processor time: what else the machine does is not the subject
+        assert ordered[len(ordered) * 99 // 100] < 1 / HZ
     assert set(counts) == set(topics)
     assert min(counts.values()) >= 0.95 * seconds * HZ
