@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morse.assets.formats import reader_of
+from morse.assets.triangle_limit import check_triangles
 
 if TYPE_CHECKING:
     from morse.scene import Library, Node
@@ -26,7 +27,7 @@ def load(path: str | Path) -> Library:
     Raises:
         OSError: the file is missing or cannot be read.
         UnsupportedFormatError: there is no reader for this kind of file.
-        ValueError: the file is damaged (the readers have their own subclasses).
+        ValueError: the file is damaged, or has too many triangles (the readers have their own subclasses).
     """
     path = Path(path).absolute()
     read = reader_of(path)
@@ -36,6 +37,8 @@ def load(path: str | Path) -> Library:
     if cached is not None and cached[0] == stamp:
         return cached[1]
     library = read(path)
+    meshes = {id(node.mesh): node.mesh for root in library.roots for node in root.walk() if node.mesh is not None}
+    check_triangles(path, (len(mesh.triangles) for mesh in meshes.values()))
     for warning in library.warnings:
         logger.warning("%s: %s", path.name, warning)
     _cache[path] = (stamp, library)

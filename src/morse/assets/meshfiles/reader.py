@@ -13,6 +13,7 @@ from morse.assets.errors import AssetError
 from morse.assets.meshfiles.collada import collada_unit
 from morse.assets.meshfiles.files import SIZE_LIMIT, Below
 from morse.assets.meshfiles.surfaces import Surfaces
+from morse.assets.triangle_limit import check_stl, check_triangles
 from morse.mathutils import Matrix
 from morse.scene import Library, Node, NodeKind, PhysicsType
 
@@ -31,16 +32,19 @@ def read_meshes(path: str | Path) -> Library:
     also kept, as in the viewers of ROS. Files that a model refers to are only read from its folder and below.
 
     Raises:
-        AssetError: it is broken, too large or empty.
+        AssetError: it is broken, too large or empty, or has too many triangles.
         OSError: it cannot be opened.
     """
     path = Path(path)
     if path.stat().st_size > SIZE_LIMIT:
         raise AssetError(path, f"it is larger than {SIZE_LIMIT >> 20} MiB")
+    if path.suffix.lower() == ".stl":
+        check_stl(path)
     below = Below(path.parent)
     try:
         unit = collada_unit(path) if path.suffix.lower() == ".dae" else 1.0
         scene = _loaded(path, below)
+        check_triangles(path, (len(getattr(part, "faces", ())) for part in scene.geometry.values()))
         library = _Reading(path, scene).library()
         for root in library.roots:
             root.location = [unit * value for value in root.location]
