@@ -85,7 +85,7 @@ def _turn(view: ReplayView, client: Client, names: list[str]) -> None:
 
 def test_odometry_is_that_of_the_sensor_not_of_the_robot(run: Run) -> None:
     data = run.values["robot.odometry"]["data"]
-    for field in ("x", "y", "z", "yaw", "vx", "vy", "vz"):
+    for field in ("x", "y", "z", "yaw", "vx", "vy", "vz", "wx", "wy", "wz"):
         assert data[field] == pytest.approx(run.truth["robot.odometry"][field], abs=1e-9), field
     assert run.truth["robot.odometry"]["x"] != 0.0
 

@@ -189,6 +189,18 @@ def test_services_of_all_kinds(start: Callable[..., tuple[Any, int]]) -> None:
     assert call("/robot/motion/set_speed", "fast")["result"] is False
     assert call("/rosapi/nothing")["result"] is False
     assert call("/rosapi/topic_type", {"topic": "/robot/cmd_vel"})["values"] == {"type": "geometry_msgs/msg/Twist"}
+    # roslibpy reads the names of ROS 1, clients of ROS 2 those of ROS 2
+    time = call("/rosapi/get_time")["values"]["time"]
+    assert (time["secs"], time["nsecs"]) == (time["sec"], time["nanosec"])
+    assert call("/rosapi/subscribers", {"topic": "/robot/cmd_vel"})["values"] == {"subscribers": ["/morse"]}
+    assert call("/rosapi/publishers", {"topic": "/robot/cmd_vel"})["values"] == {"publishers": []}
+    details = call("/rosapi/message_details", {"type": "geometry_msgs/Twist"})["values"]["typedefs"]
+    assert [one["type"] for one in details] == ["geometry_msgs/msg/Twist", "geometry_msgs/msg/Vector3"]
+    assert details[1]["fieldnames"] == ["x", "y", "z"]
+    assert call("/rosapi/message_details", {"type": "no/Such"})["values"] == {"typedefs": []}
+    assert "/robot/cmd_vel" in call("/rosapi/node_details", {"node": "/morse"})["values"]["subscribing"]
+    raw = call("/rosapi/topics_and_raw_types")["values"]
+    assert "float64 x" in raw["typedefs_full_text"][raw["topics"].index("/robot/cmd_vel")]
     # an active call of goto; a second one preempts it
     client.send(op="call_service", id="far", service="/robot/waypoint/goto", args=[1e6, 0.0, 0.0])
     client.send(op="call_service", id="near", service="/robot/waypoint/goto", args=[0.0, 0.0, 0.0, 5.0])

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 MAP = "map"
 #: frames of components that are world frames in ROS
-_OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
+#: names of the frames that keep the axes of the world or of the earth
+OF_WORLD = {"world": MAP, "ned": "map_ned", "enu": "enu", "utm": "utm", "earth": "earth"}
 #: frames of REP 105
 _TAKEN = (MAP, "odom", "base_link")
 _TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
@@ -114,8 +115,8 @@ class Names:
 
     def frame(self, component: Any, frame: str) -> str:
         """A frame of a component, by its name in `morse.core.declarations.FRAMES`."""
-        if frame in _OF_WORLD:
-            return _OF_WORLD[frame]
+        if frame in OF_WORLD:
+            return OF_WORLD[frame]
         if frame == "robot":
             return self.base(robot_of(component))
         if frame == "start":

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from morse.core.exceptions import MorseMiddlewareError
+from morse.helpers.geodesy import angle_against_north
 from morse.helpers.transformation import Transformation3d
 from morse.middleware.ros2.moving import joints_of, poses_of
-from morse.middleware.ros2.names import MAP
+from morse.middleware.ros2.names import MAP, OF_WORLD
 from morse.middleware.ros2.parts import quaternion, time, xyz
-from morse.middleware.ros2.poses import OPTICAL_TURN, between, pose_of, quaternion_of
+from morse.middleware.ros2.poses import OPTICAL_TURN, between, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -24,8 +26,9 @@ if TYPE_CHECKING:
 _FROM_OWN = {"optical": OPTICAL_TURN, "frd": (0.0, 1.0, 0.0, 0.0)}
 #: X down, Y left, Z forward, along the axes of the world
 _DOWN = (0.7071067811865476, 0.0, 0.7071067811865476, 0.0)
-#: north-east-down in a world whose X axis points east
+#: north-east-down in axes that point east, north and up
 _NED = (0.0, 0.7071067811865476, 0.7071067811865476, 0.0)
+_NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
 
 class RobotFrames:
@@ -182,8 +185,13 @@ class Transforms:
                         yield stream.own_frame(), stream.frame_id(frame), pose_of((0.0, 0.0, 0.0), rotation)
                 frames_of_world |= used
             yield from poses_of(frames.fixed)
-        if "ned" in frames_of_world:
-            yield MAP, f"{MAP}_ned", pose_of((0.0, 0.0, 0.0), _NED)
+        properties = next(iter(self._robots.values())).robot.context.scene.properties if self._robots else {}
+        # the axes of the world are rotated relative to east and north
+        half = -0.5 * angle_against_north(properties)
+        east = pose_of((0.0, 0.0, 0.0), (math.cos(half), 0.0, 0.0, math.sin(half)))
+        for frame, rotation in (("enu", _NO_TURN), ("ned", _NED)):
+            if frame in frames_of_world:
+                yield MAP, OF_WORLD[frame], product(east, pose_of((0.0, 0.0, 0.0), rotation))
 
     def _moving(self) -> Iterator[tuple[str, str, Transformation3d]]:
         """All frames that move, except the bases of the robots."""

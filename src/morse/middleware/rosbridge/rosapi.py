@@ -4,10 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from morse.core.exceptions import MorseMiddlewareError
+from morse.middleware.ros2.definitions import PRIMITIVES, definition, fields_of
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from morse.middleware.web.hub import Hub
+
+
+#: the only node
+_NODE = "/morse"
 
 
 def _types(hub: Hub) -> dict[str, str]:
@@ -28,7 +35,49 @@ def _topics(hub: Hub, _: str) -> dict[str, Any]:
 
 def _time(hub: Hub, _: str) -> dict[str, Any]:
     stamp = hub.context.clock.stamp()
-    return {"time": {"sec": stamp // 10**9, "nanosec": stamp % 10**9}}
+    seconds, rest = stamp // 10**9, stamp % 10**9
+    # the second pair has the names of ROS 1, which roslibpy reads
+    return {"time": {"sec": seconds, "nanosec": rest, "secs": seconds, "nsecs": rest}}
+
+
+def _node_details(hub: Hub, node: str) -> dict[str, Any]:
+    if node != _NODE or hub.topics is None:
+        return {"publishing": [], "subscribing": [], "services": _services(hub) if node == _NODE else []}
+    return {
+        "publishing": sorted(hub.topics.offered),
+        "subscribing": sorted(hub.topics.heard),
+        "services": _services(hub),
+    }
+
+
+def _raw_types(hub: Hub, _: str) -> dict[str, Any]:
+    found = _topics(hub, "")
+    return {**found, "typedefs_full_text": [definition(kind) for kind in found["types"]]}
+
+
+def _message_details(hub: Hub, kind: str) -> dict[str, Any]:
+    """Describe a message and all messages in it."""
+    wanted, found = [kind.replace("/", "/msg/") if kind.count("/") == 1 else kind], list[dict[str, Any]]()
+    for name in wanted:
+        try:
+            fields = fields_of(name)
+        except MorseMiddlewareError:
+            continue
+        inner = dict.fromkeys(field.type for field in fields if field.type not in (*PRIMITIVES, "string"))
+        wanted += [one for one in inner if one not in wanted]
+        found.append(
+            {
+                "type": name,
+                "fieldnames": [field.name for field in fields],
+                "fieldtypes": [field.type for field in fields],
+                # -1: a single value, 0: any number of values
+                "fieldarraylen": [field.size for field in fields],
+                "examples": [],
+                "constnames": [],
+                "constvalues": [],
+            }
+        )
+    return {"typedefs": found}
 
 
 #: services, and the response for their argument
@@ -40,7 +89,18 @@ _ANSWERS: dict[str, tuple[str, Callable[[Hub, str], dict[str, Any]]]] = {
         lambda hub, kind: {"topics": sorted(name for name, known in _types(hub).items() if known == kind)},
     ),
     "/rosapi/services": ("", lambda hub, _: {"services": _services(hub)}),
-    "/rosapi/nodes": ("", lambda hub, _: {"nodes": ["/morse"]}),
+    "/rosapi/nodes": ("", lambda hub, _: {"nodes": [_NODE]}),
+    "/rosapi/node_details": ("node", _node_details),
+    "/rosapi/publishers": (
+        "topic",
+        lambda hub, topic: {"publishers": [_NODE] if hub.topics is not None and topic in hub.topics.offered else []},
+    ),
+    "/rosapi/subscribers": (
+        "topic",
+        lambda hub, topic: {"subscribers": [_NODE] if hub.topics is not None and topic in hub.topics.heard else []},
+    ),
+    "/rosapi/topics_and_raw_types": ("", _raw_types),
+    "/rosapi/message_details": ("type", _message_details),
     "/rosapi/get_time": ("", _time),
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from morse.mathutils.rotations import cross, turn_back
 from morse.middleware.ros2.poses import inverse, pose_of, product, quaternion_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
 _PLACE = ("latitude", "longitude", "altitude")
 #: maximum number of levels of a message that are written as one name
@@ -35,7 +36,10 @@ def fields_of(message: dict[str, Any], type_name: str, component: Any, topic: st
     kind_name, slots_of = _SLOTS.get(type_name, ("", _nothing))
     if kind_name:
         kind = next((kind for kind in bind(component) if kind.kind.name == kind_name), None)
-        fields = {} if kind is None else kind.scatter(slots_of(message, component))[0]
+        slots = slots_of(message, component)
+        fields = {} if kind is None else kind.scatter(slots)[0]
+        if kind_name == "odometry" and fields:
+            fields |= _euler_rates(fields, slots["angular"])
         if fields:
             return fields
     if type_name == "std_msgs/msg/String":
@@ -90,6 +94,20 @@ def _odometry(message: Mapping[str, Any], component: Any) -> dict[str, Any]:
         "orientation": quaternion_of(sensor),
         "linear": turn_back(rotation, moving),
         "angular": turn_back(rotation, angular),
+    }
+
+
+def _euler_rates(fields: Mapping[str, float], angular: Sequence[float]) -> dict[str, float]:
+    """The rates of the Euler angles, rad/s, from the angular velocity in body axes (Diebel 2006, equation 76)."""
+    p, q, r = angular
+    sin_roll, cos_roll, cos_pitch = math.sin(fields["roll"]), math.cos(fields["roll"]), math.cos(fields["pitch"])
+    if cos_pitch == 0.0:
+        return {}
+    yaw_rate = (sin_roll * q + cos_roll * r) / cos_pitch
+    return {
+        "wx": p + math.sin(fields["pitch"]) * yaw_rate,
+        "wy": cos_roll * q - sin_roll * r,
+        "wz": yaw_rate,
     }
 
 
