@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morse.assets.formats import SUFFIXES
 from morse.core.journal import Entry
+from morse.core.quoting import shown
 from morse.recording.errors import RecordingError
 from morse.recording.inputs import LostInput
 from morse.simulation.input_recording import InputRecording, entry_from_bytes, waiting_from_bytes
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
     from morse.recording.recording import Recording
 
 _MOST_SEED = 2**63
+#: folders of a project with its modules and models
+_FOLDERS = ("src", "data")
 
 
 def inputs_of(recording: Recording, *, lenient: bool = False) -> InputRecording:
@@ -79,6 +84,7 @@ def options_of(
         strict=recording.facts.get("strict") == "True",
     )
     if scene:
+        _check_folders(recording, options, trust)
         return options
     if not options.script:
         raise RecordingError(
@@ -86,6 +92,9 @@ def options_of(
             "--scene PATH"
         )
     kept = recording.attachment(SCRIPT)
+    if not trust:
+        _check_script(recording, options.script, kept)
+        _check_folders(recording, options, trust)
     if kept is not None and not _is_same(options.script, kept):
         if not trust:
             raise RecordingError(
@@ -102,6 +111,48 @@ def options_of(
         )
     _tell_changed_modules(recording, options, told)
     return options
+
+
+def _check_script(recording: Recording, script: str, kept: bytes | None) -> None:
+    """Refuse a script that the recording names, but that was not recorded on this machine.
+
+    The sender of a file may name any program on the disk, or one that came with the file.
+    """
+    if kept is None and Path(script).suffix.lower() not in SUFFIXES:  # models are no programs
+        raise RecordingError(
+            f"{recording.path} names the script {shown(script)}, but does not contain it, so that it cannot be "
+            "compared with the file; to execute the file, which is a program, use --scene PATH"
+        )
+    if not _is_here(script):
+        raise RecordingError(
+            f"{recording.path} names the script {shown(script)}, which is not a full path on this machine; to use a "
+            "script of yours, use --scene PATH; to execute the script in the recording, which is a program, use --trust"
+        )
+
+
+def _check_folders(recording: Recording, options: RunOptions, trust: bool) -> None:
+    """Refuse folders of modules that do not belong to the script: their modules come before all others."""
+    for folder in () if trust else (*options.source_paths, *options.resource_paths):
+        if not _is_of_project(folder, options.script):
+            raise RecordingError(
+                f"{recording.path} names the folder {shown(folder)}, which does not belong to the project of "
+                f"{options.script}; modules in it are programs: to use them, use --trust"
+            )
+
+
+def _is_of_project(folder: str, script: str) -> bool:
+    """Whether a folder is ``src`` or ``data`` of a project that contains the script."""
+    if not _is_here(folder):
+        return False
+    real = Path(os.path.realpath(folder))
+    return (
+        real.name in _FOLDERS and bool(real.parent.name) and Path(os.path.realpath(script)).is_relative_to(real.parent)
+    )
+
+
+def _is_here(path: str) -> bool:
+    """Whether a path is absolute and not on another machine, whose server would be told who the user is."""
+    return os.path.isabs(path) and not path.startswith(("//", "\\\\")) and "\0" not in path
 
 
 def _tell_changed_modules(recording: Recording, options: RunOptions, told: Callable[[str], object]) -> None:

@@ -116,7 +116,7 @@ def _beginning(simulation: Running, sensors: Sequence[str] | None) -> Beginning:
         "frequency": repr(simulation.clock.frequency),
         "environment": scene.environment,
         "tick": str(simulation.ticks),
-        "script": options.script,
+        "script": options.script and os.path.abspath(options.script),
         "arguments": json.dumps(options.arguments),
         "source_paths": json.dumps([os.path.abspath(path) for path in options.source_paths]),
         "resource_paths": json.dumps([os.path.abspath(path) for path in options.resource_paths]),

@@ -130,9 +130,19 @@ class Replay:
 
     def _call(self, entry: Entry) -> None:
         service, arguments = entry.content
+        if not self._is_input(entry.name, service):
+            return
         future = self._simulation.call(entry.name, service, *arguments)
         if not future.done():
             self._calls.append((entry.name, service, future))
+
+    def _is_input(self, component: str, service: str) -> bool:
+        """Whether calls of a service are recorded. A damaged recording may contain others, which write files."""
+        for obj in self._simulation.context.service_objects:
+            for declared in obj.services():
+                if (declared.component or obj.name(), declared.name) == (component, service):
+                    return declared.changes
+        return True
 
     def _cancel(self, entry: Entry) -> None:
         for call in reversed(self._calls):
